@@ -20,6 +20,8 @@ import struct
 import sys
 import tempfile
 import threading
+import time
+import uuid
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -28,7 +30,7 @@ import study_runs
 from dask import config
 from dask.distributed import Client, Future, LocalCluster, WorkerPlugin, get_worker
 from fmpy import extract
-from study_runs import Plan, RunError, Runner
+from study_runs import FaultError, Plan, RunError, Runner
 
 WAITING = 4
 """Chunks of each worker that are under way."""
@@ -38,12 +40,16 @@ FATAL = 2**64 - 1
 """Number of a chunk that stands for an error."""
 
 
+LOOK = 1.0
+"""Time between two looks at the number of workers and at the wish to stop [s]."""
+
+
 class Study(WorkerPlugin):
     """The FMU and the plan on each worker, also on those that come later."""
 
-    name = "linkage-fmu-study"
-
     def __init__(self, fmu: bytes, plan: Plan) -> None:
+        # Several studies may share a scheduler.
+        self.name = f"linkage-fmu-study-{uuid.uuid4().hex}"
         self.fmu = fmu
         self.plan = plan
 
@@ -65,19 +71,25 @@ class Study(WorkerPlugin):
             self.runners.own = Runner(self.folder / "fmu", self.plan)
         return self.runners.own
 
+    def forget_runner(self) -> None:
+        """Another instance for the next run of this thread: this one is lost."""
+        del self.runners.own
+
 
 def make(name: str, runs: int, data: bytes) -> bytes:
     """Make the runs of a chunk; its bytes."""
-    runner = get_worker().plugins[name].runner()
-    factors, columns = len(runner.plan["factors"]), runner.plan["columns"]
+    study = get_worker().plugins[name]
+    factors, columns = study.plan["factors"], study.plan["columns"]
     numbers, remarks = bytearray(), bytearray()
     for index in range(runs):
         point = struct.unpack_from(f"<{factors}d", data, 8 * factors * index)
         values, failed = [math.nan] * columns, False
         try:
-            remark = runner.run(point, values)
+            remark = study.runner().run(point, values)
         except RunError as error:
             values, remark, failed = [math.nan] * columns, str(error), True
+            if isinstance(error, FaultError):
+                study.forget_runner()
         numbers += struct.pack(f"<{factors + columns}d", *point, *values)
         if failed or remark:
             text = remark.encode()
@@ -97,7 +109,7 @@ def submit(
     """Hand all chunks of the standard input to the cluster; `done` has each that is made, and None at the end."""
     under_way = 0
     finished = threading.Semaphore(0)
-    factors = len(plugin.plan["factors"])
+    factors = plugin.plan["factors"]
 
     def put(chunk: int, future: Future) -> None:
         done.put((chunk, future))
@@ -140,10 +152,41 @@ def main() -> None:
     plugin = Study(arguments.fmu.read_bytes(), json.loads(arguments.plan.read_text(encoding="utf-8")))
     client.register_plugin(plugin)
     done: queue.Queue[tuple[int, Future] | None] = queue.Queue()
-    workers = arguments.workers or max(sum(client.nthreads().values()), 1)
+    workers = max(threads_of(client), 1)
     room = threading.Semaphore(WAITING * workers)
     threading.Thread(target=submit, args=(client, plugin, room, done), daemon=True).start()
-    while (made := done.get()) is not None:
+    try:
+        hand_back(client, arguments.plan, (workers, room, done), out)
+    finally:
+        client.unregister_worker_plugin(plugin.name)
+        client.close()
+        if cluster is not None:
+            cluster.close()
+    # A thread may still wait for chunks that nobody sends.
+    os._exit(0)
+
+
+def hand_back(
+    client: Client,
+    plan: Path,
+    under_way: tuple[int, threading.Semaphore, queue.Queue[tuple[int, Future] | None]],
+    out: BinaryIO,
+) -> None:
+    """Write the chunks that are made. The program that reads them removes the plan when it wants no more."""
+    workers, room, done = under_way
+    looked = time.monotonic()
+    while plan.exists():
+        if time.monotonic() > looked + LOOK:
+            more, looked = threads_of(client) - workers, time.monotonic()
+            if more > 0:
+                workers += more
+                room.release(WAITING * more)
+        try:
+            made = done.get(timeout=LOOK)
+        except queue.Empty:
+            continue
+        if made is None:
+            return
         chunk, future = made
         try:
             data = future.result()
@@ -153,9 +196,11 @@ def main() -> None:
         out.flush()
         future.release()
         room.release()
-    client.close()
-    if cluster is not None:
-        cluster.close()
+
+
+def threads_of(client: Client) -> int:
+    """Threads of all workers."""
+    return sum(client.nthreads().values())
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ import sys
 from collections.abc import Callable, Iterable
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,8 @@ CLOSE = 1e-9
 """Relative difference below which two instants are one."""
 WARNING = 1
 """Status of a function up to which it has done what it was asked for."""
+FATAL = 4
+"""Status of a function after which the instance can only be freed."""
 
 Plan = dict[str, Any]
 Call = Callable[[], int]
@@ -32,6 +33,13 @@ Call = Callable[[], int]
 
 class RunError(Exception):
     """Why a run failed."""
+
+
+class FaultError(RunError):
+    """The run failed by a fault of the FMU, whose instance is lost."""
+
+    def __init__(self) -> None:
+        super().__init__("a fault in the engine stopped the run; please report it")
 
 
 def is_close(a: float, b: float) -> bool:
@@ -45,6 +53,23 @@ TYPES: dict[str, tuple[str, type]] = {
     "text": ("String", c_char_p),
 }
 """Names of the types in functions, and the types of their values in C."""
+
+
+def logger() -> tuple[Any, dict[int, list[str]]]:
+    """The one logger of this process, and the messages of each instance by the environment that it hands back.
+
+    FMPy knows one logger in a process, and each study brings a copy of this module: all share what stands in FMPy's.
+    """
+    shared = vars(fmpy)
+    logs: dict[int, list[str]] = shared.setdefault("linkage_fmu_logs", {})
+
+    def keep(instance: int | None, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+        if (log := logs.get(instance or 0)) is not None:
+            log.append(message.decode())
+
+    if "linkage_fmu_logger" not in shared:
+        shared["linkage_fmu_logger"] = fmi2.fmi2CallbackLoggerTYPE(keep)
+    return shared["linkage_fmu_logger"], logs
 
 
 class Variables:
@@ -64,6 +89,8 @@ class Instance:
 
     def __init__(self, folder: Path) -> None:
         self.log: list[str] = []
+        own_logger, self.logs = logger()
+        self.logs[id(self)] = self.log
         description = read_model_description(folder)
         self.fmu = fmi2.FMU2Slave(
             guid=description.guid,
@@ -72,7 +99,8 @@ class Instance:
             instanceName="study",
         )
         self.callbacks = fmi2.fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(lambda *message: self.log.append(message[-1].decode()))
+        self.callbacks.logger = own_logger
+        self.callbacks.componentEnvironment = id(self)
         self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
         self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
         logging.addLoggerProxy(byref(self.callbacks))
@@ -85,14 +113,15 @@ class Instance:
         function.restype = c_int
         return partial(function, self.component, *arguments)
 
-    def setting(self, reference: int, kind: str, value: float | bool | str) -> Call:
-        """What sets a variable, or the slope of an input for the next step, to this value."""
+    def setting(self, kind: str, references: list[int], values: list[Any]) -> Call:
+        """What sets variables, or the slopes of inputs for the next step, to these values."""
         if kind == "slope":
-            references, orders, slopes = (c_uint * 1)(reference), (c_int * 1)(1), (c_double * 1)(value)
-            return self.bound("SetRealInputDerivatives", references, c_size_t(1), orders, slopes)
-        variable = Variables(self, kind, [reference])
-        variable.values[0] = value.encode() if isinstance(value, str) else value
-        return variable.set
+            count = len(references)
+            arguments = (c_uint * count)(*references), c_size_t(count), (c_int * count)(*[1] * count)
+            return self.bound("SetRealInputDerivatives", *arguments, (c_double * count)(*values))
+        variables = Variables(self, kind, references)
+        variables.values[:] = [value.encode() if isinstance(value, str) else value for value in values]
+        return variables.set
 
     def why(self) -> str:
         """What the FMU said last, without the name of the function."""
@@ -100,7 +129,10 @@ class Instance:
 
     def do(self, call: Call, what: str) -> None:
         """Make a call; if it is refused, the reason is told with `what` before it."""
-        if call() > WARNING:
+        status = call()
+        if status > WARNING:
+            if status == FATAL:
+                raise FaultError
             raise RunError(f"{what}: {self.why()}" if what else self.why())
 
 
@@ -119,6 +151,7 @@ class Step:
     def __init__(self, instance: Instance, told: Plan) -> None:
         self.start, self.end, self.label = told["start"], told["end"], told["label"]
         self.end_label = told["end_label"]
+        self.what = f"step at {self.label} s"
         self.settings = [instance.setting(*setting) for setting in told["settings"]]
         self.instance = instance
         self.whole = self.of(self.end - self.start)
@@ -146,30 +179,27 @@ class Event:
         return self.timed.values[0]
 
 
-class Group:
-    """Factors of one type that follow each other: set in one call."""
+class Factors:
+    """Factors of one type that are set in one call."""
 
-    def __init__(self, instance: Instance, kind: str, first: int, factors: list[list[Any]]) -> None:
-        self.names = [name for _, name, _, _ in factors]
-        self.texts = [[text.encode() for text in texts or []] for _, _, _, texts in factors]
-        self.kind, self.span = kind, slice(first, first + len(factors))
-        self.together = Variables(instance, kind, [reference for reference, _, _, _ in factors])
-        self.alone = [Variables(instance, kind, [reference]) for reference, _, _, _ in factors]
-        self.instance = instance
+    def __init__(self, instance: Instance, told: list[Any]) -> None:
+        self.kind, self.indices, references, self.names, texts = told
+        self.texts = [[text.encode() for text in own] for own in texts]
+        self.variables = Variables(instance, self.kind, references)
 
-    def set(self, point: tuple[float, ...]) -> None:
-        """Set the values of a run."""
-        values = point[self.span]
-        if self.kind == "boolean":
-            values = tuple(bool(value) for value in values)
-        elif self.kind == "text":
-            values = tuple(texts[int(value)] for texts, value in zip(self.texts, values, strict=True))
-        self.together.values[:] = values
-        if self.together.set() > WARNING:
-            # Which of them is refused is told by setting one after the other.
-            for name, variable, value in zip(self.names, self.alone, values, strict=True):
-                variable.values[0] = value
-                self.instance.do(variable.set, name)
+    def take(self, point: tuple[float, ...]) -> Call:
+        """What sets the values of a run."""
+        values = [point[index] for index in self.indices]
+        if self.kind != "real":
+            for name, value in zip(self.names, values, strict=True):
+                if math.isnan(value):
+                    raise RunError(f"{name} has no value")
+            if self.kind == "text":
+                values = [texts[int(value)] for texts, value in zip(self.texts, values, strict=True)]
+            else:
+                values = [bool(value) for value in values]
+        self.variables.values[:] = values
+        return self.variables.set
 
 
 class Runner:
@@ -178,13 +208,8 @@ class Runner:
     def __init__(self, folder: Path, plan: Plan) -> None:
         self.plan = plan
         self.instance = instance = Instance(folder)
-        self.start = [
-            (name, instance.setting(reference, kind, value)) for reference, name, kind, value in plan["start"]
-        ]
-        self.groups, first = [], 0
-        for kind, factors in groupby(plan["factors"], key=lambda factor: factor[2]):
-            self.groups.append(Group(instance, kind, first, own := list(factors)))
-            first += len(own)
+        self.start = [instance.setting(*setting) for setting in plan["start"]]
+        self.factors = [Factors(instance, call) for call in plan["calls"]]
         self.initialize = instance.bound("ExitInitializationMode")
         self.steps = [Step(instance, step) for step in plan["steps"]]
         self.stop_at = Event(instance, plan["stop_at"]) if plan["stop_at"] is not None else None
@@ -208,8 +233,8 @@ class Runner:
             self.instance.do(self.fresh.restore, "the state before a run")
             return
         self.instance.fmu.setupExperiment(startTime=0.0)
-        for name, setting in self.start:
-            self.instance.do(setting, f"start value of {name}")
+        for setting in self.start:
+            self.instance.do(setting, "start values")
         self.instance.fmu.enterInitializationMode()
         self.instance.do(self.fresh.keep, "the state before a run")
         self.is_fresh_kept = True
@@ -220,10 +245,9 @@ class Runner:
         if instance.log:
             instance.log.clear()
         self.renew()
-        for group in self.groups:
-            group.set(point)
-        if self.initialize() > WARNING:
-            raise RunError(f"initialisation at 0 s: {instance.why()}")
+        for factors in self.factors:
+            instance.do(factors.take(point), "")
+        instance.do(self.initialize, "initialisation at 0 s")
         self.undefined = ""
         if reads:
             self.sums, self.time = [[0.0, 0.0] for _ in self.observed], 0.0
@@ -253,8 +277,7 @@ class Runner:
 
     def make(self, step: Step, call: Call) -> None:
         """A step from the beginning of `step` on."""
-        if call() > WARNING:
-            raise RunError(f"step at {step.label} s: {self.instance.why()}")
+        self.instance.do(call, step.what)
 
     def find_events(self, step: Step, first_time: float | None, end: float, values: list[float]) -> None:
         """Tell the times of events that this step is the first to meet, until `end` [s]. `first_time`: that of the
@@ -346,3 +369,4 @@ class Runner:
     def close(self) -> None:
         """Free the instance."""
         self.instance.fmu.freeInstance()
+        self.instance.logs.pop(id(self.instance), None)

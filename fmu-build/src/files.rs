@@ -9,14 +9,17 @@ use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bytes that are read at once for a sum.
 const BLOCK: u64 = 1 << 20;
 /// End of the name of a file that is being written.
 const PARTIAL: &str = ".partial";
-/// Most names that are tried for a file that is being written; one is taken by each run of the same number that writes
-/// the same file, or was killed on a file system without locks.
+/// Most names that are tried for a file that is being written; one is taken by each run of the same number that was killed
+/// on a file system without locks.
 const ATTEMPTS: usize = 1000;
+/// Number of the next file that this program writes: no two have one name.
+static NEXT: AtomicUsize = AtomicUsize::new(0);
 
 /// What stands at a path that is neither file nor folder, in a word.
 pub fn kind(metadata: &Metadata) -> &'static str {
@@ -130,9 +133,9 @@ fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) ->
 
 /// A new file for what is to become `name`, locked as long as it is open, so that nobody takes it for a leftover.
 fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
-    for attempt in 0..ATTEMPTS {
+    for _ in 0..ATTEMPTS {
         let mut own = name.to_owned();
-        own.push(format!(".{}-{attempt}{PARTIAL}", process::id()));
+        own.push(format!(".{}-{}{PARTIAL}", process::id(), NEXT.fetch_add(1, Ordering::Relaxed)));
         let path = folder.join(own);
         let file = match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(file) => file,
@@ -156,7 +159,9 @@ fn clear(folder: &Path, name: &OsStr) {
         let path = entry.path();
         if is_partial(&entry.file_name(), name)
             && entry.file_type().is_ok_and(|of| of.is_file())
-            && OpenOptions::new().write(true).open(&path).is_ok_and(|file| file.try_lock().is_ok())
+            && let Ok(file) = OpenOptions::new().write(true).open(&path)
+            // The lock is held until the file is gone: whoever has just made it waits, and then sees that it is.
+            && file.try_lock().is_ok()
             && fs::remove_file(&path).is_ok()
         {
             println!("{} (left unfinished by a run that was ended; removed)", path.display());

@@ -3,7 +3,7 @@
 //! In: pairs of a name and a text. Out: a model with these parameters and inputs.
 
 use anyhow::{Context, Result, bail};
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
 
 /// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
@@ -36,7 +36,18 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
 /// # Errors
 /// As [`parse`]; a value that the model refuses.
 pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
+    let (mut reals, mut others) = (Vec::new(), Vec::new());
     for (reference, value) in parse(model.interface(), words)? {
+        match value {
+            Value::Real(value) => reals.push((reference, value)),
+            other => others.push((reference, other)),
+        }
+    }
+    for together in reals.chunks(most_together(model)) {
+        let (references, values): (Vec<_>, Vec<_>) = together.iter().copied().unzip();
+        set_reals(model, &references, &values).context("--start-values")?;
+    }
+    for (reference, value) in others {
         let set = match &value {
             Value::Real(value) => model.set_real(reference, *value),
             Value::Boolean(value) => model.set_boolean(reference, *value),
@@ -45,6 +56,26 @@ pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
         set.with_context(|| format!("--start-values {}", model.interface().list()[reference as usize].name))?;
     }
     Ok(())
+}
+
+/// Most Reals that are set in one call. Those of a mechanism are set together, as a number by an expression may follow from
+/// several; those of a hydraulic actuator one after the other, as what one is checked against may depend on one before.
+pub fn most_together(model: &Component) -> usize {
+    match model {
+        Component::Mechanism(_) => usize::MAX,
+        Component::Hydraulic(_) => 1,
+    }
+}
+
+/// Set Reals, all or none.
+///
+/// # Errors
+/// The model refuses one of them, or what follows from them.
+pub fn set_reals(model: &mut Component, references: &[Reference], values: &[f64]) -> Result<(), Refused> {
+    let all = || references.iter().zip(values);
+    all().try_for_each(|(&reference, &value)| model.check_real(reference, value))?;
+    model.check_together(references, values)?;
+    all().try_for_each(|(&reference, &value)| model.take_real(reference, value))
 }
 
 /// Names with their values.

@@ -295,11 +295,11 @@ fn the_same_mechanism_without_cause_gives_no_warning() {
     }
 }
 
-/// Comments, NaN, decimal and trailing commas, a misspelt key, a text for a number: each once, at its place.
+/// Comments, NaN, decimal and trailing commas, a misspelt key, a truth value for a number: each once, at its place.
 #[test]
 fn every_fault_of_the_form_is_found_at_its_place() {
     let text = "{\n  // none\n  \"name\": \"M\",\n  \"gravity\": { \"acceleration\": 9,81, \"up_angle\": NaN },\n  \
-                \"bodies\": { \"ground\": {}, \"a\": { \"lenght\": 1, \"mass\": \"1\", } },\n  \"joints\": [],\n  \
+                \"bodies\": { \"ground\": {}, \"a\": { \"lenght\": 1, \"mass\": true, } },\n  \"joints\": [],\n  \
                 \"start\": {},\n  \"guess\": {}\n}";
     let all = checked(text);
     let places: Vec<_> = all.findings.iter().map(|l| (l.position, &text[l.span.clone()])).collect();
@@ -308,8 +308,8 @@ fn every_fault_of_the_form_is_found_at_its_place() {
         ([4, 33], ","),
         ([4, 50], "NaN"),
         ([5, 36], "\"lenght\""),
-        ([5, 57], "\"1\""),
-        ([5, 60], ","),
+        ([5, 57], "true"),
+        ([5, 61], ","),
         ([6, 13], "[]"),
     ];
     assert_eq!(places, expected, "{}", check::findings(&all));

@@ -31,9 +31,13 @@ fn gear_for(usage: Usage) -> Instance {
 
 /// Value references of variables of the landing gear; the time's is the number of variables, and vectors follow.
 fn references<const N: usize>(names: [&str; N]) -> [ValueReference; N] {
-    let gear = Component::from_definition("mechanism.json", GEAR).unwrap();
-    let list = gear.interface().list();
-    let vectors = gear.vectors();
+    references_of(GEAR, names)
+}
+
+fn references_of<const N: usize>(definition: &str, names: [&str; N]) -> [ValueReference; N] {
+    let model = Component::from_definition("mechanism.json", definition).unwrap();
+    let list = model.interface().list();
+    let vectors = model.vectors();
     let all = list.iter().map(|v| &*v.name).chain(["time"]).chain(vectors.iter().map(|vector| &*vector.name));
     let all: Vec<&str> = all.collect();
     names.map(|name| all.iter().position(|other| *other == name).unwrap() as ValueReference)

@@ -28,6 +28,8 @@ pub enum Range {
     Unit,
     /// A pressure angle of teeth [rad]: from teeth that push along the motion to some that would hardly move anything.
     Pressure,
+    /// An eccentricity of elliptic gears: from circles to wheels whose ratio changes by the factor 361.
+    Eccentricity,
     /// A polytropic exponent: from an isothermal change of state to one steeper than any adiabatic one.
     Polytropic,
     /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
@@ -52,6 +54,7 @@ impl Range {
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
             Self::Pressure => ((0.0..=1.2).contains(&value), "an angle from 0 to 1.2 rad"),
+            Self::Eccentricity => ((0.0..=0.9).contains(&value), "a number from 0 to 0.9"),
             Self::Polytropic => ((1.0..=2.0).contains(&value), "a number from 1 to 2"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
             Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),

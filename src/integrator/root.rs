@@ -28,8 +28,6 @@ const NUMBER: [f64; TERMS + 1] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Halvings of the step after which a part is a point.
 const DEEPEST: u32 = 50;
-/// Distance of two bounds of a root, relative to it, at which it is found.
-const CLOSEST: f64 = 4.0 * f64::EPSILON;
 /// Rounding of the coefficients in units of the last place of the largest number they are made of.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -203,46 +201,43 @@ fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     (left, right)
 }
 
-/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Newton's method, kept between
-/// bounds by halving. Where rounding decides, the bound at which the polynomial is above 0.
+/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois, kept between
+/// bounds.
 fn root(b: &Coefficients) -> f64 {
-    let slopes: [f64; TERMS] = std::array::from_fn(|k| NUMBER[TERMS] * (b[k + 1] - b[k]));
-    let (mut low, mut high) = (0.0, 1.0);
-    // The first guess is that of the straight line between the ends.
-    let (mut s, mut before) = (b[0] / (b[0] - b[TERMS]), 1.0_f64);
-    for _ in 0..100 {
-        if !(s > low && s < high) {
-            s = 0.5 * (low + high);
+    let at = |s: f64| {
+        let mut b = *b;
+        for count in (1..TERMS + 1).rev() {
+            for k in 0..count {
+                b[k] += s * (b[k + 1] - b[k]);
+            }
         }
-        let value = value_at(b, s);
+        b[0]
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut below, mut above) = (b[0], b[TERMS]);
+    // Bounds replaced in a row: low ones count up, high ones down.
+    let mut run = 0;
+    for i in 0..100 {
+        let secant = low - below * (high - low) / (above - below);
+        // Every third time in the middle, so that the interval halves whatever the polynomial.
+        let s = if i % 3 != 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
+        if s <= low || s >= high || high - low <= f64::EPSILON * high {
+            break;
+        }
+        let value = at(s);
         if value < 0.0 {
-            low = s;
+            (low, below, run) = (s, value, run.max(0) + 1);
         } else if value > 0.0 {
-            high = s;
+            (high, above, run) = (s, value, run.min(0) - 1);
         } else {
             return s;
         }
-        if high - low <= CLOSEST * high {
-            break;
+        // The bound that stays is given half its value, so that the secant moves it too.
+        if run > 1 {
+            above *= 0.5;
+        } else if run < -1 {
+            below *= 0.5;
         }
-        let step = -value / value_at(&slopes, s);
-        // A step that is not half the one before would not come to an end soon.
-        let next = if step.abs() < 0.5 * before { s + step } else { 0.5 * (low + high) };
-        before = step.abs().min(high - low);
-        // After a step of the size of rounding the other side of the root is looked for, to end between the two.
-        let least = 0.5 * CLOSEST * s;
-        s = if step.abs() > least { next } else { s + least.copysign(step) };
     }
     high
-}
-
-/// Value at 0 <= s <= 1 of the polynomial with these Bernstein coefficients: Horner's rule with 1 - s taken out.
-fn value_at<const L: usize>(b: &[f64; L], s: f64) -> f64 {
-    let rest = 1.0 - s;
-    let (mut sum, mut weight) = (b[0], 1.0);
-    for (k, b) in b.iter().enumerate().skip(1) {
-        weight *= s * ((L - k) as f64 / k as f64);
-        sum = sum * rest + weight * b;
-    }
-    sum
 }

@@ -21,7 +21,7 @@ use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
-use super::warnings::{of_near_misses, warnings};
+use super::warnings::{of_jump, of_near_misses, warnings};
 use crate::codec::sections::Sections;
 use crate::inspection::Finding;
 use crate::integrator::Statistics;
@@ -133,6 +133,8 @@ impl Model {
         {
             found.extend(of_near_misses(&mechanism, &reduced, &state.travel));
         }
+        let jump = State::jump_at_start(&reduced, &mechanism, &inputs);
+        found.extend(jump.and_then(|jump| of_jump(&mechanism, jump)));
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
         let original = Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found };

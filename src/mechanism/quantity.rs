@@ -58,6 +58,8 @@ pub enum Output {
     Reaction { joint: usize, part: ReactionPart },
     /// Displacement of a drive's or a spring's load: length, angle or position.
     Displacement { load: usize, order: usize },
+    /// Pressure angle of a cam, by the index of its coupling.
+    PressureAngle { coupling: usize },
     /// A term of the mechanism reduced to a drive, which has the index of its load.
     OneElement { drive: usize, term: OneElement },
     /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its prescribed

@@ -6,7 +6,7 @@
 //! bodies; the sum of the columns over a motion does. It must not know the state.
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates};
+use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Thrust};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
 use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{DMatrix, DVector};
@@ -17,7 +17,7 @@ pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
     /// Moment about the second body's point [N.m]; 0 in a revolute joint. Of a coupling the force that it transmits along
-    /// the motion [N].
+    /// the motion, of a cam that along the normal of its profile [N].
     pub moment: f64,
 }
 
@@ -139,9 +139,9 @@ impl Columns {
             reactions.chunks_exact_mut(joints).for_each(|term| self_stresses.subtract_from(term));
             for (term, reactions) in (skipped + SIDE * block..).zip(reactions.chunks_exact_mut(joints)) {
                 // The force of a coupling that does no work is a part of its reaction.
-                if let Some(Load::Separation { coupling }) = term.checked_sub(2).map(|load| &loads[load]) {
+                if let Some(Load::Separation { coupling, lean }) = term.checked_sub(2).map(|load| &loads[load]) {
                     let coupling = &linkage.couplings[*coupling];
-                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).apart;
+                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).separation(*lean);
                 }
             }
         }
@@ -230,10 +230,18 @@ fn inertial<const N: usize>(
     demand: &mut [Demand<N>],
 ) {
     let p = &c.positions;
-    for (index, (body, demand)) in closure.linkage.bodies.iter().zip(demand).enumerate() {
+    for (index, (body, demand)) in closure.linkage.bodies.iter().zip(&mut *demand).enumerate() {
         let force = body.mass * p.acceleration(r, a, Point { body: index, local: body.center });
         (demand.force[0][i], demand.force[1][i]) = (force.x, force.y);
         demand.moment[i] = body.inertia * a.angle[index] + cross(p.vector(index, body.center), force);
+    }
+    for rotor in &closure.linkage.rotors {
+        let Thrust { force, on } = closure.linkage.thrust(rotor, p, r, a);
+        for ((body, at), force) in on.into_iter().zip([-force, force]) {
+            demand[body].force[0][i] += force.x;
+            demand[body].force[1][i] += force.y;
+            demand[body].moment[i] += cross(at - p.origin[body], force);
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Warnings about an assembled mechanism: it runs, but is probably not the one that is meant.
 //!
 //! In: a definition and its reduced model. Out: warnings. It must not know states.
+mod cams;
+
 use super::closure::guessed;
 use super::curve::{Near, NearMiss, cure};
 use super::definition::Mechanism;
@@ -26,7 +28,52 @@ pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().guess);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
+    cams::warn_of_cams(reduced.linkage(), &mut all);
+    warn_of_wheels(mechanism, reduced.linkage(), &reduced.curve().guess, &mut all);
     all
+}
+
+/// The warning about a drive whose motion begins elsewhere than the start has it: both displacements [m or rad].
+pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding> {
+    let (name, motion) = mechanism.actuators.iter().find_map(|(name, drive)| Some((name, drive.motion.as_ref()?)))?;
+    let [here, there] = [here, there].map(Decimal::rounded);
+    let message = format!("begins at {there}, and the start has the drive at {here}: the run begins with this jump");
+    let (key, remedy) = match motion.profile {
+        Some(_) => ("points", "let the table be 0 at time 0, as its distances count from the start".to_owned()),
+        None => ("position", format!("state {here}, or the start where the motion begins")),
+    };
+    Some(Finding::warning(format_args!("actuators.{name}.motion.{key}"), message, remedy))
+}
+
+/// Warn of a wheel that has one number of teeth and two pitch circles.
+fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], all: &mut Vec<Finding>) {
+    let positions = linkage.positions(assembled);
+    let mut known: HashMap<(usize, u64), (f64, &str)> = HashMap::new();
+    for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
+        let (Some(first), Some(second)) = (defined.first_teeth, defined.second_teeth) else { continue };
+        let joint = &linkage.joints[coupling.joint];
+        let distance = (positions.point(joint.second) - positions.point(joint.first)).norm();
+        let ratio = if defined.internal == Some(true) { -first / second } else { first / second };
+        let of_second = distance / (1.0 + ratio);
+        let wheels = [
+            ("first", joint.first.body, first, (ratio * of_second).abs()),
+            ("second", joint.second.body, second, of_second.abs()),
+        ];
+        for (which, body, teeth, radius) in wheels {
+            let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
+            if (radius - other).abs() > SAME.sqrt() * radius {
+                let message = format!(
+                    "makes the wheel of {} with {teeth} teeth one with a pitch radius of {} m, and couplings.{at} with {} m",
+                    linkage.bodies[body].name,
+                    Decimal::rounded(radius),
+                    Decimal::rounded(other)
+                );
+                let remedy = "if this is one wheel, check the numbers of teeth: between a sun and a ring around it the \
+                              ring has those of the sun and twice those of the planet";
+                all.push(Finding::warning(format_args!("couplings.{name}.{which}_teeth"), message, remedy));
+            }
+        }
+    }
 }
 
 /// Warnings about coordinates that the loops have closed far from the guess; `assembled`: the closed coordinates.

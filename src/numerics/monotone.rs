@@ -13,6 +13,9 @@
 //! with the width h of the interval and its secant s, and a polynomial whose Bernstein coefficients have one sign has that
 //! sign (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471). Beyond the first and the last point the function is
 //! linear, with the slope and the curvature 0 that it has there.
+use super::chebyshev::NODES;
+use super::enclosure::{Interval, polynomial_bounds};
+
 /// Largest slope at a point over the smaller secant beside it: with curvature 0 all five coefficients then have one sign.
 const STEEPEST: f64 = 1.25;
 /// Number of coefficients of a quintic.
@@ -53,6 +56,15 @@ impl Piece {
         }
         let curvature = 2.0 * half_curvature / self.width.powi(2);
         [value, slope / self.width, curvature, self.integral + self.width * t * integral]
+    }
+
+    /// Bounds of the values and of the slopes between two x.
+    fn bounds(&self, from: f64, to: f64) -> [Interval; 2] {
+        let mut series = [0.0; NODES];
+        series[..QUINTIC].copy_from_slice(&self.coefficients);
+        let [low, high] = [from, to].map(|x| (x - self.start) / self.width);
+        let [value, slope] = polynomial_bounds(&series, Interval { low, high });
+        [value, slope * Interval::point(1.0 / self.width)]
     }
 
     /// Third derivative at x.
@@ -129,6 +141,35 @@ impl Monotone {
     /// Integral from the first point to x.
     pub fn integral(&self, x: f64) -> f64 {
         self.parts(x)[3]
+    }
+
+    /// Bounds of the values and of the slopes on an interval of x.
+    pub fn bounds(&self, x: Interval) -> [Interval; 2] {
+        let last = self.knots.len() - 1;
+        // Between two abscissae the function is one polynomial; the first and the last one are the lines beyond the ends.
+        let first = self.knots.partition_point(|knot| *knot <= x.low);
+        let mut all: Option<[Interval; 2]> = None;
+        for part in first..=last + 1 {
+            let from = if part == 0 { x.low } else { x.low.max(self.knots[part - 1]) };
+            let to = if part > last { x.high } else { x.high.min(self.knots[part]) };
+            let here = match part.checked_sub(1).and_then(|piece| self.pieces.get(piece)) {
+                Some(piece) => piece.bounds(from, to),
+                None => {
+                    let ends = [from, to].map(|x| self.at(x));
+                    [0, 1].map(|order| Interval::of(ends.map(|end| end[order])))
+                }
+            };
+            all = Some(all.map_or(here, |all| [0, 1].map(|order| all[order].hull(here[order]))));
+            if part > last || x.high <= self.knots[part] {
+                break;
+            }
+        }
+        all.unwrap_or([Interval::around(0.0, f64::MAX); 2])
+    }
+
+    /// Values and slopes at the first and the last point.
+    pub fn ends(&self) -> [[f64; 2]; 2] {
+        self.ends
     }
 
     /// Abscissae of the points, ascending.
@@ -269,6 +310,27 @@ mod tests {
             }
             let integral = f.integral(last) - f.integral(first);
             prop_assert!((integral - sum).abs() < 2e-4 * size * (last - first), "{integral} {sum}");
+        }
+
+        #[test]
+        fn nothing_is_beyond_the_bounds_and_they_close_in(
+            steps in prop::collection::vec((0.1..2.0, -5.0..5.0), 2..9),
+            low in -2.0..12.0f64,
+            width in 0.0..6.0f64,
+            part in 0.0..=1.0f64,
+        ) {
+            let f = Monotone::new(&ascending(&steps)).unwrap();
+            let size = f.largest().max(1.0);
+            for width in [width, 1e-6 * width] {
+                let bounds = f.bounds(Interval { low, high: low + width });
+                let at = f.at(low + part * width);
+                for (bounds, value) in bounds.iter().zip(at) {
+                    prop_assert!(bounds.low - 1e-9 * size <= value && value <= bounds.high + 1e-9 * size, "{bounds:?} {at:?}");
+                }
+                if width < 1e-5 {
+                    prop_assert!(bounds[1].high - bounds[1].low < 1e-2 * size, "{bounds:?}");
+                }
+            }
         }
 
         #[test]

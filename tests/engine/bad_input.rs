@@ -41,7 +41,8 @@ fn keys_and_types() {
     for (from, to, fragments) in [
         (r#""mass": 13.689"#, r#""mas": 13.689"#, &["bodies.crank.mas", "`mas`", "`mass`", "line"][..]),
         (r#""mass": 13.689"#, "\"ma\\nss\": 13.689", &["bodies.crank.ma\\nss", "`ma\\nss`", "`mass`"]),
-        (r#""mass": 13.689"#, r#""mass": "13""#, &["bodies.crank.mass", r#""13""#, "expected a number", "line"]),
+        (r#""mass": 13.689"#, r#""mass": true"#, &["bodies.crank.mass", "`true`", "expected a number", "line"]),
+        (r#""mass": 13.689"#, r#""mass": "13 kg""#, &["bodies.crank.mass", r#""13 kg""#]),
         (r#""length": 0.1755"#, r#""length": 1e999"#, &["bodies.crank.length", "out of range", "line"]),
         (r#""length": 0.1755"#, r#""length": NaN"#, &["bodies.crank.length", "line"]),
         (r#""shape": "uniform_rod""#, r#""shape": "sphere""#, &["bodies.crank.shape", "`sphere`", "`uniform_rod`"]),

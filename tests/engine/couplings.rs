@@ -445,3 +445,44 @@ fn the_other_formulation_names_the_coupling() {
         &["mesh", "gears", "reduced model"],
     );
 }
+
+/// A planet of 24 teeth between a sun of 24 and a ring of 72 is one wheel; with a ring of 100 it would be two.
+#[test]
+fn a_wheel_with_two_pitch_circles_is_warned_of() {
+    let train = |ring: u32, second: u32| {
+        json!({
+            "name": "Planetary",
+            "bodies": {
+                "ground": {}, "sun": { "mass": 1, "inertia": 0.01 },
+                "arm": { "length": 0.1, "mass": 1, "inertia": 0.02 }, "planet": { "mass": 0.7, "inertia": 0.003 }
+            },
+            "joints": {
+                "shaft": { "type": "revolute", "first": "ground.origin", "second": "sun.origin" },
+                "output": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
+                "pin": { "type": "revolute", "first": "arm.end", "second": "planet.origin" }
+            },
+            "couplings": {
+                "inner": { "type": "gears", "first": "sun.origin", "second": "planet.origin", "carrier": "arm",
+                           "first_teeth": 24, "second_teeth": 24 },
+                "outer": { "type": "gears", "first": "ground.origin", "second": "planet.origin", "carrier": "arm",
+                           "first_teeth": ring, "second_teeth": second, "internal": true }
+            },
+            "start": { "body": "sun", "angle": 0 },
+            "guess": { "sun": 0, "arm": 0, "planet": 0 }
+        })
+    };
+    let warned = |ring: u32, second: u32| -> Vec<String> {
+        let run = Run::new(&train(ring, second).to_string());
+        run.0.model().warnings().iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(warned(72, 24), Vec::<String>::new());
+    // A stepped planet has another number of teeth on its second step.
+    assert_eq!(warned(100, 20), Vec::<String>::new());
+    let all = warned(100, 24);
+    assert_eq!(all.len(), 1, "{all:?}");
+    // 0.1 m x 24 / (100 - 24), and half of 0.1 m.
+    assert_says(
+        &all[0],
+        &["couplings.outer.second_teeth", "planet", "0.0315789", "couplings.inner", "0.05 m", "twice"],
+    );
+}

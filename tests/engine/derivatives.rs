@@ -1,7 +1,7 @@
 //! Directional derivatives and derivatives of outputs, against differences and closed forms.
 
 use crate::support::{
-    ANDREWS, CRANE, FOUR_BAR, GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed, reals, values,
+    ANDREWS, CRANE, CURVES, FOUR_BAR, GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed, reals, values,
 };
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Reference};
@@ -57,6 +57,18 @@ fn states() -> Vec<(String, Run)> {
         let start = [("servo.torque", torque), ("crank.start_speed", speed)];
         let run = two.clone().with(&start).with(&demands).with(&[("friction.enabled", friction)]).started();
         all.push((format!("two drives, {what}"), run));
+    }
+    // Drives, dampers, a coil and a bumper with curves, without and with friction.
+    for (what, friction, speed, h) in [
+        ("ahead", false, 14.0, 0.02),
+        ("on the bumper", false, -14.0, 0.045),
+        ("on the bumper with friction", true, -14.0, 0.045),
+        ("after turns", true, 60.0, 0.7),
+    ] {
+        let mut run =
+            Run::new(CURVES).with(&[("crank.start_speed", speed)]).with(&[("friction.enabled", friction)]).started();
+        run.step(h);
+        all.push((format!("curves, {what}"), run));
     }
     let pressed = [("downstop.stiffness", 1e5), ("actuator.force", -30_000.0)];
     let mut run = Run::gear().with(&[("downstop.rigid", false)]).with(&pressed).started();

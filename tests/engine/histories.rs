@@ -1,7 +1,7 @@
 //! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
 //! bits of one that is not; and every state that is written is read back.
 
-use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, changed, reals, replaced, runner};
+use crate::support::{ANDREWS, CURVES, GEAR, Run, TWO_DRIVES, changed, reals, replaced, runner};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use proptest::prelude::*;
@@ -111,6 +111,7 @@ fn scenes() -> Vec<Scene> {
         scene("bumpers", Run::new(&bumpers).started(), 2e-3),
         scene("a drive with losses", Run::new(&efficiency).started(), 2e-3),
         scene("two drives", Run::new(TWO_DRIVES).started(), 2e-3),
+        scene("curves", Run::new(CURVES).started(), 2e-3),
         scene("no stops", Run::new(ANDREWS).started(), 1e-3),
         scene("a block with steep friction", block(), 7e-3),
     ]

@@ -1,6 +1,6 @@
 //! The gear's interface: names, units, start values, and dependencies that are true to the code.
 
-use crate::support::{GEAR, Run, reals, replaced, values};
+use crate::support::{CURVES, GEAR, Run, reals, replaced, values};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variable};
 
@@ -98,6 +98,13 @@ fn general(text: &str, reduced: bool) -> Run {
 #[test]
 fn dependencies_are_true() {
     check_dependencies(&general(&without_method(), true), true);
+}
+
+/// Where drives, dampers, a coil and a bumper have curves.
+#[test]
+fn dependencies_of_curves_are_true() {
+    let start = [("crank.start_speed", -14.0), ("crank.start_angle", 0.9), ("motor.command", 0.7)];
+    check_dependencies(&Run::new(CURVES).with(&start).with(&[("friction.enabled", true)]), false);
 }
 
 /// Where the formulation can be chosen, the listed dependencies are those of both.

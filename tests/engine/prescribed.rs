@@ -490,3 +490,73 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     assert!(lift.continuous_time().is_none());
     assert_says(lift.serve_exchange().unwrap_err(), &["motion of a drive", "use co-simulation"]);
 }
+
+/// A profile that takes a millisecond of a step of hours is resolved as in a step of its own.
+#[test]
+fn a_short_profile_in_a_long_step_keeps_the_energy() {
+    let profile = json!({ "profile": "cycloidal", "distance": 2.5, "duration": 1e-3 });
+    let mut crank = opened(&slider_crank(&profile)).started();
+    let mut twin = opened(&slider_crank(&profile)).started();
+    twin.step(5e-4);
+    let most = twin.get("energy.kinetic");
+    assert!(most > 1e4, "{most}");
+    crank.step(1e4);
+    is_close(crank.get("crank.angle"), 2.8, 1e-12);
+    assert!(crank.get("energy.drift").abs() < 1e-8 * most, "{}", crank.get("energy.drift"));
+}
+
+/// Time has few digits left within a step that begins late; the motion within it does not show this.
+#[test]
+fn a_profile_that_begins_late_is_followed() {
+    let profile = json!({ "profile": "polynomial_4567", "distance": 2.5, "duration": 0.8, "start_time": 1e8 });
+    let mut crank = opened(&slider_crank(&profile)).started();
+    crank.step(1e8);
+    is_close(crank.get("crank.angle"), 0.3, 1e-12);
+    crank.step(0.4);
+    is_close(crank.get("crank.angle"), 0.3 + 1.25, 1e-12);
+    crank.step(0.5);
+    is_close(crank.get("crank.angle"), 2.8, 1e-12);
+    assert!(crank.get("energy.drift").abs() < 1e-8);
+}
+
+/// A table may begin at any speed; until its time comes the drive is at rest.
+#[test]
+fn a_table_waits_at_rest_for_its_time() {
+    let table = json!({ "profile": "table", "points": [[0, 0], [1, 2]], "start_time": 0.5 });
+    let mut lift = opened(&lift(&table)).started();
+    for _ in 0..2 {
+        is_close(lift.get("slide.position"), 0.5, 1e-13);
+        assert_eq!(lift.get("slide.speed"), 0.0);
+        lift.step(0.2);
+    }
+    lift.step(0.6);
+    is_close(lift.get("slide.position"), 0.5 + 2.0 * 0.5, 1e-12);
+    is_close(lift.get("slide.speed"), 2.0, 1e-12);
+    // The drive grips at 0.5 s: the mass gets its speed at once, which is work.
+    assert!(lift.get("energy.drift").abs() < 1e-9, "{}", lift.get("energy.drift"));
+}
+
+#[test]
+fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
+    let warned = |motion: &Value| -> Vec<String> {
+        opened(&lift(motion)).0.model().warnings().iter().map(ToString::to_string).collect()
+    };
+    for (motion, words) in [
+        (json!({ "position": 0.8 }), ["motion.position", "begins at 0.8", "the drive at 0.5"]),
+        (
+            json!({ "profile": "table", "points": [[0, 0.7], [1, 1]] }),
+            ["motion.points", "begins at 1.2", "be 0 at time 0"],
+        ),
+    ] {
+        let all = warned(&motion);
+        assert_eq!(all.len(), 1, "{all:?}");
+        assert_says(&all[0], &words);
+    }
+    for motion in [
+        json!({ "position": 0.5 }),
+        json!({ "position": 0.8, "enabled": false }),
+        json!({ "profile": "cycloidal", "distance": 0.3, "duration": 1 }),
+    ] {
+        assert_eq!(warned(&motion), Vec::<String>::new());
+    }
+}

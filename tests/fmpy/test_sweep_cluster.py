@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -111,8 +113,7 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
         time.sleep(0.01)
     finish(process)
     assert killed
-    for name in ("runs.csv", "runs.parquet", "study.json"):
-        assert (native / name).read_bytes() == (cluster / name).read_bytes(), name
+    same_files(native, cluster)
     rows = (native / "runs.csv").read_text().splitlines()
     assert len(rows) == 1 + 32 * 256
     said = "\n".join(rows)
@@ -121,16 +122,14 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
     assert 'must be ""reduced"" or ""rigid_fem""' in said
 
 
-def test_a_scheduler_and_workers_that_were_started_by_hand_give_the_same_rows(study: Path, tmp_path: Path) -> None:
-    stated = json.loads(study.read_text(encoding="utf-8"))
-    stated["sampling"]["count"] = 8
-    study.write_text(json.dumps(stated), encoding="utf-8")
-    native, local, remote = tmp_path / "native", tmp_path / "local", tmp_path / "remote"
-    finish(start(study, native))
-    finish(start(study, local, "--workers", "1"))
-    told = tmp_path / "scheduler.json"
+@pytest.fixture
+def scheduler(tmp_path: Path) -> Iterator[str]:
+    """Address of a scheduler with two workers started by hand; their temporary files are in `tmp_path/workers`."""
+    told, own_files = tmp_path / "scheduler.json", tmp_path / "workers"
+    own_files.mkdir()
     dask = [str(PYTHON), "-m", "dask"]
     own = ["--no-dashboard", "--host", "127.0.0.1"]
+    environment = os.environ | {"TMPDIR": str(own_files)}
     processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(told)])]
     try:
         limit = time.monotonic() + 60
@@ -138,15 +137,105 @@ def test_a_scheduler_and_workers_that_were_started_by_hand_give_the_same_rows(st
             time.sleep(0.05)
         address = json.loads(told.read_text(encoding="utf-8"))["address"]
         worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        processes += [subprocess.Popen([*worker, "--local-directory", str(tmp_path)]) for _ in range(2)]
-        finish(start(study, remote, "--scheduler", address))
+        worker += ["--local-directory", str(tmp_path)]
+        processes += [subprocess.Popen(worker, env=environment) for _ in range(2)]
+        yield address
     finally:
         # A worker whose scheduler has gone looks for it for a while.
         for process in reversed(processes):
             process.kill()
             process.wait()
+
+
+def same_files(one: Path, other: Path) -> None:
+    """Both folders have the same results to the byte."""
     for name in ("runs.csv", "runs.parquet", "study.json"):
-        expected = (native / name).read_bytes()
-        assert (local / name).read_bytes() == expected, name
-        assert (remote / name).read_bytes() == expected, name
-    assert len((native / "runs.csv").read_text().splitlines()) == 1 + 32 * 8
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+
+
+def changed(study: Path, name: str, **sections: Any) -> Path:  # noqa: ANN401
+    """A study beside this one with other sections."""
+    stated = json.loads(study.read_text(encoding="utf-8")) | sections
+    path = study.with_name(name)
+    path.write_text(json.dumps(stated), encoding="utf-8")
+    return path
+
+
+def test_studies_share_a_scheduler_and_leave_nothing_on_its_workers(
+    study: Path, scheduler: str, tmp_path: Path
+) -> None:
+    one = changed(study, "one.json", sampling={"method": "sobol", "count": 16})
+    other = changed(
+        study,
+        "other.json",
+        sampling={"method": "latin_hypercube", "count": 8, "seed": 1},
+        start_values={},
+        responses={"least": {"minimum": "crank.angle"}},
+    )
+    native, local, remote = ([tmp_path / f"{place}{k}" for k in range(2)] for place in ("native", "local", "remote"))
+    finish(start(one, native[0]))
+    finish(start(other, native[1]))
+    finish(start(one, local[0], "--workers", "1"))
+    processes = [start(one, remote[0], "--scheduler", scheduler), start(other, remote[1], "--scheduler", scheduler)]
+    for process in processes:
+        finish(process)
+    same_files(native[0], local[0])
+    for k in range(2):
+        same_files(native[k], remote[k])
+    assert len((native[0] / "runs.csv").read_text().splitlines()) == 1 + 32 * 16
+    assert list((tmp_path / "workers").glob("linkage-fmu-*")) == []
+
+
+def test_a_study_on_a_scheduler_is_ended_and_resumed(study: Path, scheduler: str, tmp_path: Path) -> None:
+    native, remote = tmp_path / "native", tmp_path / "remote"
+    finish(start(study, native))
+    process = start(study, remote, "--scheduler", scheduler)
+    journal, limit = remote / "runs.journal", time.monotonic() + 600
+    while not (journal.exists() and journal.stat().st_size > 100_000) and time.monotonic() < limit:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    assert process.returncode == 130, said
+    assert list((tmp_path / "workers").glob("linkage-fmu-*")) == []
+    finish(start(study, remote, "--scheduler", scheduler, "--resume"))
+    same_files(native, remote)
+
+
+def test_an_fmu_of_fmi_3_is_packed_again_for_the_workers(fmu: Path, study: Path, tmp_path: Path) -> None:
+    newer = fmu.with_suffix(".fmi3.fmu")
+    small = changed(study, "fmi3.json", mechanism=str(newer), sampling={"method": "sobol", "count": 2})
+    native, cluster = tmp_path / "native", tmp_path / "cluster"
+    finish(start(small, native))
+    finish(start(small, cluster, "--workers", "1"))
+    same_files(native, cluster)
+
+
+PENDULUM: dict[str, Any] = {
+    "name": "Pendulum",
+    "parameters": {"inner": 0.1, "outer": 0.3},
+    "gravity": {"acceleration": 9.81, "up_angle": 1.5},
+    "bodies": {"ground": {}, "bar": {"length": "outer - inner", "mass": 1, "shape": "uniform_rod"}},
+    "joints": {"pivot": {"type": "revolute", "first": "ground.origin", "second": "bar.origin"}},
+    "start": {"body": "bar", "angle": 0.5},
+    "guess": {"bar": 0.5},
+}
+
+
+def test_factors_are_set_together_on_a_cluster_too(tmp_path: Path) -> None:
+    (tmp_path / "mechanism.json").write_text(json.dumps(PENDULUM), encoding="utf-8")
+    stated = {
+        "mechanism": "mechanism.json",
+        "factors": {"inner": {"values": [0.1, 0.4, 0.9]}, "outer": {"values": [0.3, 0.6, 1.4]}},
+        "scenario": {"stop_time": 0.5},
+        "responses": {"angle": {"final": "bar.angle"}, "length": {"final": "bar.length"}},
+    }
+    study = tmp_path / "pendulum.json"
+    study.write_text(json.dumps(stated), encoding="utf-8")
+    native, cluster = tmp_path / "native", tmp_path / "cluster"
+    finish(start(study, native))
+    finish(start(study, cluster, "--workers", "1"))
+    same_files(native, cluster)
+    with (native / "runs.csv").open(encoding="utf-8", newline="") as file:
+        failed = [row["message"] for row in csv.DictReader(file) if row["failed"] == "1"]
+    assert len(failed) == 3
+    assert all("bar.length" in message for message in failed), failed

@@ -32,6 +32,9 @@ pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
 /// A slider-crank with a servo on its crank and a ram on its slider.
 pub const TWO_DRIVES: &str = include_str!("../fixtures/two_drives.json");
 
+/// A slider-crank with drives, dampers, a spring and a bumper that have curves.
+pub const CURVES: &str = include_str!("../fixtures/curves.json");
+
 /// Bucket of an excavator: four-bar linkage with friction in its pins, driven by a cylinder that friction can lock.
 pub const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 

@@ -3,21 +3,104 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
-from .drawing import BLUE, ORANGE, Line, lines
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Canvas
+
+from .drawing import BLUE, GREEN, ORANGE, RED, Line, lines
 from .fmu import Fmu, Value
-from .gear import AIRSPEED, Travel
+from .gear import AIRSPEED, FREE, Array, Travel
 from .hf08_inverse import least_force
 from .hf08_loads import AXIS
 from .page import Claim, Figure, Section
 
-OPTIMUM = Path(__file__).parents[2] / "docs" / "studies" / "least_force_optimum.json"
-"""What `cargo fmu optimise docs/studies/least_force.json` writes."""
+OPTIMUM = Path(__file__).parents[1] / "results" / "least_force_optimum.json"
+"""What `cargo fmu optimise docs/studies/least_force.json` writes as `optimum.json`."""
+MOVING = {"crank": BLUE, "coupler": ORANGE, "follower": GREEN}
+"""Bodies of the linkage that move, and their colours; leg and wheel are fixed to the crank."""
+FAINT = 0.3
+"""Opacity of the gear when it is up."""
+
+
+@dataclass(frozen=True)
+class Gear:
+    """Places in the mechanism frame [m], each (x, y), with the gear in one position."""
+
+    ends: dict[str, tuple[Array, Array]]
+    """Origin and end of each body that moves."""
+    attachments: dict[str, Array]
+    """Where the actuator is attached, by the body."""
+    wheel: Array
+
+
+def placed(fmu: Fmu, angle: float, parameters: dict[str, Value]) -> Gear:
+    """The gear at an angle of the crank [rad], under these parameters, as the FMU tells it."""
+    fmu.start({**FREE, "crank.start_angle": angle, **parameters})
+    ends, attachments = {}, {}
+    for body in MOVING:
+        x, y, cosine, sine = fmu.read(*(f"{body}.frame.{name}" for name in ("x", "y", "cos", "sin")))
+        origin, turned = np.array([x, y]), np.array([[cosine, -sine], [sine, cosine]])
+        ends[body] = origin, origin + turned @ [fmu.value(f"{body}.length"), 0.0]
+        if fmu.has(f"{body}.actuator_x"):
+            point = fmu.read(f"{body}.actuator_x", f"{body}.actuator_y")
+            attachments[body] = origin + turned @ point
+    return Gear(ends, attachments, np.array(fmu.read("wheel.x", "wheel.y")))
+
+
+def draw_gear(axes: Axes, gear: Gear, opacity: float) -> None:
+    """One position of the gear: bodies as lines, with a triangle to the attachment, joints, actuator, leg and wheel."""
+    for body, (origin, end) in gear.ends.items():
+        color, corners = MOVING[body], [origin, end]
+        if body in gear.attachments:
+            corners.append(gear.attachments[body])
+            axes.fill(*np.array(corners).T, color=color, alpha=0.25 * opacity, linewidth=0.0)
+            corners.append(origin)
+        axes.plot(*np.array(corners).T, "-", color=color, alpha=opacity, linewidth=1.8)
+    hinge = gear.ends["crank"][0]
+    axes.plot(*np.array([hinge, gear.wheel]).T, "-", color=MOVING["crank"], alpha=opacity, linewidth=2.6)
+    axes.plot(*gear.wheel, "o", color=MOVING["crank"], alpha=opacity, markersize=11.0)
+    actuator = np.array(list(gear.attachments.values()))
+    axes.plot(*actuator.T, "-", color=RED, alpha=opacity, linewidth=3.0)
+    axes.plot(*actuator.T, "s", color=RED, alpha=opacity, markersize=5.0)
+    joints = np.array([hinge, gear.ends["crank"][1], gear.ends["coupler"][1], gear.ends["follower"][0]])
+    axes.plot(*joints.T, "o", color="0.2", markerfacecolor="white", alpha=opacity, markersize=5.0)
+
+
+def attachments(fmu: Fmu, travel: Travel, found: dict[str, Value]) -> tuple[Figure, dict[str, float]]:
+    """The gear with the attachments as built and with those found, down and up."""
+    designs: list[tuple[str, dict[str, Value]]] = [("as built", {}), ("found", found)]
+    gears = [(name, [placed(fmu, angle, own) for angle in (travel.up, travel.down)]) for name, own in designs]
+
+    def draw(canvas: Canvas) -> None:
+        panels = canvas.subplots(1, 2, sharex=True, sharey=True)
+        for axes, (name, [up, down]) in zip(panels, gears, strict=True):
+            draw_gear(axes, up, FAINT)
+            draw_gear(axes, down, 1.0)
+            axes.set(title=name, xlabel="x [m]", xticks=[-0.5, 0.0, 0.5], aspect="equal")
+            axes.margins(0.08)
+        panels[0].set_ylabel("y [m]")
+
+    lengths = {
+        f"{name}, {place}": float(np.linalg.norm(np.subtract(*gear.attachments.values())))
+        for name, [up, down] in gears
+        for place, gear in (("up", up), ("down", down))
+    }
+    caption = (
+        "Not in the paper. Ours: the gear with the attachments as built and with those found, as the FMU places it, "
+        "down (full) and up (faint): crank with leg and wheel blue, coupler orange, follower green, actuator red. The "
+        f"actuator is {lengths['as built, down']:.3f} m long with the gear down and {lengths['as built, up']:.3f} m "
+        f"with the gear up as built, {lengths['found, down']:.3f} and {lengths['found, up']:.3f} m with the "
+        "attachments found."
+    )
+    title = "Design: the gear before and after"
+    return Figure("design_attachments", title, caption, draw, size=(6.4, 3.7)), lengths
 
 
 def section(fmu: Fmu, travel: Travel) -> Section:
-    """Figure, claim, numbers."""
+    """Figures, claim, numbers."""
     told = json.loads(OPTIMUM.read_text(encoding="utf-8"))["best"]["factors"]
     parameters: dict[str, Value] = {name: float(value) for name, value in told.items()}
     rotation, before = least_force(fmu, travel)
@@ -49,5 +132,6 @@ def section(fmu: Fmu, travel: Travel) -> Section:
     title = "Design: the attachments of the actuator that need the least peak force"
     draw = lines(AXIS, "least force of the actuator [kN]", curves, zero=True, legend="upper left")
     figure = Figure("design_least_force", title, caption, draw)
-    values = {"built": float(peak), "found": float(least)}
-    return Section("Design", [figure], [claim], values)
+    gears, lengths = attachments(fmu, travel, parameters)
+    values = {"built": float(peak), "found": float(least), **lengths}
+    return Section("Design", [gears, figure], [claim], values)

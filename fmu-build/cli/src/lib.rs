@@ -234,7 +234,7 @@ pub struct Simulate {
 /// Arguments of `import`.
 #[derive(Args)]
 pub struct Import {
-    /// The file
+    /// The file, or a link of PMKS or PMKS+ in quotation marks
     #[arg(value_name = "FILE")]
     pub path: PathBuf,
     /// Form of the file [default: as its name or its beginning tells]
@@ -248,8 +248,10 @@ pub struct Import {
 /// Forms that `import` reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ImportForm {
-    /// Text of PMKS: a line for each joint
+    /// PMKS: its text, a line for each joint, a link with it, or its JSON
     Pmks,
+    /// A file or a link of PMKS+, the web program
+    PmksPlus,
     /// An expression of Pyslvs, M[J[...], ...]
     Pyslvs,
     /// MuJoCo's XML

@@ -83,8 +83,9 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
         };
         let is_unknown = finding.message.contains("unknown field");
         only_unknown &= is_unknown;
+        let follows = (is_missing(&finding) && removed.iter().any(own)) || reads_removed(&finding, &removed);
         // What stands behind the text was put there.
-        if !(is_missing(&finding) && removed.iter().any(own)) && place.shown.end <= text.len() {
+        if !follows && place.shown.end <= text.len() {
             let stands_twice = finding.message.contains("stands twice") || told_twice(&finding).is_some();
             let span = if is_unknown || stands_twice { place.key.clone() } else { place.shown.clone() };
             located.push(at(text, finding, span));
@@ -126,6 +127,14 @@ fn of_name(name: &str) -> Option<Finding> {
     let refused = refused.to_string();
     let reason = refused.strip_prefix(name).unwrap_or(&refused);
     Some(Finding::error("name", format_args!("name = \"{name}\"{reason}")))
+}
+
+/// Whether an expression reads a parameter that is missing only because its own fault took it out of the copy.
+fn reads_removed(finding: &Finding, removed: &[String]) -> bool {
+    let Some((_, name)) = finding.message.split_once("no parameter of the file is called ") else { return false };
+    // A parameter has the path of its key without the group that the key stands in.
+    let mut parameters = removed.iter().filter_map(|path| path.split_once('.'));
+    parameters.any(|(_, parameter)| name.strip_prefix(parameter).is_some_and(|rest| rest.starts_with(':')))
 }
 
 /// The key of an object that the reader found twice.
@@ -179,4 +188,23 @@ fn is_missing(finding: &Finding) -> bool {
 
 fn names(message: &str, key: &str) -> bool {
     message.contains(&format!("`{key}`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An expression that reads a parameter at fault has no fault of its own.
+    #[test]
+    fn a_circle_is_told_once() {
+        let text = r#"{ "name": "A", "parameters": { "a": "b", "b": "a + c", "c": 2, "d": "f" },
+            "bodies": { "ground": {}, "rod": { "length": "a", "mass": "b" } },
+            "joints": { "j": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+            "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 } }"#;
+        let told: Vec<String> =
+            all("mechanism.json", text).unwrap().located.iter().map(|one| one.finding.to_string()).collect();
+        assert_eq!(told.len(), 2, "{told:#?}");
+        assert!(told.iter().any(|one| one.contains("is a circle")), "{told:#?}");
+        assert!(told.iter().any(|one| one.contains("is called f:")), "{told:#?}");
+    }
 }

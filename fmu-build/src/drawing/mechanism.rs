@@ -86,6 +86,7 @@ fn within(name: &str, scene: &Scene, poses: &[Pose], format: Format, [left, low,
     };
     draft.ground();
     draft.bodies();
+    draft.outlines();
     draft.connections();
     draft.joints();
     draft.markers();
@@ -118,7 +119,9 @@ fn extents(scene: &Scene, poses: &[Pose]) -> [f64; 4] {
     let of_bodies = bodies.flat_map(|body| body.points.iter().map(|point| point.on));
     let ends = scene.actuators.iter().chain(&scene.springs).flat_map(|c| c.ends.into_iter().flatten());
     let of_joints = scene.joints.iter().flat_map(|joint| [joint.first, joint.second]);
-    let all = of_bodies.chain(ends).chain(of_joints).map(|on| position(poses, on));
+    let of_outlines =
+        scene.outlines.iter().flat_map(|outline| outline.points.iter().map(|&at| On { frame: outline.frame, at }));
+    let all = of_bodies.chain(ends).chain(of_joints).chain(of_outlines).map(|on| position(poses, on));
     let none = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
     let found = all.fold(none, |[l, b, r, t], [x, y]| [l.min(x), b.min(y), r.max(x), t.max(y)]);
     if found[0] > found[2] { [0.0, 0.0, 1.0, 1.0] } else { found }
@@ -266,6 +269,18 @@ impl Draft<'_> {
             if is_named {
                 self.wish(middle, away, &body.name, Weight::Strong, Ink::Edge(number));
             }
+        }
+    }
+
+    /// Pitch curves of wheels and profiles of cams.
+    fn outlines(&mut self) {
+        let scene = self.scene;
+        for outline in &scene.outlines {
+            let ink = if outline.frame == 0 { Ink::Muted } else { Ink::Edge(outline.frame - 1) };
+            let points = outline.points.iter().map(|&at| self.at(On { frame: outline.frame, at })).collect();
+            let form = Form::Lines { points, is_closed: outline.is_closed };
+            let stroke = Some((ink, 1.6 * self.unit));
+            self.shapes.push(Shape { form, fill: None, stroke, dashes: &[], part: None });
         }
     }
 

@@ -24,6 +24,10 @@ pub struct Linkage {
     pub drives: Vec<(String, usize)>,
     pub springs: Vec<(String, Value)>,
     pub stops: Vec<(String, Value)>,
+    /// Speed at the start of the first drive, if it is hinged on the ground [rad/s].
+    pub start_speed: Option<f64>,
+    /// Forces whose direction stays: name, body, place, components.
+    pub forces: Vec<(String, usize, [f64; 2], [f64; 2])>,
     /// Points to be watched: name, body, place.
     pub markers: Vec<(String, usize, [f64; 2])>,
     /// What of the file is not here, and what was added.
@@ -93,6 +97,15 @@ impl Linkage {
         })
     }
 
+    /// Names that are taken.
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        let bodies = self.bodies.iter().map(|body| &body.name).chain(self.joints.iter().map(|joint| &joint.name));
+        let groups = [&self.springs, &self.stops].into_iter().flatten().map(|(name, _)| name);
+        let drives = self.drives.iter().map(|(name, _)| name);
+        let points = self.markers.iter().map(|(name, ..)| name).chain(self.forces.iter().map(|(name, ..)| name));
+        bodies.chain(groups).chain(drives).chain(points).cloned()
+    }
+
     /// `body.point` of a point at this place.
     fn reference(&mut self, body: usize, place: [f64; 2]) -> String {
         let index = self.point(body, place);
@@ -108,14 +121,18 @@ impl Linkage {
         let Some(joint) = driven.or(grounded).map(|index| &self.joints[index]) else {
             return json!("equilibrium");
         };
-        match joint.axis {
+        let mut start = match joint.axis {
             // A prismatic joint stands at its second point, which is drawn at the first.
             Some(_) => json!({ "joint": joint.name, "position": 0.0 }),
             None => {
                 let body = if joint.second == 0 { joint.first } else { joint.second };
                 json!({ "body": self.bodies[body].name, "angle": 0.0 })
             }
+        };
+        if let (Some(speed), Some(_), None) = (self.start_speed, driven, joint.axis) {
+            start["speed"] = json!(speed);
         }
+        start
     }
 
     /// The text of the definition.
@@ -130,6 +147,11 @@ impl Linkage {
             (name, json!({ "at": at }))
         });
         let markers: Vec<(String, Value)> = markers.collect();
+        let forces = own.forces.clone().into_iter().map(|(name, body, place, force)| {
+            let at = own.reference(body, place);
+            (name, json!({ "at": at, "force": force }))
+        });
+        let forces: Vec<(String, Value)> = forces.collect();
         let fixed: Vec<(usize, usize)> =
             own.bodies.iter().enumerate().filter_map(|(index, body)| Some((index, body.fixed_to?))).collect();
         let fixed: Vec<(usize, String)> = fixed
@@ -157,6 +179,7 @@ impl Linkage {
             ("bodies", bodies),
             ("joints", joints),
             ("actuators", self.drives.iter().map(drive).collect()),
+            ("forces", forces),
             ("springs", own.springs.clone()),
             ("stops", own.stops.clone()),
             ("markers", markers),

@@ -2,6 +2,7 @@
 //!
 //! In: XML. Out: bodies and joints in space. What a planar mechanism of rigid bodies cannot have is refused or told.
 
+use super::defaults;
 use super::spatial::{Hinge, Rotation, SAME, Solid, Space, Vector, about, add, after, scaled, turned, unit};
 use anyhow::{Context, Result, anyhow, bail};
 use roxmltree::{Document, Node};
@@ -51,9 +52,10 @@ fn parse(text: &str) -> Result<Document<'_>> {
 /// A mechanism in MJCF.
 ///
 /// # Errors
-/// It is no MJCF; what is no planar mechanism of hinges and slides; default classes, files included.
+/// It is no MJCF; what is no planar mechanism of hinges and slides; files included.
 pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
-    let document = parse(text)?;
+    let text = defaults::written_out(text, &parse(text)?)?;
+    let document = parse(&text)?;
     let root = document.root_element();
     if !root.has_tag_name("mujoco") {
         bail!("{}: MJCF begins with <mujoco>", at(root));
@@ -103,9 +105,6 @@ impl Mjcf {
                 if let Some(gravity) = fixed(node, "gravity")? {
                     self.space.gravity = gravity;
                 }
-            }
-            "default" if elements(node).next().is_some() => {
-                bail!("{}: default classes are not taken: write the attributes into the elements", at(node))
             }
             "include" => bail!("{}: files included are not taken: put their content here", at(node)),
             "worldbody" => {
@@ -194,7 +193,7 @@ impl Mjcf {
             "slide" => true,
             other => bail!("{}: a joint of the type {other} is not planar; hinge and slide are taken", at(node)),
         };
-        for key in ["frictionloss", "armature", "class", "ref"].into_iter().filter(|key| node.has_attribute(*key)) {
+        for key in ["frictionloss", "armature", "ref"].into_iter().filter(|key| node.has_attribute(*key)) {
             self.space.notes.push(format!("{}: {key} is left out", at(node)));
         }
         let value = |value: f64| if slides { value } else { self.angle(value) };

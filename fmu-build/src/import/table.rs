@@ -1,6 +1,6 @@
 //! Joints in a table, as PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it joins.
 //!
-//! In: text. Out: rows, and the linkage that they give. Neither program has masses.
+//! In: text of Pyslvs or CSV. Out: rows, and the linkage that rows give. No such program has masses.
 
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use anyhow::{Context, Result, bail};
@@ -29,7 +29,18 @@ pub struct Row {
     pub is_driven: bool,
 }
 
-fn kind(word: &str) -> Option<Kind> {
+/// A mechanism as rows.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// Name of the mechanism, where the file has one.
+    pub name: Option<String>,
+    pub rows: Vec<Row>,
+    /// What of the file the rows do not hold, each in one line.
+    pub notes: Vec<String>,
+}
+
+/// The kind of joint that a word stands for.
+pub fn kind(word: &str) -> Option<Kind> {
     match word.to_ascii_uppercase().as_str() {
         "R" => Some(Kind::Revolute),
         "P" => Some(Kind::Prismatic),
@@ -38,56 +49,21 @@ fn kind(word: &str) -> Option<Kind> {
     }
 }
 
-fn number(word: Option<&str>, what: &str) -> Result<f64> {
+/// A finite number, or what is wrong with it.
+///
+/// # Errors
+/// There is none, or it is not finite.
+pub fn number(word: Option<&str>, what: &str) -> Result<f64> {
     let word = word.with_context(|| format!("{what} is missing"))?;
     let value: f64 = word.parse().ok().with_context(|| format!("{what} = \"{}\" is no number", word.escape_debug()))?;
     if value.is_finite() { Ok(value) } else { bail!("{what} = {word} is not finite") }
-}
-
-/// The text form of PMKS: a line for each joint, `links, kind, x, y, angle in degrees, flags`.
-///
-/// # Errors
-/// A line has no kind, a gear, or no place.
-pub fn of_pmks(text: &str) -> Result<Vec<Row>> {
-    let mut rows = Vec::new();
-    for (line, number_of) in text.lines().zip(1..) {
-        let words: Vec<&str> = line.split([',', ' ', '\t', '|']).filter(|word| !word.is_empty()).collect();
-        if words.is_empty() {
-            continue;
-        }
-        let row = pmks_row(&words).with_context(|| format!("line {number_of}: {}", line.escape_debug()))?;
-        rows.push(row);
-    }
-    Ok(rows)
-}
-
-fn pmks_row(words: &[&str]) -> Result<Row> {
-    if words.iter().any(|word| word.eq_ignore_ascii_case("G")) {
-        bail!("a gear (G) is not taken: a mechanism has revolute and prismatic joints only");
-    }
-    // A link may have the name of a kind: the kind is the last such word before the numbers.
-    let is_number = |word: &&str| word.parse::<f64>().is_ok();
-    let at = (1..words.len()).find(|&at| kind(words[at]).is_some() && words.get(at + 1).is_some_and(is_number));
-    let at = at.context("no kind of joint (R, P or RP) stands before the place")?;
-    let kind = kind(words[at]).context("no kind of joint")?;
-    let mut rest = words[at + 1..].iter().copied();
-    let place = [number(rest.next(), "x")?, number(rest.next(), "y")?];
-    let rest: Vec<&str> = rest.collect();
-    let axis = match rest.first() {
-        Some(word) if word.parse::<f64>().is_ok() => number(Some(word), "angle")?.to_radians(),
-        _ if kind == Kind::Revolute => 0.0,
-        _ => bail!("a slide (P, RP) has an angle after its place"),
-    };
-    let is_driven = rest.last().is_some_and(|flags| flags.ends_with('+') || flags.eq_ignore_ascii_case("true"));
-    let links = words[..at].iter().map(|link| (*link).to_owned()).collect();
-    Ok(Row { kind, place, axis, links, is_driven })
 }
 
 /// An expression of Pyslvs: `M[J[R, P[x, y], L[ground, a]], J[P, A[degrees], P[x, y], L[a, b]], ...]`.
 ///
 /// # Errors
 /// Another form; the message tells the part.
-pub fn of_pyslvs(text: &str) -> Result<Vec<Row>> {
+pub fn of_pyslvs(text: &str) -> Result<Table> {
     let bare: String = text.lines().map(|line| line.split('#').next().unwrap_or_default()).collect();
     let bare = bare.trim();
     let inner = bare.strip_prefix("M[").and_then(|rest| rest.strip_suffix(']'));
@@ -112,7 +88,7 @@ pub fn of_pyslvs(text: &str) -> Result<Vec<Row>> {
         };
         rows.push(row().with_context(|| format!("joint {of}: {}", part.escape_debug()))?);
     }
-    Ok(rows)
+    Ok(Table { rows, ..Table::default() })
 }
 
 /// What stands in the brackets of `name[...]`.
@@ -146,12 +122,20 @@ fn parts(text: &str) -> Result<Vec<&str>> {
 }
 
 /// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven` where
-/// wanted.
+/// wanted. Spreadsheets of half the world write semicolons and decimal commas, which are taken too, as are tabulators.
 ///
 /// # Errors
 /// A column is missing, a row is none.
-pub fn of_csv(text: &str) -> Result<Vec<Row>> {
-    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
+pub fn of_csv(text: &str) -> Result<Table> {
+    let header = text.lines().next().unwrap_or_default();
+    let separator = [b';', b'\t'].into_iter().find(|&letter| header.as_bytes().contains(&letter)).unwrap_or(b',');
+    let mut reader = csv::ReaderBuilder::new();
+    let reader = reader.trim(csv::Trim::All).flexible(true).delimiter(separator);
+    let mut table = reader.from_reader(text.as_bytes());
+    let number = |word: Option<&str>, what: &str| match word {
+        Some(word) if separator != b',' => number(Some(&word.replace(',', ".")), what),
+        word => number(word, what),
+    };
     let names: Vec<String> = table.headers()?.iter().map(str::to_ascii_lowercase).collect();
     let column = |name: &str| names.iter().position(|other| other == name);
     let needed = |name: &str| column(name).with_context(|| format!("the table has no column \"{name}\""));
@@ -172,22 +156,28 @@ pub fn of_csv(text: &str) -> Result<Vec<Row>> {
             };
             let links = record.get(links).unwrap_or_default().split_whitespace().map(str::to_owned).collect();
             let driven = driven.and_then(|driven| record.get(driven)).unwrap_or_default();
-            Ok(Row { kind, place, axis, links, is_driven: matches!(driven, "1" | "true" | "yes") })
+            let is_driven = match driven.to_ascii_lowercase().as_str() {
+                "1" | "true" | "yes" => true,
+                "" | "0" | "false" | "no" => false,
+                _ => bail!("driven = \"{}\": 1 or 0", driven.escape_debug()),
+            };
+            Ok(Row { kind, place, axis, links, is_driven })
         };
         rows.push(row().with_context(|| format!("line {of}"))?);
     }
-    Ok(rows)
+    Ok(Table { rows, ..Table::default() })
 }
 
 /// The linkage of a table.
 ///
 /// # Errors
 /// There is no ground, or a joint without links.
-pub fn linkage(name: &str, rows: &[Row]) -> Result<Linkage> {
-    let mut own = Linkage { name: identifier(name, "Mechanism", &[]), ..Linkage::default() };
+pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
+    let name = identifier(table.name.as_deref().unwrap_or(name), "Mechanism", &[]);
+    let mut own = Linkage { name, notes: table.notes.clone(), ..Linkage::default() };
     own.bodies.push(Body { name: GROUND.to_owned(), points: vec![[0.0; 2]], ..Body::default() });
     let mut known: Vec<(String, usize)> = vec![(GROUND.to_owned(), 0)];
-    for (row, of) in rows.iter().zip(1..) {
+    for (row, of) in table.rows.iter().zip(1..) {
         let mut bodies = Vec::new();
         for link in &row.links {
             let known_as = if link.eq_ignore_ascii_case(GROUND) { GROUND.to_owned() } else { link.clone() };

@@ -7,9 +7,13 @@ use super::chunk::{self, Cut};
 use super::design::Design;
 use super::plan::plan;
 use super::run::Task;
+use crate::fmu::{self, Fmu};
+use crate::version::Version;
 use crate::workspace::Workspace;
-use crate::{command, fmu, package};
+use crate::xml::{description::Description, fmi2};
+use crate::{command, files, info, package};
 use anyhow::{Context, Result, bail};
+use linkage_fmu::component::Component;
 use linkage_fmu::variables::Interface;
 use std::fs;
 use std::io::{BufWriter, Read, Write};
@@ -18,7 +22,7 @@ use std::process::{ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// The program, and what it needs.
 const PROGRAM: &str = "cluster.py";
@@ -27,6 +31,8 @@ const REQUIREMENTS: &str = "cluster.txt";
 const FATAL: u64 = u64::MAX;
 /// Time between two looks at the user's wish to stop.
 const LOOK: Duration = Duration::from_millis(100);
+/// Time in which the program may end by itself.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Where the workers are.
 #[derive(Clone, Debug)]
@@ -47,14 +53,37 @@ pub struct Work<'a> {
     pub cut: &'a Cut,
 }
 
-/// The FMU of the mechanism at this path: itself, or packed into the folder.
+/// The FMU of the mechanism at this path: itself, if it is of FMI 2.0 and of this program, so that its variables and its bits
+/// are those of the model here; else one that is packed into the folder.
 ///
 /// # Errors
-/// It cannot be packed.
-pub fn packed(workspace: &Workspace, mechanism: &Path, folder: &Path) -> Result<PathBuf> {
-    if fmu::is_fmu(mechanism) {
+/// The FMU cannot be read; none can be packed.
+pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder: &Path) -> Result<PathBuf> {
+    if !fmu::is_fmu(mechanism) {
+        return pack(workspace, mechanism, folder);
+    }
+    let mut given = Fmu::open(mechanism)?;
+    let there = info::description(&mut given)?;
+    let here = Description::parse(&fmi2::to_xml(model)?)?;
+    if Version::of(&there.fmi_version) == Version::Two
+        && (there.guid, there.generation_tool) == (here.guid, here.generation_tool)
+    {
         return Ok(mechanism.to_path_buf());
     }
+    eprintln!(
+        "{}: is not of FMI 2.0 or of another version of this program; the workers get an FMU packed here",
+        mechanism.display()
+    );
+    let definition = given.definition()?;
+    let own = folder.join(definition.kind);
+    files::replace(&own, definition.text.as_bytes())?;
+    let packed = pack(workspace, &own, folder);
+    let _ = fs::remove_file(&own);
+    packed
+}
+
+/// Pack the mechanism at this path into the folder, for workers.
+fn pack(workspace: &Workspace, mechanism: &Path, folder: &Path) -> Result<PathBuf> {
     let arguments = package::Arguments {
         paths: vec![mechanism.to_path_buf()],
         out: Some(folder.to_path_buf()),
@@ -120,7 +149,13 @@ pub fn run(
         };
         let result = next();
         if result.is_err() || left > 0 {
-            // The pipes end with the program, and with them the two threads.
+            // The program leaves the workers as they were when its plan is gone. The pipes end with it, and with them the
+            // two threads.
+            let _ = fs::remove_file(&told);
+            let patience = Instant::now() + PATIENCE;
+            while matches!(child.try_wait(), Ok(None)) && Instant::now() < patience {
+                thread::sleep(LOOK);
+            }
             let _ = child.kill();
         }
         result

@@ -7,11 +7,11 @@
 use super::definition::{self, Definition, Normal, Setting};
 use super::points::Points;
 use super::unit_cube::{UnitCube, each, most_dimensions};
-use crate::start_values::find;
+use crate::start_values::{find, most_together, set_reals};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
-use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
+use linkage_fmu::variables::{Causality, Kind, Reference};
 use statrs::distribution::ContinuousCDF;
 use std::path::Path;
 
@@ -47,18 +47,61 @@ pub struct Factor {
     source: Source,
 }
 
-impl Factor {
-    /// Set the variable; a Boolean is 1 for true, a text is told by its index.
+/// Factors of one kind that are set in one call.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// Their kind.
+    pub kind: Kind,
+    /// Their indices among all factors.
+    pub factors: Vec<usize>,
+    references: Vec<Reference>,
+}
+
+impl Call {
+    /// Set the values of these factors in a run; a Boolean is 1 for true, a text is told by its index.
     ///
     /// # Errors
-    /// The model refuses the value.
-    pub fn apply(&self, model: &mut Component, value: f64) -> Result<(), Refused> {
-        match self.kind {
-            Kind::Boolean => model.set_boolean(self.reference, value != 0.0),
-            Kind::Real => model.set_real(self.reference, value),
-            Kind::String | Kind::Integer => model.set_text(self.reference, &self.texts[value as usize]),
+    /// The model refuses one of the values, or what follows from them.
+    pub fn apply(
+        &self,
+        model: &mut Component,
+        factors: &[Factor],
+        point: &[f64],
+        scratch: &mut Vec<f64>,
+    ) -> Result<(), Refused> {
+        if self.kind == Kind::Real {
+            scratch.clear();
+            scratch.extend(self.factors.iter().map(|index| point[*index]));
+            return set_reals(model, &self.references, scratch);
+        }
+        self.factors.iter().zip(&self.references).try_for_each(|(index, reference)| {
+            let (factor, value) = (&factors[*index], point[*index]);
+            match self.kind {
+                // Of a file that has changed since it was checked.
+                _ if value.is_nan() => Err(Refused(format!("{} has no value", factor.name))),
+                Kind::Boolean => model.set_boolean(*reference, value != 0.0),
+                _ => model.set_text(*reference, &factor.texts[value as usize]),
+            }
+        })
+    }
+}
+
+/// The calls that set these factors: Reals, then Booleans, then texts.
+pub fn calls(model: &Component, factors: &[Factor]) -> Vec<Call> {
+    let mut calls: Vec<Call> = Vec::new();
+    for kind in [Kind::Real, Kind::Boolean, Kind::String] {
+        let most = if kind == Kind::Real { most_together(model) } else { usize::MAX };
+        for (index, factor) in (0..).zip(factors).filter(|(_, factor)| factor.kind == kind) {
+            match calls.last_mut().filter(|call| call.kind == kind && call.factors.len() < most) {
+                Some(call) => {
+                    call.factors.push(index);
+                    call.references.push(factor.reference);
+                }
+                None => calls.push(Call { kind, factors: vec![index], references: vec![factor.reference] }),
+            }
         }
     }
+    calls
 }
 
 /// The values of the factors in all runs.
@@ -72,14 +115,14 @@ pub struct Design {
 }
 
 impl Design {
-    /// The design that a study in `folder` states for a model with this interface.
+    /// The design that a study in `folder` states for this model.
     ///
     /// # Errors
     /// A name that no parameter or input has; what is wrong with a factor, the samples, or the file of points.
-    pub fn new(study: &Definition, folder: &Path, interface: &Interface) -> Result<Self> {
+    pub fn new(study: &Definition, folder: &Path, model: &Component) -> Result<Self> {
         let (mut factors, mut dimensions) = (Vec::new(), 0);
         let mut counts = [1, 1, 1];
-        let points = study.points.as_ref().map(|points| Points::read(&folder.join(points), interface));
+        let points = study.points.as_ref().map(|points| Points::read(&folder.join(points), model));
         let points = points.transpose().context("points")?;
         if let Some(points) = &points {
             counts[0] = points.lines();
@@ -88,7 +131,7 @@ impl Design {
         }
         for (name, stated) in study.factors.iter() {
             let key = format!("factors.{name}");
-            let factor = factor(&key, name, stated, interface, &mut dimensions)?;
+            let factor = factor(&key, name, stated, model, &mut dimensions)?;
             if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
                 bail!("{key}: is a column of points too; remove one of the two");
             }
@@ -167,10 +210,10 @@ fn factor(
     key: &str,
     name: &str,
     stated: &definition::Factor,
-    interface: &Interface,
+    model: &Component,
     dimensions: &mut usize,
 ) -> Result<Factor> {
-    let mut factor = variable(key, name, interface)?;
+    let mut factor = variable(key, name, model)?;
     let real = |what: &str| match factor.kind {
         Kind::Real => Ok(()),
         _ => bail!("{key}.{what}: {name} is no number; list its values"),
@@ -237,14 +280,14 @@ fn factor(
 ///
 /// # Errors
 /// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
-pub fn bounded(study: &Definition, interface: &Interface) -> Result<Vec<(Factor, [f64; 2])>> {
+pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
         bail!("points and sampling: belong to `sweep`; an optimisation takes factors with bounds");
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
     for (name, stated) in study.factors.iter() {
         let key = format!("factors.{name}");
-        let factor = variable(&key, name, interface)?;
+        let factor = variable(&key, name, model)?;
         let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
         let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
         let Some([least, largest]) = bounds.filter(|_| !is_other) else {
@@ -268,15 +311,28 @@ pub fn bounded(study: &Definition, interface: &Interface) -> Result<Vec<(Factor,
 ///
 /// # Errors
 /// No parameter or input has this name.
-pub fn variable(key: &str, name: &str, interface: &Interface) -> Result<Factor> {
-    let reference = find(interface, name).with_context(|| key.to_owned())?;
-    let variable = &interface.list()[reference as usize];
-    if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
-        let causality = variable.causality.word().to_lowercase();
-        bail!("{key}: {name} is of causality {causality}; a factor is a parameter or an input");
-    }
+pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
+    let reference = settable(key, name, "a factor is a parameter or an input", model)?;
+    let kind = model.interface().list()[reference as usize].kind;
     let source = Source::List(Vec::new());
-    Ok(Factor { name: name.to_owned(), reference, kind: variable.kind, texts: Vec::new(), source })
+    Ok(Factor { name: name.to_owned(), reference, kind, texts: Vec::new(), source })
+}
+
+/// The parameter or input of this name.
+///
+/// # Errors
+/// There is none; with `remedy` for what is never set. What follows from other parameters is refused with their names.
+pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Result<Reference> {
+    let reference = find(model.interface(), name).with_context(|| key.to_owned())?;
+    let causality = model.interface().list()[reference as usize].causality;
+    match causality {
+        Causality::Parameter | Causality::Input => Ok(reference),
+        Causality::CalculatedParameter => {
+            model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
+            bail!("{key}: {name} is calculated; {remedy}")
+        }
+        _ => bail!("{key}: {name} is of causality {}; {remedy}", causality.word().to_lowercase()),
+    }
 }
 
 /// A value as a number; a text that is new is added to those of the factor.

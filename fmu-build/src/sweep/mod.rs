@@ -113,7 +113,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     let csv = arguments.csv.then(|| out.join(CSV));
-    let failed = results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref())?;
+    let failed = results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref())
+        .with_context(|| format!("{}: has all runs; --resume writes the results", out.join(JOURNAL).display()))?;
     let summary = Summary { identity, runs: study.design.runs(), failed };
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
     journal.remove()?;
@@ -140,7 +141,10 @@ fn make(
         (Some(address), _) => Some(Workers::Of(address.clone())),
         (None, count) => count.map(Workers::Local),
     };
-    let fmu = workers.is_some().then(|| cluster::packed(workspace, path, out)).transpose()?;
+    let fmu = match workers {
+        Some(_) => Some(cluster::packed(workspace, path, &make_model()?, out)?),
+        None => None,
+    };
     let done = design.runs() - missing.iter().map(|chunk| runs_of(*chunk)).sum::<u64>();
     let bar = Bar::new(design.runs(), done, std::io::stderr().is_terminal());
     let keep = |chunk: u64, bytes: Vec<u8>| {
@@ -178,7 +182,7 @@ impl Study {
                 workspace.program()
             );
         }
-        let design = Design::new(&definition, &folder, component.interface()).with_context(|| format!("{shown}"))?;
+        let design = Design::new(&definition, &folder, &component).with_context(|| format!("{shown}"))?;
         let task = task(&definition, &folder, &component, design.factors()).with_context(|| format!("{shown}"))?;
         // Values that all runs share are refused before the first run.
         Runner::new(&task, component).with_context(|| format!("{shown}"))?;
@@ -227,5 +231,6 @@ fn task(definition: &Definition, folder: &Path, component: &Component, factors: 
         bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
     }
     let responses = Responses::new(definition, &scenario, component)?;
-    Ok(Task { factors: factors.to_vec(), scenario, responses })
+    let calls = design::calls(component, factors);
+    Ok(Task { factors: factors.to_vec(), calls, scenario, responses })
 }

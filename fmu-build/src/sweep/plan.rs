@@ -12,27 +12,28 @@ use serde_json::{Value, json};
 
 /// The plan of a study for a model with this interface.
 pub fn plan(task: &Task, interface: &Interface) -> Value {
-    let Task { factors, scenario, responses } = task;
+    let Task { factors, calls, scenario, responses } = task;
     let name = |reference: Reference| interface.list()[reference as usize].name.as_str();
-    let factors = factors.iter().map(|factor| {
-        let kind = match factor.kind {
-            Kind::Real => "real",
-            Kind::Boolean => "boolean",
-            Kind::String | Kind::Integer => "text",
-        };
-        json!([factor.reference, factor.name, kind, factor.texts])
+    let calls = calls.iter().map(|call| {
+        let references: Vec<_> = call.factors.iter().map(|index| factors[*index].reference).collect();
+        let texts: Vec<_> = call.factors.iter().map(|index| &factors[*index].texts).collect();
+        let names: Vec<_> = call.factors.iter().map(|index| &factors[*index].name).collect();
+        json!([word(call.kind), call.factors, references, names, texts])
     });
-    let start = scenario.start.iter().map(|(reference, set)| {
+    let (reals, others) = &scenario.start;
+    let reals = reals.iter().map(|(references, values)| json!(["real", references, values]));
+    let others = others.iter().map(|(reference, set)| {
         let (kind, value) = match set {
             Set::Input(setting) => kind_and_value(*setting),
             Set::Text(text) => ("text", json!(text)),
         };
-        json!([reference, name(*reference), kind, value])
+        json!([kind, [reference], [value]])
     });
     let event = |event: &Event| json!({ "name": name(event.flag), "count": event.count, "time": event.time });
     json!({
-        "factors": factors.collect::<Vec<_>>(),
-        "start": start.collect::<Vec<_>>(),
+        "factors": factors.len(),
+        "calls": calls.collect::<Vec<_>>(),
+        "start": reals.chain(others).collect::<Vec<_>>(),
         "steps": scenario.steps.iter().map(step).collect::<Vec<_>>(),
         "stop_at": scenario.stop_at.as_ref().map(event),
         "stop_label": Decimal(scenario.stop()).to_string(),
@@ -42,10 +43,19 @@ pub fn plan(task: &Task, interface: &Interface) -> Value {
     })
 }
 
+/// What the workers call a kind of variables.
+fn word(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Real => "real",
+        Kind::Boolean => "boolean",
+        Kind::String | Kind::Integer => "text",
+    }
+}
+
 fn step(step: &Step) -> Value {
     let settings = step.settings.iter().map(|(reference, setting)| {
         let (kind, value) = kind_and_value(*setting);
-        json!([reference, kind, value])
+        json!([kind, [reference], [value]])
     });
     json!({
         "start": step.start, "end": step.end,

@@ -9,7 +9,8 @@ use super::design::{Factor, coded, variable};
 use crate::csv_file;
 use crate::start_values::truth;
 use anyhow::{Context, Result, bail};
-use linkage_fmu::variables::{Interface, Kind};
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::Kind;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,16 +42,16 @@ impl Clone for Points {
 }
 
 impl Points {
-    /// The points of a file for a model with this interface.
+    /// The points of a file for this model.
     ///
     /// # Errors
     /// The file cannot be read; a column that no factor has, or that stands twice; a value that is none; no line.
-    pub fn read(path: &Path, interface: &Interface) -> Result<Self> {
+    pub fn read(path: &Path, model: &Component) -> Result<Self> {
         let shown = path.display();
         let (mut reader, names) = csv_file::open(path)?;
         let mut factors: Vec<Factor> = Vec::new();
         for name in &names {
-            let factor = variable(&format!("{shown}"), name, interface)?;
+            let factor = variable(&format!("{shown}"), name, model)?;
             if factors.iter().any(|other| other.reference == factor.reference) {
                 bail!("{shown}: {name} stands twice");
             }
@@ -142,7 +143,6 @@ fn value(text: &str, factor: &mut Factor) -> Result<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use linkage_fmu::component::Component;
     use std::fs;
 
     const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
@@ -155,7 +155,7 @@ mod tests {
         let text = "\u{feff}crank.mass,solver.method,friction.enabled\r\n".to_owned() + &lines.collect::<String>();
         fs::write(&path, text).unwrap();
         let gear = Component::from_definition("mechanism.json", GEAR).unwrap();
-        let mut points = Points::read(&path, gear.interface()).unwrap();
+        let mut points = Points::read(&path, &gear).unwrap();
         assert_eq!((points.lines(), &*points.factors()[1].texts[2]), (5000, "a, b"));
         let mut other = points.clone();
         for k in 0..5000_u64 {

@@ -97,8 +97,8 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
         next = runs.end;
         chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
             failed += u64::from(remark.is_failure);
-            parquet.format.add(runs.start + index, values, remark)?;
-            csv.as_mut().map_or(Ok(()), |csv| csv.format.add(runs.start + index, values, remark))
+            parquet.add(runs.start + index, values, remark)?;
+            csv.as_mut().map_or(Ok(()), |csv| csv.add(runs.start + index, values, remark))
         })
     })?;
     if next != cut.runs_of(cut.chunks() - 1).end {
@@ -109,12 +109,22 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
     Ok(failed)
 }
 
-/// A file that gets its name when it is whole.
+/// A file that gets its name when it is whole; until then it is removed if it goes no further.
 pub struct Partial<F> {
-    /// Takes the rows.
-    pub format: F,
+    /// Closed before the file is removed.
+    format: F,
     path: PathBuf,
-    partial: PathBuf,
+    partial: Unfinished,
+}
+
+/// A file that is removed at the end, unless it has got another name.
+struct Unfinished(PathBuf);
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        // A full disk is to have its place back; there is nothing to remove after a rename.
+        let _ = fs::remove_file(&self.0);
+    }
 }
 
 impl<F: Format> Partial<F> {
@@ -125,10 +135,20 @@ impl<F: Format> Partial<F> {
     pub fn begin(path: &Path, columns: &[Column]) -> Result<Self> {
         let mut partial = path.as_os_str().to_owned();
         partial.push(".partial");
-        let partial = PathBuf::from(partial);
-        let file = File::create(&partial).with_context(|| format!("{}: cannot be made", partial.display()))?;
-        let format = F::begin(file, columns).with_context(|| format!("{}: cannot be written", partial.display()))?;
+        let partial = Unfinished(PathBuf::from(partial));
+        let shown = || partial.0.display();
+        let file = File::create(&partial.0).with_context(|| format!("{}: cannot be made", shown()))?;
+        let format = F::begin(file, columns).with_context(|| format!("{}: cannot be written", shown()))?;
         Ok(Self { format, path: path.to_path_buf(), partial })
+    }
+
+    /// Add a row.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()> {
+        let added = self.format.add(run, values, remark);
+        added.with_context(|| format!("{}: cannot be written", self.partial.0.display()))
     }
 
     /// Give the file its name.
@@ -138,6 +158,6 @@ impl<F: Format> Partial<F> {
     pub fn end(self) -> Result<()> {
         let shown = || format!("{}: cannot be written", self.path.display());
         self.format.end().with_context(shown)?;
-        fs::rename(&self.partial, &self.path).with_context(shown)
+        fs::rename(&self.partial.0, &self.path).with_context(shown)
     }
 }

@@ -3,9 +3,10 @@
 //! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then ready
 //! for the next run. Every run begins with an initialisation, so that none depends on those before it.
 
-use super::design::Factor;
+use super::design::{Call, Factor};
 use super::responses::{Measure, Progress, Responses};
 use super::scenario::{Event, Scenario, Set, Step};
+use crate::start_values::set_reals;
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Snapshot, Stepped};
 use linkage_fmu::numerics::decimal::Decimal;
@@ -18,6 +19,8 @@ const MOST_HALVINGS: u32 = 1100;
 pub struct Task {
     /// The factors.
     pub factors: Vec<Factor>,
+    /// The calls that set them.
+    pub calls: Vec<Call>,
     /// The course of every run.
     pub scenario: Scenario,
     /// What is told of each.
@@ -34,6 +37,7 @@ pub struct Runner<'a> {
     /// State at the beginning of the present step, where it may have to be made again.
     before: Option<Snapshot>,
     progress: Progress,
+    scratch: Vec<f64>,
 }
 
 impl<'a> Runner<'a> {
@@ -43,7 +47,7 @@ impl<'a> Runner<'a> {
     /// The model refuses one of them.
     pub fn new(task: &'a Task, mut model: Component) -> Result<Self> {
         set_start(&mut model, &task.scenario)?;
-        Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default() })
+        Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default(), scratch: Vec::new() })
     }
 
     /// Begin anew after a run that left the model in no known state.
@@ -65,14 +69,14 @@ impl<'a> Runner<'a> {
     }
 
     fn make(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
-        let Task { factors, scenario, responses } = self.task;
+        let Task { factors, calls, scenario, responses } = self.task;
         if matches!(self.model, Component::Hydraulic(_)) {
             // Its values are checked against each other, so that those of the run before might count.
             self.model.reset();
         }
         set_start(&mut self.model, scenario)?;
-        for (factor, value) in factors.iter().zip(point) {
-            factor.apply(&mut self.model, *value).with_context(|| factor.name.clone())?;
+        for call in calls {
+            call.apply(&mut self.model, factors, point, &mut self.scratch)?;
         }
         self.model.initialize().context("initialisation at 0 s")?;
         let reads = responses.read_states();
@@ -234,7 +238,11 @@ impl<'a> Runner<'a> {
 
 /// Set what all runs share.
 fn set_start(model: &mut Component, scenario: &Scenario) -> Result<()> {
-    for (reference, set) in &scenario.start {
+    let (reals, others) = &scenario.start;
+    for (references, values) in reals {
+        set_reals(model, references, values).context("start values")?;
+    }
+    for (reference, set) in others {
         let done = match set {
             Set::Input(setting) => setting.apply(model, *reference),
             Set::Text(text) => model.set_text(*reference, text),

@@ -4,9 +4,9 @@
 //! that `cargo fmu simulate` makes, and end besides at every corner of an input over time and at every instant that a response names.
 
 use super::definition::{Definition, Input, Setting};
-use super::design::shown;
+use super::design::{settable, shown};
 use crate::simulate::signals::{self, Signals, is_close};
-use crate::start_values::find;
+use crate::start_values::{find, most_together};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
@@ -14,6 +14,9 @@ use std::path::Path;
 
 /// Most steps of a run.
 const MOST_STEPS: f64 = 1e7;
+
+/// References and values of Reals that are set in one call.
+pub type Reals = (Vec<Reference>, Vec<f64>);
 
 /// What a variable is set to.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +52,8 @@ pub struct Event {
 /// The course of every run.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// What is set before a run begins, besides the factors.
-    pub start: Vec<(Reference, Set)>,
+    /// What is set before a run begins, before the factors: Reals in the calls that set them, then all else.
+    pub start: (Vec<Reals>, Vec<(Reference, Set)>),
     /// The steps; at least one.
     pub steps: Vec<Step>,
     /// The event that ends a run, if one does.
@@ -78,12 +81,12 @@ impl Scenario {
                 "scenario.output_interval = {interval:?}: must be > 0 s, and at most {MOST_STEPS:e} make the stop time {stop:?} s"
             );
         }
-        let mut start = constants("start_values", study.start_values.iter(), interface)?;
+        let mut start = constants("start_values", study.start_values.iter(), model)?;
         let mut all = Vec::new();
         for (name, input) in stated.inputs.iter() {
             let key = format!("scenario.inputs.{name}");
             match input {
-                Input::Constant(value) => start.extend(constants("scenario.inputs", [(name, value)], interface)?),
+                Input::Constant(value) => start.extend(constants("scenario.inputs", [(name, value)], model)?),
                 Input::Points(points) => all.push(signal(&key, name, points, interface)?),
             }
         }
@@ -104,6 +107,7 @@ impl Scenario {
         start.extend(at_start.map(|(reference, setting)| (reference, Set::Input(setting))));
         let stop_at = stated.stop_at.as_ref().map(|flag| event("scenario.stop_at", flag, model)).transpose()?;
         let steps = steps(stop, stated.output_interval, &all, instants);
+        let start = in_calls(start, model);
         Ok(Self { start, steps, stop_at, is_sampled: stated.output_interval.is_some() })
     }
 
@@ -114,7 +118,9 @@ impl Scenario {
 
     /// Whether a variable is set by the scenario.
     pub fn sets(&self, reference: Reference) -> bool {
-        self.start.iter().any(|(own, _)| *own == reference)
+        let (reals, others) = &self.start;
+        let others = others.iter().map(|(own, _)| own);
+        reals.iter().flat_map(|(references, _)| references).chain(others).any(|own| *own == reference)
     }
 }
 
@@ -163,20 +169,29 @@ pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
     Ok(Event { flag: reference, count, time })
 }
 
+/// What is set before a run begins, in calls.
+fn in_calls(start: Vec<(Reference, Set)>, model: &Component) -> (Vec<Reals>, Vec<(Reference, Set)>) {
+    let (mut reals, mut others) = (Vec::new(), Vec::new());
+    for (reference, set) in start {
+        match set {
+            Set::Input(signals::Setting::Real(value)) => reals.push((reference, value)),
+            other => others.push((reference, other)),
+        }
+    }
+    (reals.chunks(most_together(model)).map(|together| together.iter().copied().unzip()).collect(), others)
+}
+
 /// Values that hold from the start on.
 fn constants<'a>(
     section: &str,
     values: impl IntoIterator<Item = (&'a str, &'a Setting)>,
-    interface: &Interface,
+    model: &Component,
 ) -> Result<Vec<(Reference, Set)>> {
     let mut constants: Vec<(Reference, Set)> = Vec::new();
     for (name, value) in values {
         let key = format!("{section}.{name}");
-        let reference = find(interface, name).with_context(|| key.clone())?;
-        let variable = &interface.list()[reference as usize];
-        if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
-            bail!("{key}: is of causality {}; name a parameter or an input", variable.causality.word().to_lowercase());
-        }
+        let reference = settable(&key, name, "name a parameter or an input", model)?;
+        let variable = &model.interface().list()[reference as usize];
         let set = match (variable.kind, value) {
             (Kind::Real, Setting::Real(value)) => Set::Input(signals::Setting::Real(*value)),
             (Kind::Boolean, Setting::Boolean(value)) => Set::Input(signals::Setting::Boolean(*value)),

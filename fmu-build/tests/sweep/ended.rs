@@ -86,6 +86,34 @@ fn a_study_that_was_ended_is_resumed() {
     assert_eq!(Rows::read(&parts.join("runs.csv")).rows.len(), 60_000);
 }
 
+/// Where no more can be written, as on a full disk, first in the journal and then in the results: what is done stays.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_loses_nothing() {
+    let folder = Folder::new("a full disk");
+    let study = many(&folder, "study.json", 60_000);
+    let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
+    assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
+    // Blocks of 512 or 1024 bytes, as the shell has it; the journal has 1.4 MB, the table 2.2 MB, its CSV file 4 MB.
+    for (blocks, options, said) in [
+        (900, &["--csv"][..], "runs.journal: cannot be written; free space there; --resume goes on then"),
+        (3300, &["--csv", "--resume"][..], "has all runs; --resume writes the results"),
+    ] {
+        let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
+        let mut command = Command::new("sh");
+        command.args(["-c", &limited, "sh", env!("CARGO_BIN_EXE_fmu-build"), "sweep"]).arg(&study).arg("--out");
+        let ended = command.arg(&parts).args(options).output().unwrap();
+        let message = String::from_utf8_lossy(&ended.stderr).into_owned();
+        assert!(!ended.status.success() && message.contains(said), "{message}");
+        let names: Vec<_> = fs::read_dir(&parts).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(names, ["runs.journal"]);
+    }
+    assert!(start(&study, &parts, &["--csv", "--resume"]).wait().unwrap().success());
+    for name in ["runs.csv", "runs.parquet", "study.json"] {
+        assert!(fs::read(whole.join(name)).unwrap() == fs::read(parts.join(name)).unwrap(), "{name}");
+    }
+}
+
 /// Largest memory of a study [kB].
 #[cfg(target_os = "linux")]
 fn memory(study: &Path, out: &Path) -> u64 {

@@ -56,6 +56,33 @@ fn the_worked_studies_run() {
     }
 }
 
+/// The optimum from which the report is drawn is one of the study in docs/studies: its runs give what it tells.
+#[test]
+fn the_committed_optimum_is_that_of_the_study() {
+    let root = Workspace::locate().root().to_path_buf();
+    let read = |path: &str| serde_json::from_str::<Value>(&fs::read_to_string(root.join(path)).unwrap()).unwrap();
+    let (study, optimum) = (read("docs/studies/least_force.json"), read("validation/results/least_force_optimum.json"));
+    let folder = Folder::new("optimum");
+    for design in ["present", "best"] {
+        let told = &optimum[design];
+        let mut study = study.clone();
+        for key in ["objective", "constraints", "search"] {
+            study.as_object_mut().unwrap().remove(key);
+        }
+        for (name, factor) in study["factors"].as_object_mut().unwrap() {
+            assert_eq!(optimum["bounds"][name], factor["bounds"], "{name}");
+            *factor = json!({ "values": [told["factors"][name]] });
+        }
+        study["mechanism"] = json!(root.join("docs/studies").join(study["mechanism"].as_str().unwrap()));
+        let rows = folder.rows(study);
+        for (name, expected) in told["responses"].as_object().unwrap() {
+            let (value, expected) = (rows.number(0, name), expected.as_f64().unwrap());
+            // Processors without fused multiply-add round otherwise; the integration's tolerance is 1e-9.
+            assert!((value - expected).abs() <= 1e-7 * expected.abs(), "{design}, {name}: {value} and {expected}");
+        }
+    }
+}
+
 /// The whole examples of the format page, and every kind of key, under the schema; what the reader refuses is refused.
 #[test]
 fn the_schema_agrees_with_the_reader() {

@@ -4,6 +4,7 @@
 
 mod ended;
 mod examples;
+mod families;
 mod optimise;
 mod refusals;
 mod rows;

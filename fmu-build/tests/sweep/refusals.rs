@@ -1,6 +1,7 @@
 //! What is wrong with a study is said in one line.
 
 use crate::support::{Folder, sweep};
+use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
 use std::fs;
 
@@ -49,7 +50,7 @@ fn what_is_wrong_is_said_in_one_line() {
             "the time goes back from 1 to 0 s",
         ),
         (with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })), "scenario.inputs.crank.mass: is no input"),
-        (with("start_values", json!({ "crank.mass": -1 })), "start value of crank.mass"),
+        (with("start_values", json!({ "crank.mass": -1 })), "start values: crank.mass = -1"),
         (
             with("start_values", json!({ "friction.enabled": 1 })),
             "start_values.friction.enabled = 1: must be a Boolean",
@@ -69,6 +70,18 @@ fn what_is_wrong_is_said_in_one_line() {
     ] {
         let message = refusal(&folder, study);
         assert!(message.contains(said), "{said}\n{message}");
+    }
+    let family = Workspace::locate().descriptions().join("FourBarFamily");
+    let of_family = |key: &str, value: Value| json!({ "mechanism": family, key: value, "responses": { "r": { "final": "tip.x" } } });
+    fs::write(folder.0.join("lengths.csv"), "size,crank.length\n0.3,0.1\n").unwrap();
+    let calculated = "crank.length is calculated, \"size / 3\", and cannot be set: set size";
+    for study in [
+        of_family("factors", json!({ "crank.length": { "range": [0.1, 0.2], "steps": 2 } })),
+        of_family("start_values", json!({ "crank.length": 0.1 })),
+        of_family("points", json!("lengths.csv")),
+    ] {
+        let message = refusal(&folder, study);
+        assert!(message.contains(calculated), "{message}");
     }
     let twice = json!({
         "factors": { "crank.mass": { "values": [1] } }, "start_values": { "crank.mass": 2 }, "responses": final_angle

@@ -38,7 +38,7 @@ fn sigma_at(a: Knot, b: Knot, count: f64) -> f64 {
 
 impl Curve {
     /// Borders of panels on which second derivatives along the curve should be resolved to `accuracy`, relative to
-    /// their largest values. Every crossing is in the middle of a panel.
+    /// their largest values. Every crossing is in the middle of a panel, every knot of a law at a border.
     pub fn grid(&self, accuracy: f64) -> Vec<f64> {
         let (first, last) = self.range;
         let knots = self.knots(accuracy);
@@ -62,6 +62,7 @@ impl Curve {
         }
         grid.push(last);
         self.center_crossings(&mut grid);
+        self.insert_knots(&mut grid);
         grid
     }
 
@@ -103,6 +104,22 @@ impl Curve {
             }
         }
         largest
+    }
+
+    /// Make every knot of the law of a coupling a border, in place of borders close to it.
+    fn insert_knots(&self, grid: &mut Vec<f64>) {
+        /// Least width of a panel beside a knot, as a part of the panel that the knot divides.
+        const LEAST: f64 = 0.3;
+        let knots = if self.linkage().couplings.is_empty() { Vec::new() } else { self.law_knots() };
+        for &at in &knots {
+            let next = grid.partition_point(|s| *s < at);
+            let radius = LEAST * (grid[next.min(grid.len() - 1)] - grid[next.max(1) - 1]);
+            let (first, last) = (grid[0], grid[grid.len() - 1]);
+            grid.retain(|s| (s - at).abs() > radius || *s == first || *s == last || knots.contains(s));
+            if !grid.contains(&at) {
+                grid.insert(grid.partition_point(|s| *s < at), at);
+            }
+        }
     }
 
     /// Move the borders so that every crossing is in the middle of a panel.

@@ -330,7 +330,10 @@ impl<'a> Tracer<'a> {
     fn next_panel(&mut self, base: &Base, width: &mut f64) -> Result<(Panel, Vec<f64>, f64), CurveError> {
         let (mut massless, mut limit) = (false, f64::INFINITY);
         while width.min(limit) > SMALLEST {
-            let (wide, from) = self.bounded(base, width.min(limit));
+            let (mut wide, from) = self.bounded(base, width.min(limit));
+            if from.is_none() && !self.closure.linkage.couplings.is_empty() {
+                wide = self.up_to_knot(base, wide);
+            }
             let Self { closure, transform, travel, scratch, bridge, .. } = self;
             let mut visit = |node: usize, positions: &Positions| {
                 if let Some(travel) = &mut *travel {
@@ -441,7 +444,9 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     let linkage = &*closure.linkage;
     let p = linkage.positions(q);
     let whole: f64 = linkage.bodies.iter().map(|b| b.mass * linkage.size.powi(2) + b.inertia).sum();
+    let whole = whole + linkage.rotors.iter().map(|rotor| rotor.mass * linkage.size.powi(2)).sum::<f64>();
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }
 
 mod bridging;
+mod knots;

@@ -39,6 +39,9 @@ pub struct Stop {
     /// Bumper: damping [N.s/m or N.m.s/rad], >= 0.
     #[serde(default)]
     pub damping: f64,
+    /// Bumper: points of a further push over the depth beyond the stop: pairs [m or rad, N or N.m], from [0, 0] on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 2]>>,
     /// Name of the Boolean output that is true at this stop; `<name>.reached` where absent.
     pub flag: Option<String>,
 }

@@ -1,4 +1,5 @@
-//! Couplings: gears, racks and belts between two bodies, with the checks that need no geometry.
+//! Couplings: gears, racks, belts and cams between two bodies, with the checks that need no geometry.
+use super::cams::{CamSegment, Follower};
 use super::{Mechanism, Role, Visit};
 use crate::format::{DefinitionError, Faults, Owner, Range};
 use crate::mechanism::definition::bodies::JointKind;
@@ -9,21 +10,45 @@ use serde::{Deserialize, Serialize};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 /// A coupling: with the angle u1 of the first wheel relative to the carrier, and the angle of the second wheel, or the
-/// position of the rack, relative to the carrier u2, it holds u2 = ratio u1 + phase.
+/// position of the rack, relative to the carrier u2, it holds u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {
     /// Kind of coupling.
     #[serde(rename = "type")]
     pub kind: CouplingKind,
-    /// Centre of the first wheel (`body.point`), where it is hinged on the carrier.
+    /// Centre of the first wheel or of the cam (`body.point`), where it is hinged on the carrier.
     pub first: String,
-    /// Gears, belt: centre of the second wheel (`body.point`), where it is hinged on the carrier.
+    /// Centre of the second wheel or of an oscillating follower (`body.point`), where it is hinged on the carrier.
     pub second: Option<String>,
-    /// Gears, belt: body on which both wheels are hinged; the ground where absent.
+    /// Body on which both are hinged; the ground where absent.
     pub carrier: Option<String>,
-    /// Rack: the prismatic joint between the rack and the body on which the wheel is hinged.
+    /// The prismatic joint between the rack, or a translating follower, and the body on which the wheel or cam is hinged.
     pub joint: Option<String>,
+    /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
+    pub eccentricity: Option<f64>,
+    /// Elliptic gears: number of lobes of each wheel [1]; 1, ellipses about a focus, where absent.
+    pub lobes: Option<f64>,
+    /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch curve [rad];
+    /// 0 where absent.
+    pub vertex_angle: Option<f64>,
+    /// Cam: what touches it.
+    pub follower: Option<Follower>,
+    /// Cam: centre of the roller, or a point of the flat face, on the follower (`body.point`).
+    pub contact: Option<String>,
+    /// Cam: radius of its base circle [m], > 0: the least of the profile, which touches without lift.
+    pub base_radius: Option<f64>,
+    /// Cam: radius of the roller [m], > 0.
+    pub roller_radius: Option<f64>,
+    /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis of an
+    /// oscillating follower, where absent.
+    pub face_angle: Option<f64>,
+    /// Cam: u1 at which the first segment begins, or at which the angle of the table is 0 [rad]; 0 where absent.
+    pub start_angle: Option<f64>,
+    /// Cam: the lift over a revolution, segment after segment.
+    pub segments: Option<Vec<CamSegment>>,
+    /// Cam: points of the lift in place of segments: pairs of angle [rad] and lift [m or rad], angles ascending.
+    pub points: Option<Vec<[f64; 2]>>,
     /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
     pub first_teeth: Option<f64>,
     /// Gears: number of teeth of the second wheel [1], > 0.
@@ -42,10 +67,12 @@ pub struct Coupling {
     pub radius: Option<f64>,
     /// Rack: side of the wheel's centre on which the rack lies, seen along the axis of the joint; right where absent.
     pub side: Option<Side>,
-    /// Gears, rack: pressure angle of the teeth [rad], >= 0 and < pi/2; 20 degrees where absent.
+    /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], >= 0 and < pi/2; 20 degrees where absent.
     pub pressure_angle: Option<f64>,
     /// u2 at u1 = 0 [rad, or m for a rack]; as in the guess where absent.
     pub phase: Option<f64>,
+    /// Part of the power that is passed on [1], which is refused: couplings have no losses.
+    pub efficiency: Option<f64>,
 }
 
 /// Kind of a coupling.
@@ -58,6 +85,10 @@ pub enum CouplingKind {
     Rack,
     /// A belt or a chain around two pulleys, without slip.
     Belt,
+    /// Two equal elliptic gear wheels in mesh.
+    EllipticGears,
+    /// A disc cam and its follower.
+    Cam,
     /// A screw, which is refused: its axis lies in the plane.
     Screw,
 }
@@ -86,6 +117,13 @@ impl Coupling {
             true => list.add("phase", "Position at angle 0 of the wheel", Metre, Range::Coordinate, &mut self.phase),
             false => list.add("phase", "Second angle at the first angle 0", Radian, Range::Turn, &mut self.phase),
         }
+        list.add("eccentricity", "Eccentricity of the pitch curves", One, Range::Eccentricity, &mut self.eccentricity);
+        list.add("lobes", "Lobes of each wheel", One, Range::Count, &mut self.lobes);
+        list.add("vertex_angle", "Direction of the nearest vertex", Radian, Range::Turn, &mut self.vertex_angle);
+        list.add("base_radius", "Radius of the base circle", Metre, Range::Length, &mut self.base_radius);
+        list.add("roller_radius", "Radius of the roller", Metre, Range::Length, &mut self.roller_radius);
+        list.add("face_angle", "Direction of the flat face", Radian, Range::Turn, &mut self.face_angle);
+        list.add("start_angle", "Angle at which the lift begins", Radian, Range::Turn, &mut self.start_angle);
         list.role = Role::Load;
         list.add("pretension", "Tension of each span without load", Newton, Range::NonNegative, &mut self.pretension);
         list.add("pressure_angle", "Pressure angle", Radian, Range::Pressure, &mut self.pressure_angle);
@@ -99,12 +137,19 @@ impl Coupling {
             }
             CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle"]),
             CouplingKind::Belt => (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension"]),
+            CouplingKind::EllipticGears => {
+                (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
+            }
+            CouplingKind::Cam => (
+                &["follower", "contact", "base_radius"],
+                &["joint", "second", "carrier", "roller_radius", "face_angle", "start_angle", "segments", "points"],
+            ),
             CouplingKind::Screw => (&[], &[]),
         }
     }
 
     /// Keys that not all kinds have, and whether they are given.
-    fn given(&self) -> [(&'static str, bool); 12] {
+    fn given(&self) -> [(&'static str, bool); 23] {
         [
             ("second", self.second.is_some()),
             ("carrier", self.carrier.is_some()),
@@ -118,12 +163,23 @@ impl Coupling {
             ("pretension", self.pretension.is_some()),
             ("radius", self.radius.is_some()),
             ("side", self.side.is_some()),
+            ("eccentricity", self.eccentricity.is_some()),
+            ("lobes", self.lobes.is_some()),
+            ("vertex_angle", self.vertex_angle.is_some()),
+            ("follower", self.follower.is_some()),
+            ("contact", self.contact.is_some()),
+            ("base_radius", self.base_radius.is_some()),
+            ("roller_radius", self.roller_radius.is_some()),
+            ("face_angle", self.face_angle.is_some()),
+            ("start_angle", self.start_angle.is_some()),
+            ("segments", self.segments.is_some()),
+            ("points", self.points.is_some()),
         ]
     }
 
     /// State what the file leaves out.
     fn complete(&mut self) {
-        if matches!(self.kind, CouplingKind::Gears | CouplingKind::Rack) {
+        if matches!(self.kind, CouplingKind::Gears | CouplingKind::EllipticGears | CouplingKind::Rack) {
             self.pressure_angle.get_or_insert(PRESSURE_ANGLE);
         }
     }
@@ -142,9 +198,14 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: drive the \
-                           prismatic joint by an actuator, or write rack for a wheel that turns in the plane";
+            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: give the key \
+                           screw of an actuator, or write rack for a wheel that turns in the plane";
             return refused("type", message);
+        }
+        if coupling.efficiency.is_some() {
+            let message = "couplings pass on all power, as their losses would follow from the force that they change: remove it, \
+                           and give the efficiency of a drive, or the friction of joints";
+            return refused("efficiency", message);
         }
         if self.bodies.get(name).is_some() || self.joints.get(name).is_some() {
             let group = if self.joints.get(name).is_some() { "joint" } else { "body" };
@@ -155,7 +216,8 @@ impl Mechanism {
         let given = coupling.given().into_iter().chain([("pressure_angle", coupling.pressure_angle.is_some())]);
         for (k, is_given) in given {
             if is_given && !needed.contains(&k) && !allowed.contains(&k) {
-                let keys = [&["first"], needed, allowed, &["phase"]].concat().join(", ");
+                let phase: &[&str] = if coupling.kind == CouplingKind::Cam { &[] } else { &["phase"] };
+                let keys = [&["first"], needed, allowed, phase].concat().join(", ");
                 return refused(k, &format!("goes with another type of coupling; the keys of this one are {keys}"));
             }
             if !is_given && needed.contains(&k) {
@@ -172,7 +234,17 @@ impl Mechanism {
         if let Some(joint) = &coupling.joint
             && self.named_joint(&key("joint"), joint)?.kind != JointKind::Prismatic
         {
-            return refused("joint", "is a revolute joint: name the prismatic joint in which the rack slides");
+            let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
+            return refused(
+                "joint",
+                &format!("is a revolute joint: name the prismatic joint in which the {what} slides"),
+            );
+        }
+        if let Some(contact) = &coupling.contact {
+            self.point(key("contact"), contact)?;
+        }
+        if coupling.kind == CouplingKind::Cam {
+            coupling.check_cam(&format!("couplings.{name}"))?;
         }
         if coupling.internal == Some(true) && coupling.first_teeth == coupling.second_teeth {
             return refused("internal", "a wheel cannot lie in a ring with as many teeth: change a number of teeth");

@@ -122,14 +122,29 @@ impl Mechanism {
             _ => {}
         };
         self.parameters(convert);
-        for (_, actuator) in self.actuators.iter_mut() {
-            let joint = actuator.joint.as_ref().and_then(|joint| self.joints.get(joint));
-            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute);
+        let Self { joints, actuators, springs, stops, .. } = self;
+        let is_rotary = |joint: &Option<String>| {
+            let joint = joint.as_ref().and_then(|joint| joints.get(joint));
+            joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
+        };
+        let way = |is_rotary: bool, way: &mut f64| if is_rotary { units.angle(way) } else { units.length(way) };
+        for (_, actuator) in actuators.iter_mut() {
+            let is_rotary = is_rotary(&actuator.joint) || actuator.screw.is_some();
             let Some(motion) = &mut actuator.motion else { continue };
             let distances = motion.points.iter_mut().flatten().map(|[_, distance]| distance);
-            for way in motion.position.iter_mut().chain(distances) {
-                if is_rotary { units.angle(way) } else { units.length(way) }
-            }
+            motion.position.iter_mut().chain(distances).for_each(|s| way(is_rotary, s));
+        }
+        for (_, spring) in springs.iter_mut() {
+            let is_rotary = is_rotary(&spring.joint);
+            spring.points.iter_mut().flatten().for_each(|[s, _]| way(is_rotary, s));
+        }
+        for (_, stop) in stops.iter_mut() {
+            let is_rotary = stop.angle.is_some();
+            stop.points.iter_mut().flatten().for_each(|[depth, _]| way(is_rotary, depth));
+        }
+        for (_, coupling) in self.couplings.iter_mut() {
+            coupling
+                .lift_numbers(&mut |is_angle, value| if is_angle { units.angle(value) } else { units.length(value) });
         }
         for (_, body) in self.bodies.iter_mut() {
             let Some(drawn) = &mut body.drawn else { continue };

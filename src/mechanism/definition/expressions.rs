@@ -328,11 +328,20 @@ impl Mechanism {
             drawn.points.iter().for_each(|(point, place)| pair(&format!("points.{point}"), *place));
             all.extend(drawn.angle.map(|angle| (key("angle"), angle, true)));
         }
-        for (name, spring) in self.springs.iter() {
-            for (i, [s, force]) in spring.points.iter().flatten().enumerate() {
-                let key = |part: usize| format!("springs.{name}.points[{i}][{part}]");
-                all.extend([(key(0), *s, false), (key(1), *force, false)]);
+        let mut points = |key: String, points: &Option<Vec<[f64; 2]>>, has_unit: bool| {
+            for (i, [x, force]) in points.iter().flatten().enumerate() {
+                all.extend([(format!("{key}[{i}][0]"), *x, has_unit), (format!("{key}[{i}][1]"), *force, false)]);
             }
+        };
+        for (name, spring) in self.springs.iter() {
+            points(format!("springs.{name}.points"), &spring.points, true);
+            points(format!("springs.{name}.damping_points"), &spring.damping_points, false);
+        }
+        self.actuators.iter().for_each(|(name, a)| points(format!("actuators.{name}.points"), &a.points, false));
+        self.stops.iter().for_each(|(name, stop)| points(format!("stops.{name}.points"), &stop.points, true));
+        for (name, coupling) in self.couplings.iter() {
+            let numbers = coupling.stated_lift(&format!("couplings.{name}")).into_iter();
+            all.extend(numbers.map(|(key, value)| (key, value, true)));
         }
         all.extend(self.guess.iter().map(|(name, value)| (format!("guess.{name}"), *value, true)));
         all

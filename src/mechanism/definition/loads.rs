@@ -5,6 +5,7 @@ use crate::format::{Flag, Owner, Parameter, Range};
 use crate::hydraulics::definition::Circuit;
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle).
 #[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
@@ -34,20 +35,52 @@ pub struct Actuator {
     pub second: Option<String>,
     /// Joint, in place of the two ends.
     pub joint: Option<String>,
-    /// Not in a revolute joint: start value of the input `<name>.force` [N].
+    /// Neither in a revolute joint nor with a screw: start value of the input `<name>.force` [N].
     pub force: Option<f64>,
-    /// In a revolute joint only: start value of the input `<name>.torque` [N.m].
+    /// In a revolute joint or with a screw: start value of the input `<name>.torque` [N.m].
     pub torque: Option<f64>,
     /// Efficiency eta [1], 0 < eta <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the mechanism,
     /// and back from it; 1 where absent.
     pub efficiency: Option<f64>,
+    /// Points of a force or torque over the speed of the drive: pairs [m/s or rad/s, N or N.m], speeds ascending. It is
+    /// added to the force, times the input `<name>.command`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<Vec<[f64; 2]>>,
+    /// Start value of the input `<name>.command` [1]; 1 where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub command: Option<f64>,
     /// Not in a revolute joint: the hydraulic circuit that drives it, with the sections of a hydraulic actuator. The force
     /// is then an output.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hydraulics: Option<Circuit>,
+    /// Not in a revolute joint: the screw through which a motor drives. The drive is then its rotation, with a torque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw: Option<Screw>,
     /// The motion of the drive, where it can be prescribed; one drive of a mechanism may have it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<PrescribedMotion>,
+}
+
+/// A screw and nut along the line of a drive: with the angle phi of the screw the stroke is lead phi / (2 pi).
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct Screw {
+    /// Stroke for one revolution [m], > 0.
+    pub lead: f64,
+    /// Moment of inertia of the screw with its motor about its axis [kg.m2], >= 0; 0 where absent.
+    pub inertia: Option<f64>,
+}
+
+impl Screw {
+    /// Angle for each metre of the stroke [rad/m].
+    pub fn ratio(self) -> f64 {
+        TAU / self.lead
+    }
+
+    /// Mass that has the kinetic energy of the screw at the speed of the stroke [kg].
+    pub fn reflected_mass(self) -> f64 {
+        self.inertia.unwrap_or(0.0) * self.ratio().powi(2)
+    }
 }
 
 /// A force at a point, in the mechanism frame.
@@ -105,6 +138,10 @@ pub struct Spring {
     pub preload: Option<f64>,
     /// Points of a further force as a function of length, position or angle: pairs [m or rad, N or N.m], ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Points of a further force as a function of the speed of lengthening or turning: pairs [m/s or rad/s, N or N.m],
+    /// ascending, one of them [0, 0].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_points: Option<Vec<[f64; 2]>>,
     /// Gas that the spring compresses; between two points, or along a prismatic joint.
     pub gas: Option<Gas>,
 }
@@ -181,9 +218,20 @@ impl Gravity {
 }
 
 impl Actuator {
+    /// Start value of the command of the drive's curve [1].
+    pub fn command(&self) -> f64 {
+        self.command.unwrap_or(1.0)
+    }
+
     pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
         let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
         list.add("efficiency", "Efficiency", Unit::One, Range::Fraction, &mut self.efficiency);
+        if let Some(screw) = &mut self.screw {
+            list.role = Role::Geometry;
+            list.add("screw.lead", "Lead of the screw", Unit::Metre, Range::Length, &mut screw.lead);
+            let (words, unit) = ("Moment of inertia of the screw", Unit::KilogramSquareMetre);
+            list.add("screw.inertia", words, unit, Range::NonNegative, &mut screw.inertia);
+        }
         if let Some(circuit) = &mut self.hydraulics {
             circuit.parameters([Role::Circuit, Role::CircuitStart], visit);
         }

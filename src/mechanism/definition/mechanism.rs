@@ -181,7 +181,8 @@ impl Mechanism {
         self.couplings.iter_mut().for_each(|(name, coupling)| coupling.parameters(name, visit));
         self.actuators.iter_mut().for_each(|(name, actuator)| {
             let joint = actuator.joint.as_ref().and_then(|joint| joints.get(joint));
-            actuator.parameters(name, joint.is_some_and(|joint| joint.kind == JointKind::Revolute), visit);
+            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
+            actuator.parameters(name, is_rotary, visit);
         });
         self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
         self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));

@@ -4,6 +4,8 @@
 //! list of its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad,
 //! anticlockwise positive.
 mod bodies;
+mod cams;
+mod characteristics;
 mod contact;
 mod couplings;
 mod drawing;
@@ -18,12 +20,13 @@ mod warnings;
 
 pub use crate::format::{DefinitionError, Experiment, Named, Range};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
+pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
 pub use expressions::{Calculated, Expressions, Fault};
-pub use loads::{Actuator, Air, Force, Gas, Gravity, Spring, Surface, Torque};
+pub use loads::{Actuator, Air, Force, Gas, Gravity, Screw, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};

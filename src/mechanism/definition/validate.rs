@@ -1,16 +1,16 @@
 //! Checks of a definition that need no geometry: numbers in range, names that resolve, keys that go together.
 use super::bodies::{Body, Joint, JointKind};
+use super::characteristics::{check_bumper, check_damper, check_drive, check_spring};
 use super::contact::Stop;
 use super::experiment::Solver;
-use super::loads::{Spring, Surface};
+use super::loads::Surface;
 use super::mechanism::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Faults, Named, Range, is_reserved};
-use crate::numerics::monotone::Monotone;
 use crate::variables::{Unit, nearest};
 use std::cmp::Reverse;
 use std::fmt;
 
-type Check = Result<(), DefinitionError>;
+pub(super) type Check = Result<(), DefinitionError>;
 
 /// Most letters of a name: file systems take 255 with what packing adds.
 const LONGEST: usize = 200;
@@ -32,7 +32,7 @@ fn check_name(key: impl fmt::Display, name: &str) -> Check {
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
-fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
+pub(super) fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
     Err(DefinitionError::key(key, message))
 }
 
@@ -71,39 +71,6 @@ fn alternatives(what: &str, names: &[&str], name: &str) -> String {
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
     format!("{what} are {} in number, and the nearest are {nearest}", names.len())
-}
-
-/// A spring's points are those of a function, and its gas has a length to refer to.
-fn check_characteristic(key: &str, spring: &Spring, is_rotary: bool) -> Check {
-    if spring.gas.is_some() {
-        if is_rotary {
-            return refused(format_args!("{key}.gas"), "a gas acts along a line: name two points or a prismatic joint");
-        }
-        if spring.points.is_some() {
-            return refused(format_args!("{key}.gas"), "a spring has points or a gas: make two springs of them");
-        }
-        if spring.free_length.is_none() {
-            return refused(key, "a gas has its volume at the free length: add free_length");
-        }
-    }
-    let Some(points) = &spring.points else { return Ok(()) };
-    let key = format!("{key}.points");
-    for (i, value) in points.iter().enumerate().flat_map(|(i, point)| point.iter().map(move |value| (i, *value))) {
-        Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
-    }
-    if points.len() < 2 {
-        return refused(key, format_args!("has {} of the 2 or more points [S, force] that make a curve", points.len()));
-    }
-    match points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
-        Some(i) => refused(
-            format_args!("{key}[{}]", i + 1),
-            format_args!("S = {} does not follow S = {}: sort the points by S", points[i + 1][0], points[i][0]),
-        ),
-        None if Monotone::new(points).is_none() => {
-            refused(key, "two points are so near to each other that the slope between them is infinite: remove one")
-        }
-        None => Ok(()),
-    }
 }
 
 impl Mechanism {
@@ -331,9 +298,19 @@ impl Mechanism {
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
             let Some(is_rotary) = faults.keep(self.check_ends(&key, &a.first, &a.second, &a.joint)) else { continue };
-            let (asked, other) = if is_rotary { ("torque", a.force) } else { ("force", a.torque) };
+            if a.screw.is_some() {
+                let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
+                if is_rotary {
+                    refuse("a screw drives along a line: give first and second, or a prismatic joint");
+                }
+                if a.hydraulics.is_some() {
+                    refuse("a hydraulic circuit drives already: remove one of both");
+                }
+            }
+            let turns = is_rotary || a.screw.is_some();
+            let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
-                let message = "a drive in a revolute joint has a torque, any other a force";
+                let message = "a drive in a revolute joint or with a screw has a torque, any other a force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
             faults.keep(Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0)));
@@ -353,6 +330,7 @@ impl Mechanism {
                 }
                 faults.keep(circuit.check());
             }
+            faults.keep(check_drive(&key, a));
             self.check_motion(name, a, faults);
         }
     }
@@ -370,7 +348,8 @@ impl Mechanism {
                 let message = "a spring in a revolute joint has a free_angle, any other a free_length";
                 faults.keep::<()>(refused(&key, message));
             }
-            faults.keep(check_characteristic(&key, spring, is_rotary));
+            faults.keep(check_spring(&key, spring, is_rotary));
+            faults.keep(check_damper(&key, spring));
         }
         for (name, force) in self.forces.iter() {
             faults.keep(self.point(format_args!("forces.{name}.at"), &force.at));
@@ -487,13 +466,15 @@ impl Mechanism {
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
             return refused(key, format!("give {asked}, and no other value"));
         }
-        for (k, value) in [("stiffness", s.stiffness), ("damping", s.damping)] {
-            if s.rigid.is_none() && value != 0.0 {
+        let given = [("stiffness", s.stiffness != 0.0), ("damping", s.damping != 0.0), ("points", s.points.is_some())];
+        for (k, is_given) in given {
+            if s.rigid.is_none() && is_given {
                 let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true says \
                                that it waits for the parameter to change)";
                 return refused(format_args!("{key}.{k}"), message);
             }
         }
+        check_bumper(&key, s)?;
         match &s.flag {
             Some(flag) => check_name(format_args!("{key}.flag"), flag),
             None => Ok(()),
@@ -504,7 +485,9 @@ impl Mechanism {
         let s = &self.start;
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
             let message = format!(
-                "the oil of actuators.{drive} holds the mechanism at any position: state one, or leave out hydraulics"
+                "the oil of actuators.{drive} holds the mechanism at any position, as its pressures make it: state a \
+                 position, and start_pressure of chamber_a and chamber_b whose force is {drive}.holding_force there \
+                 (`cargo fmu check` tells both forces), or leave out hydraulics"
             );
             return refused("start.equilibrium", message);
         }

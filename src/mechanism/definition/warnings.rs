@@ -34,6 +34,7 @@ impl Mechanism {
         self.warn_of_friction(&mut all);
         self.warn_of_stops(&mut all);
         self.warn_of_springs(&mut all);
+        self.warn_of_curves(&mut all);
         all.extend(self.experiment.coarse().map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
         self.warn_of_bodies(&mut all);
         self.warn_of_angles(&mut all);
@@ -66,15 +67,23 @@ impl Mechanism {
 
     fn warn_of_stops(&self, all: &mut Vec<Finding>) {
         for (name, stop) in self.stops.iter() {
-            let pushes = stop.stiffness != 0.0 || stop.damping != 0.0;
+            let has_curve = stop.points.iter().flatten().any(|[_, push]| *push != 0.0);
+            let pushes = stop.stiffness != 0.0 || stop.damping != 0.0 || has_curve;
             match stop.rigid {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
-                    "is a bumper with neither stiffness nor damping, so it never pushes",
+                    "is a bumper with neither stiffness nor damping nor points, so it never pushes",
                     "give it a stiffness, or \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
-                    format_args!("stops.{name}.{}", if stop.stiffness != 0.0 { "stiffness" } else { "damping" }),
+                    format_args!(
+                        "stops.{name}.{}",
+                        match stop {
+                            _ if stop.stiffness != 0.0 => "stiffness",
+                            _ if stop.damping != 0.0 => "damping",
+                            _ => "points",
+                        }
+                    ),
                     "does nothing while the stop is rigid",
                     "say \"rigid\": false for a bumper",
                 )),
@@ -86,7 +95,7 @@ impl Mechanism {
     fn warn_of_springs(&self, all: &mut Vec<Finding>) {
         for (name, spring) in self.springs.iter() {
             let forces = [Some(spring.stiffness), spring.damping, spring.preload];
-            let is_linear = spring.points.is_none() && spring.gas.is_none();
+            let is_linear = spring.points.is_none() && spring.gas.is_none() && spring.damping_points.is_none();
             if is_linear && forces.into_iter().flatten().all(|value| value == 0.0) {
                 let message = "is a spring with neither stiffness nor damping nor preload, so it never pulls";
                 all.push(Finding::warning(

@@ -29,10 +29,16 @@ pub enum NoForce {
 }
 
 impl<T: Differentiable> EquationOfMotion<'_, T> {
-    /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
-    pub fn delivered(&self, load: usize) -> T {
-        let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));
-        index.map_or_else(|| self.applied.size(load, self.time), |k| self.scratch.evaluator.delivered[k])
+    /// Delivered force of a drive, with that of its curve, after the loss of the drive if it has one; as last evaluated.
+    pub fn delivered(&self, drive: usize) -> T {
+        let of = |load: usize| {
+            let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));
+            index.map_or_else(|| self.applied.size(load, self.time), |k| self.scratch.evaluator.delivered[k])
+        };
+        match &self.reduced.loading().drives[drive].curve {
+            Some(curve) => of(drive) + of(curve.load),
+            None => of(drive),
+        }
     }
 
     /// Force along sigma that a drive must give. The other drives lose as in a motion in the demanded direction,

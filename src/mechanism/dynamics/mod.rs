@@ -4,6 +4,7 @@ pub mod equation;
 pub mod hydraulic;
 pub mod inputs;
 pub mod inverse;
+mod kinks;
 pub mod panel_force;
 pub mod prescribed;
 pub mod state_loads;

@@ -10,7 +10,7 @@
 //! with the input derivatives a_1, a_2 of the acceleration, 0 unless set. In: inputs, a profile and where it began. Out:
 //! position, speed, acceleration and jerk at a time of the step; kinks. It must not know the curve.
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::loads::laws::profile::{Kinematics, Profile};
+use crate::mechanism::loads::laws::profile::{Kinematics, Profile, Since};
 use crate::mechanism::loads::resolved::MotionDrive;
 use crate::numerics::bracket::bisect;
 
@@ -31,8 +31,8 @@ pub fn end_of(given: Given, t: f64) -> Given {
 pub enum Prescribed<'a> {
     /// By inputs.
     Given(Given),
-    /// By a profile, from a position on, so long after its beginning [s].
-    Profile { profile: &'a Profile, origin: f64, time: f64 },
+    /// By a profile, from a position on, so long after it was first prescribed.
+    Profile { profile: &'a Profile, origin: f64, time: Since },
 }
 
 impl Inputs {
@@ -60,8 +60,8 @@ impl Inputs {
 }
 
 impl<'a> Prescribed<'a> {
-    /// The motion of a drive under these inputs; a profile began at `origin`, `time` [s] ago.
-    pub fn new(drive: &'a MotionDrive, inputs: &Inputs, origin: f64, time: f64) -> Option<Self> {
+    /// The motion of a drive under these inputs; a profile was first prescribed at `origin`, so long ago.
+    pub fn new(drive: &'a MotionDrive, inputs: &Inputs, origin: f64, time: Since) -> Option<Self> {
         match &drive.profile {
             Some(profile) => Some(Self::Profile { profile, origin, time }),
             None => inputs.given(drive).map(Self::Given),
@@ -78,7 +78,7 @@ impl<'a> Prescribed<'a> {
                 j + t * k,
             ],
             Self::Profile { profile, origin, time } => {
-                let [distance, speed, acceleration, jerk] = profile.at(time + t);
+                let [distance, speed, acceleration, jerk] = profile.at(time, t);
                 [origin + distance, speed, acceleration, jerk]
             }
         }
@@ -87,7 +87,7 @@ impl<'a> Prescribed<'a> {
     /// The first time after t and up to `end` [s] of the step at which the motion is less smooth, or turns back.
     pub fn next_kink(&self, t: f64, end: f64) -> f64 {
         match *self {
-            Self::Profile { profile, time, .. } => (profile.next_kink(time + t) - time).min(end),
+            Self::Profile { profile, time, .. } => profile.next_kink(time, t).min(end),
             Self::Given(_) => {
                 let speed = |t: f64| self.at(t)[1];
                 let part = |k: usize| t + (end - t) * k as f64 / PARTS as f64;

@@ -1,13 +1,16 @@
-//! Loads that the state decides: dampers, drives with an efficiency, drag, bumpers, friction.
+//! Loads that the state decides: dampers, drives with an efficiency or a curve, drag, bumpers, springs that wind up,
+//! friction.
 //!
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
+mod free;
+
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
-use crate::mechanism::loads::laws::drag::RelativeFlow;
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
+use crate::mechanism::loads::resolved::DriveCurve;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
@@ -168,7 +171,13 @@ impl<T: Number> StateLoadEvaluator<T> {
         side_by_side_at(&panel_force.reactions, x, &mut self.reactions);
         self.motion = panel_force.at(x, t);
         let mut lost = T::constant(0.0);
-        for (k, &load) in state_loads.drives.iter().enumerate() {
+        let curves = state_loads.curve(0);
+        for (curve, &drive) in state_loads.curves.iter().enumerate() {
+            let Some(DriveCurve { load, force }) = &reduced.loading().drives[drive].curve else { continue };
+            let speed = at(state_loads.given(0, *load)) * sigma_dot;
+            self.delivered[curves + curve] = applied.size(*load, t) * speed.compose(force.at(speed.value()));
+        }
+        for (k, &load) in state_loads.drives[..curves].iter().enumerate() {
             let influence = at(state_loads.given(0, load));
             if k >= state_loads.efficient {
                 let Some(drive) = &reduced.loading().hydraulics else { continue };
@@ -181,16 +190,30 @@ impl<T: Number> StateLoadEvaluator<T> {
             let size = applied.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
-            let part = efficient(self.switches.see(k, full.value()), mode.direction, efficiency);
+            let curve = state_loads.curves.iter().position(|drive| *drive == load).map(|curve| curves + curve);
+            let further = curve.map_or(0.0, |curve| (influence * self.delivered[curve]).value());
+            let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
             self.delivered[k] = size * T::constant(part);
+            if let Some(curve) = curve {
+                self.delivered[curve] = self.delivered[curve] * T::constant(part);
+            }
             self.motion = self.motion + influence * self.delivered[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
         }
+        for (&load, &delivered) in state_loads.drives[curves..].iter().zip(&self.delivered[curves..]) {
+            let driven = at(state_loads.given(0, load)) * delivered;
+            self.motion = self.motion + driven;
+            lost = lost - driven * sigma_dot;
+        }
         self.drag(reduced, state_loads, applied.air(t), sigma_dot);
         self.bumpers(reduced, state_loads, panel_force, mode, sigma_dot);
+        let stored = self.springs(reduced, state_loads, panel_force, sigma_dot);
         for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..state_loads.free()]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
+        }
+        if !state_loads.springs.is_empty() {
+            lost = lost - stored * sigma_dot;
         }
         if let Some(k) = reduced.components().damping {
             let damping = at(state_loads.given(0, k)) * sigma_dot;
@@ -332,47 +355,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         let effects = self.effects.as_flattened();
         let reactions = self.reactions.as_flattened();
         self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]])).is_err()
-    }
-
-    /// Sizes of the drag loads.
-    fn drag(&mut self, reduced: &Reduced, state_loads: &StateLoads, airspeed: T, sigma_dot: T) {
-        let Some(air) = reduced.loading().air.as_ref().filter(|_| state_loads.air) else { return };
-        for (i, surface) in air.surfaces.iter().enumerate() {
-            let effects = self.effects.as_flattened();
-            let rate = |k: usize| effects[3 * i + k] * sigma_dot;
-            let mut wind = [air.flow.x, air.flow.y].map(|f| T::constant(f) * airspeed);
-            let mut omega = T::constant(0.0);
-            if air.relative_wind {
-                wind = [wind[0] - rate(0), wind[1] - rate(1)];
-                omega = rate(2);
-            }
-            let line = [effects[state_loads.line(i)], effects[state_loads.line(i) + 1]];
-            let drag = surface.drag.force(air.density, &RelativeFlow { wind, omega, line });
-            self.loads[3 * i..3 * i + 3].copy_from_slice(&drag);
-        }
-    }
-
-    /// Sizes of the bumper loads: a spring and a damper for each bumper in contact.
-    fn bumpers(
-        &mut self,
-        reduced: &Reduced,
-        state_loads: &StateLoads,
-        panel_force: &PanelForce,
-        mode: &Mode,
-        sigma_dot: T,
-    ) {
-        let effects = self.effects.as_flattened();
-        let first = state_loads.free() - state_loads.bumpers.len();
-        for (k, &stop) in state_loads.bumpers.iter().enumerate() {
-            self.loads[first + k] = T::constant(0.0);
-            if mode.touching.contains(k) {
-                let stop = &reduced.loading().stops[stop];
-                let wound = panel_force.revolutions * reduced.load_growth(stop.load);
-                let beyond = effects[state_loads.pressed(k)] + T::constant(wound - stop.value);
-                let rate = effects[first + k] * sigma_dot;
-                self.loads[first + k] = -stop.push(beyond, rate);
-            }
-        }
     }
 
     fn friction(&mut self, state_loads: &StateLoads, mode: &Mode, t: f64, sigma_dot: T) -> Result<(), Locked> {

@@ -227,6 +227,10 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
         return refuse(&name, "a circuit".into(), "give a force");
     }
+    if let Some(drive) = loading.drives.iter().find(|drive| drive.curve.is_some()) {
+        let name = format!("actuators.{}.points", drive.name);
+        return refuse(&name, "a curve over the speed".into(), "give a torque or a force");
+    }
     if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
         let name = format!("{}.motion.enabled", loading.drives[drive.load].name);
         return refuse(&name, "true".into(), "set it to false");

@@ -69,7 +69,8 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     for drive in &reduced.loading().drives {
         let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
         let mut fact = Fact::new(TOPIC, &drive.name);
-        let given = [("given", word.to_owned()), ("holding", format!("holding_{word}"))];
+        let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
+        let given = [("given", given), ("holding", format!("holding_{word}"))];
         let range = [("forward", "breaks away from"), ("backward", "and back from")];
         let range = range.map(|(end, label)| (label, format!("breakaway_{word}_{end}")));
         let range = if sticking.is_some() { &range[..] } else { &[] };
@@ -122,13 +123,20 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
             Load::Separation { .. } => 0.0,
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Screw { ratio, .. } => ratio * linkage.size,
             Load::Gravity(acceleration) => {
                 linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size
             }
         };
         displacement / reduced.scale()
     };
-    let applied = reduced.sizes(inputs).into_iter().enumerate().map(|(load, size)| size.abs() * influence(load));
+    // A command sizes a load by the curve of its drive.
+    let unit = |load: usize| {
+        let curves = loading.drives.iter().filter_map(|drive| drive.curve.as_ref());
+        curves.filter(|curve| curve.load == load).map(|curve| curve.force.at(0.0)[0].abs()).next().unwrap_or(1.0)
+    };
+    let applied = reduced.sizes(inputs).into_iter().enumerate();
+    let applied = applied.map(|(load, size)| size.abs() * unit(load) * influence(load));
     let springs = loading.springs.iter().map(|spring| {
         let force = spring.force(reduced.displacement_at(spring.load, sigma));
         force.abs() * influence(spring.load)
@@ -151,7 +159,8 @@ fn held_by<'a>(reduced: &'a Reduced, travel: &Travel, here: f64) -> Option<&'a s
 fn creeps(model: &mut Model, reduced: &Reduced) -> Option<String> {
     for drive in &reduced.loading().drives {
         let word = if drive.is_rotary { "torque" } else { "force" };
-        let names = [word.to_owned(), format!("breakaway_{word}_forward"), format!("breakaway_{word}_backward")];
+        let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
+        let names = [given, format!("breakaway_{word}_forward"), format!("breakaway_{word}_backward")];
         let values = names.map(|name| {
             let reference = model.variables().find(&format!("{}.{name}", drive.name))?;
             model.real(reference).ok().filter(|value| value.is_finite())

@@ -11,7 +11,9 @@ mod scene;
 mod travel;
 
 pub use poses::{Attempt, Gap, Pose, Sweep, SweptStop, attempt};
-pub use scene::{Connection, DrawnBody, DrawnJoint, DrawnLock, DrawnStop, NamedPoint, On, Scene, Surface, Weight};
+pub use scene::{
+    Connection, DrawnBody, DrawnJoint, DrawnLock, DrawnOutline, DrawnStop, NamedPoint, On, Scene, Surface, Weight,
+};
 
 use super::definition::{DefinitionError, Mechanism};
 use super::model::Model;

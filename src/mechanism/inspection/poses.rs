@@ -144,7 +144,7 @@ impl Model {
         let drives = &reduced.loading().drives;
         let named = drives.iter().zip(&reduced.loading().loads).map(|(drive, load)| {
             let quantity = match load {
-                Load::Couple { .. } => "angle",
+                Load::Couple { .. } | Load::Screw { .. } => "angle",
                 Load::Slide { .. } => "position",
                 _ => "length",
             };

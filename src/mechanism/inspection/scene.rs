@@ -3,7 +3,7 @@
 //! In: a checked definition and its linkage. Out: bodies, joints, loads, stops and locks by name, with points in the
 //! frames of the linkage's bodies, as plain data. It must not know positions, which `poses` gives.
 use crate::mechanism::definition::{DefinitionError, Limit, Mechanism};
-use crate::mechanism::linkage::{Body, Freedom, Linkage, Point};
+use crate::mechanism::linkage::{Body, Freedom, Linkage, Outline, Point};
 use crate::numerics::plane::{Vec2, turned};
 use serde::Serialize;
 
@@ -77,6 +77,19 @@ pub struct Surface {
     pub half: Option<[f64; 2]>,
 }
 
+/// A line fixed to a body: the pitch curve of a wheel, the profile of a cam, a roller or a flat face.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrawnOutline {
+    /// Name of the coupling.
+    pub name: String,
+    /// Index of the body of the linkage; 0 is the ground.
+    pub frame: usize,
+    /// Its points in the frame of the body [m].
+    pub points: Vec<[f64; 2]>,
+    /// Whether the last point is joined to the first.
+    pub is_closed: bool,
+}
+
 /// A stop.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnStop {
@@ -142,6 +155,9 @@ pub struct Scene {
     pub torques: Vec<NamedPoint>,
     /// Markers.
     pub markers: Vec<NamedPoint>,
+    /// Outlines of the wheels and cams of couplings.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub outlines: Vec<DrawnOutline>,
     /// Surfaces with drag.
     pub surfaces: Vec<Surface>,
     /// Direction in which the air flows, of length 1.
@@ -228,6 +244,20 @@ impl Reader<'_> {
         drawn.collect()
     }
 
+    fn outlines(&self) -> Vec<DrawnOutline> {
+        let couplings = self.linkage.couplings.iter();
+        let drawn = couplings.flat_map(|coupling| {
+            let name = &self.linkage.joints[coupling.joint].name;
+            self.linkage.outlines(coupling).into_iter().map(move |Outline { body, points, is_closed }| DrawnOutline {
+                name: name.clone(),
+                frame: body,
+                points: points.into_iter().map(Vec2::into).collect(),
+                is_closed,
+            })
+        });
+        drawn.collect()
+    }
+
     fn surfaces(&self) -> Result<Vec<Surface>, DefinitionError> {
         let mut surfaces = Vec::new();
         for (name, s) in self.mechanism.surfaces.iter() {
@@ -307,6 +337,7 @@ impl Scene {
                 Ok(NamedPoint { name: name.into(), on: reader.in_body(&torque.on, center)? })
             }))?,
             markers: collected(mechanism.markers.iter().map(|(name, marker)| reader.named(name, &marker.at)))?,
+            outlines: reader.outlines(),
             surfaces: reader.surfaces()?,
             flow: mechanism.air.as_ref().map(|air| turned(Vec2::x(), air.flow_angle).into()),
             stops: reader.stops()?,

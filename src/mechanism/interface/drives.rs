@@ -6,7 +6,7 @@ use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
 use crate::variables::Unit::{
     self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
-    MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, Radian, RadianPerSecond,
+    MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, One, Radian, RadianPerSecond,
     RadianPerSecondSquared,
 };
 use crate::variables::{Causality, Value};
@@ -28,6 +28,17 @@ pub(super) fn add_inputs(b: &mut Builder) {
             (false, None) => (", positive when it pushes its ends apart", ""),
         };
         b.load_input(&[what, name, sense, joint], unit, start.unwrap_or(0.0));
+    }
+}
+
+/// Commands of the curves of drives.
+pub(super) fn add_commands(b: &mut Builder) {
+    let s = b.source;
+    for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
+        if drive.curve.is_some() {
+            let what = if drive.is_rotary { "torque" } else { "force" };
+            b.load_input(&["Command of ", name, ": factor of the ", what, " of its curve"], One, a.command());
+        }
     }
 }
 
@@ -63,20 +74,24 @@ pub(super) fn add_motion_switch(b: &mut Builder) {
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
 }
 
-/// Force with which a drive acts whose motion can be prescribed.
+/// Force with which a drive acts that has a curve, or whose motion can be prescribed.
 fn add_acting_force(b: &mut Builder, drive: usize) {
     let s = b.source;
-    if s.loading.motion.as_ref().is_none_or(|motion| motion.load != drive) {
-        return;
-    }
-    let n = s.loading.drives[drive].name.as_str();
-    let (suffix, what, unit) = match s.loading.drives[drive].is_rotary {
+    let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
+    let (suffix, what, unit) = match is_rotary {
         true => ("acting_torque", "Torque of ", NewtonMetre),
         false => ("acting_force", "Force of ", Newton),
     };
-    let needs = Needs { masses: true, ..s.acceleration() };
-    let text = [what, n, ": that of the input, or that which the prescribed motion takes"];
-    b.output(n, suffix, &text, unit, Output::ActingForce { drive }, needs);
+    let output = Output::ActingForce { drive };
+    if let Some(curve) = &s.loading.drives[drive].curve {
+        let text = [what, n, ": that of the input, and the command times that of the curve at the present speed"];
+        let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
+        b.output(n, suffix, &text, unit, output, needs);
+    } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
+        let needs = Needs { masses: true, ..s.acceleration() };
+        let text = [what, n, ": that of the input, or that which the prescribed motion takes"];
+        b.output(n, suffix, &text, unit, output, needs);
+    }
 }
 
 pub(super) fn add(b: &mut Builder) {
@@ -111,10 +126,12 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let (s, l) = (b.source, &b.source.loading);
     let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
     let (rubs, any_loses) = (s.has_friction(), l.drives.iter().any(|d| d.efficiency.is_some()));
-    let damped = s.mechanism.springs.iter().any(|(_, s)| s.damping.is_some());
+    let damped = s.mechanism.springs.iter().any(|(_, s)| s.damping.is_some() || s.damping_points.is_some());
+    let own_command = l.drives[drive].curve.as_ref().map(|curve| curve.load);
+    let any_curve = l.drives.iter().enumerate().any(|(other, d)| other != drive && d.curve.is_some());
     // No term depends on whether a lock holds.
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
-    let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive).collect();
+    let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive && Some(*i) != own_command).collect();
     let circuit = l.hydraulics.is_some();
     let demand = l.inputs.len() + drive;
     let mut demanded = others.clone();
@@ -122,15 +139,15 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     // With an efficiency the sign of the drive's power counts, so the drive's own force and the speed. Friction depends
     // on all inputs; what a drive with losses delivers depends on the direction in which the mechanism moves or would
     // move.
-    let own = if loses.is_some() { &[drive][..] } else { &[] };
+    let own: Vec<usize> = [drive].into_iter().chain(own_command).filter(|_| loses.is_some()).collect();
     let present = if any_loses || rubs { &free } else { &others };
     // The loads of friction are the last ones.
     let first = l.friction.iter().flat_map(|f| &f.friction_joints).map(|p| p.load).next();
     let frictionless = &s.loads[..first.unwrap_or(s.loads.len())];
-    let additional = Needs { speed: true, inertia: true, inputs: own, loads: &[drive], ..placed() };
+    let additional = Needs { speed: true, inertia: true, inputs: &own, loads: &[drive], ..placed() };
     let mass = Needs { speed: loses.is_some(), ..additional };
     let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
-    let speed = any_loses || rubs || damped || l.air.is_some();
+    let speed = any_loses || rubs || damped || any_curve || l.air.is_some();
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
     let holding = Needs { inputs: &others, loads: frictionless, lossless: true, circuit, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };

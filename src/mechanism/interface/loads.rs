@@ -40,7 +40,7 @@ pub(super) fn add_springs(b: &mut Builder) {
             _ => ("length", Metre, "force", Newton),
         };
         let position = Needs { loads: &[load], ..s.displacement(load) };
-        let needs = Needs { speed: defined.damping.is_some(), ..position };
+        let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
         b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
         let text = ["Pull of ", n, ": preload, spring and damper"];
         b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);

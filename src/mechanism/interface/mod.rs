@@ -97,6 +97,7 @@ fn build<'a>(
 ) -> Builder<'a> {
     let mut b = Builder::new(source, causes, describes);
     drives::add_inputs(&mut b);
+    drives::add_commands(&mut b);
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
     hydraulics::add_inputs(&mut b);

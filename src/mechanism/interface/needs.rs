@@ -190,7 +190,9 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
     add(!kinetic[0].iter().flatten().zip(kinetic[1].iter().flatten()).all(same), Cause::Inertia);
     let masses = |linkage: &Linkage| linkage.bodies.iter().map(|b| (b.mass, b.center, b.inertia)).collect::<Vec<_>>();
     let heavier = masses(&one.linkage) != masses(&other.linkage);
-    add(heavier, Cause::Masses);
+    let rotors = one.linkage.rotors != other.linkage.rotors;
+    add(rotors, Cause::Inertia);
+    add(heavier || rotors, Cause::Masses);
     for (l, load) in one.loading.loads.iter().enumerate() {
         let gravity = heavier && matches!(load, Load::Gravity(_));
         add(gravity || !same_load(&one.loading, &other.loading, l), Cause::Load(l));
@@ -228,7 +230,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         let friction = l.friction.as_ref()?;
         Some((friction.enabled, friction.friction_joints.iter().find(|p| p.load == load)?))
     };
-    let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.load == load);
+    let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.loads.contains(&load));
     one.loads[load] == other.loads[load]
         && mesh(one) == mesh(other)
         && constant(one) == constant(other)

@@ -110,7 +110,7 @@ impl<'a> Source<'a> {
 
     /// What the displacement of a load follows from, apart from its own constants.
     pub fn displacement(&self, load: usize) -> Needs<'static> {
-        match self.loading.loads[load] {
+        match *self.loading.loads[load].along() {
             Load::Pair { first, second } => self.position(&[first.body, second.body]),
             Load::Couple { first, second } => self.position(&[first, second]),
             Load::Slide { joint } => {

@@ -1,6 +1,7 @@
 //! From the definition to the linkage: merged bodies, groups of one angle, spanning tree.
 //!
 //! In: a checked definition. Out: a linkage. It must not know positions.
+use super::rotor::{Rotor, Stroke};
 use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Linkage, Point};
 use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
 use crate::numerics::plane::{Vec2, turned};
@@ -104,7 +105,29 @@ impl Linkage {
         linkage.add_couplings(mechanism)?;
         linkage.cuts.extend(linkage.couplings.iter().map(|coupling| coupling.joint));
         linkage.close_loops();
+        linkage.add_rotors(mechanism)?;
         Ok(linkage)
+    }
+
+    /// Add the screws of drives, with or without a moment of inertia.
+    fn add_rotors(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
+        for (name, drive) in mechanism.actuators.iter() {
+            let Some(screw) = drive.screw else { continue };
+            let stroke = match (&drive.first, &drive.second, &drive.joint) {
+                (Some(first), Some(second), _) => {
+                    let end =
+                        |key: &str, text: &str| self.locate(mechanism, format_args!("actuators.{name}.{key}"), text);
+                    Stroke::Between(end("first", first)?, end("second", second)?)
+                }
+                (.., Some(joint)) => match mechanism.joints.position(joint) {
+                    Some(index) => Stroke::Joint(index),
+                    None => continue,
+                },
+                _ => continue,
+            };
+            self.rotors.push(Rotor { stroke, mass: screw.reflected_mass() });
+        }
+        Ok(())
     }
 
     /// A point of the definition in this linkage.

@@ -2,7 +2,8 @@
 //!
 //! In: a checked definition, a linkage with its joints and coordinates. Out: the same linkage with couplings, each with a
 //! joint of its own behind those of the definition. It must not know how loops close.
-use super::coupling::{Coupling, Kind, Law, Second};
+use super::coupling::{Coupling, Kind, Second};
+use super::law::Law;
 use super::structure::{Freedom, Joint, Linkage, Point};
 use crate::mechanism::definition::{self, CouplingKind, DefinitionError, Mechanism, Side};
 use crate::numerics::decimal::Decimal;
@@ -24,6 +25,34 @@ impl Named<'_> {
     }
 }
 
+/// Two bodies that turn on a carrier.
+struct Pivots {
+    first: Point,
+    second: Point,
+    /// Index of the body that carries both, and the angle of the body of the definition in it [rad].
+    carrier: usize,
+    carrier_angle: f64,
+    /// u1 and u2 less the angles of the two bodies relative to the carrier [rad].
+    shifts: [f64; 2],
+    /// From the first centre to the second, in the frame of the carrier [m].
+    between: Vec2,
+}
+
+/// A body that turns on a carrier, and another one that slides on it.
+struct Slide {
+    first: Point,
+    /// u1 less the angle of the first body relative to the carrier [rad].
+    shift: f64,
+    /// Point of the prismatic joint on the carrier.
+    carrier: Point,
+    /// Point of the prismatic joint on the second body.
+    second: Point,
+    /// Centre of the first body, in the frame of the carrier [m].
+    center: Vec2,
+    /// Motion of the second body.
+    motion: Second,
+}
+
 impl Linkage {
     /// Add the couplings of the definition, in its order.
     ///
@@ -33,11 +62,15 @@ impl Linkage {
         let guess = self.guessed_positions(mechanism);
         for (name, defined) in mechanism.couplings.iter() {
             let named = Named { mechanism, name, defined };
-            let (joint, mut coupling) =
-                if defined.kind == CouplingKind::Rack { self.rack(&named)? } else { self.wheels(&named)? };
+            let (joint, mut coupling) = match defined.kind {
+                CouplingKind::Rack => self.rack(&named)?,
+                CouplingKind::Cam => self.cam(&named, guess.as_deref())?,
+                _ => self.wheels(&named)?,
+            };
             let index = self.couplings.len();
             self.joints.push(Joint { freedom: Freedom::Coupling(index), ..joint });
-            if let (None, Some(q)) = (defined.phase, &guess) {
+            let is_free = defined.phase.is_none() && defined.kind != CouplingKind::Cam;
+            if let (true, Some(q)) = (is_free, &guess) {
                 let [first, second] = self.coupled(&coupling, &self.positions(q));
                 coupling.law.add_phase(second - coupling.law.at(first)[0]);
             }
@@ -88,8 +121,13 @@ impl Linkage {
 
     /// Distance of the two points of a coupling's joint on the body that carries it [m].
     pub fn hinge_distance(&self, carrier: usize, joint: &Joint) -> f64 {
-        let [first, second] = [joint.first, joint.second].map(|center| self.hinge_on(carrier, center));
-        first.zip(second).map_or(0.0, |(first, second)| (second - first).norm())
+        let [first, second] = self.hinges(carrier, joint);
+        (second - first).norm()
+    }
+
+    /// The two points of a coupling's joint on the body that carries it, in its frame [m].
+    pub(super) fn hinges(&self, carrier: usize, joint: &Joint) -> [Vec2; 2] {
+        [joint.first, joint.second].map(|center| self.hinge_on(carrier, center).unwrap_or_default())
     }
 
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
@@ -101,9 +139,9 @@ impl Linkage {
         named.refused(key, message)
     }
 
-    /// Two wheels that turn: gears or a belt.
-    fn wheels(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
-        let Named { mechanism, name, defined } = *named;
+    /// The two bodies that turn, and what carries them.
+    fn pivots(&self, named: &Named) -> Result<Pivots, DefinitionError> {
+        let Named { mechanism, defined, .. } = *named;
         let second_text = defined.second.as_deref().unwrap_or_default();
         let (first, first_angle) = self.wheel(named, "first", &defined.first)?;
         let (second, second_angle) = self.wheel(named, "second", second_text)?;
@@ -130,15 +168,26 @@ impl Linkage {
         let Some(other) = self.hinge_on(carrier, second) else {
             return self.not_hinged(named, "second", second_text, carrier);
         };
-        let distance = (other - one).norm();
-        if distance <= SAME * self.size {
+        let between = other - one;
+        if between.norm() <= SAME * self.size {
+            let what = if defined.kind == CouplingKind::Cam { "cam and follower" } else { "wheels" };
             let message = format!(
-                "{} and {second_text} are one place: wheels need a distance between their centres",
+                "{} and {second_text} are one place: {what} need a distance between their centres",
                 defined.first
             );
             return named.refused("second", message);
         }
-        let (ratio, scale, kind) = match defined.kind {
+        let shifts = [first_angle - carrier_angle, second_angle - carrier_angle];
+        Ok(Pivots { first, second, carrier, carrier_angle, shifts, between })
+    }
+
+    /// Two wheels that turn: gears or a belt.
+    fn wheels(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
+        let Named { name, defined, .. } = *named;
+        let Pivots { first, second, carrier, carrier_angle, shifts, between } = self.pivots(named)?;
+        let distance = between.norm();
+        let phase = defined.phase.unwrap_or(0.0);
+        let (law, scale, kind) = match defined.kind {
             CouplingKind::Belt => {
                 let radii = [defined.first_radius, defined.second_radius].map(|radius| radius.unwrap_or(1.0));
                 let crossed = defined.crossed.unwrap_or(false);
@@ -154,30 +203,38 @@ impl Linkage {
                     );
                     return named.refused("second_radius", message);
                 }
-                (sign * radii[0] / radii[1], radii[1], Kind::Belt { radii, crossed })
+                let ratio = sign * radii[0] / radii[1];
+                (Law::Constant { ratio, phase }, radii[1], Kind::Belt { radii, crossed })
+            }
+            CouplingKind::EllipticGears => {
+                // theta is 0 where the vertex lies on the line of the centres, on the side of the second wheel.
+                let line = between.y.atan2(between.x) - carrier_angle;
+                let (vertex, lobes) = (defined.vertex_angle.unwrap_or(0.0) - line, defined.lobes.unwrap_or(1.0));
+                let eccentricity = defined.eccentricity.unwrap_or(0.0);
+                (Law::Elliptic { eccentricity, lobes, vertex, phase }, 0.5 * distance, Kind::Gears)
             }
             _ => {
                 let teeth = [defined.first_teeth, defined.second_teeth].map(|teeth| teeth.unwrap_or(1.0));
                 let sign = if defined.internal == Some(true) { 1.0 } else { -1.0 };
                 let ratio = sign * teeth[0] / teeth[1];
-                (ratio, distance / (ratio - 1.0).abs(), Kind::Gears)
+                (Law::Constant { ratio, phase }, distance / (ratio - 1.0).abs(), Kind::Gears)
             }
         };
         let coupling = Coupling {
             joint: self.joints.len(),
             carrier,
-            shift: first_angle - carrier_angle,
-            second: Second::Angle { shift: second_angle - carrier_angle },
-            law: Law::Constant { ratio, phase: defined.phase.unwrap_or(0.0) },
+            shift: shifts[0],
+            second: Second::Angle { shift: shifts[1] },
+            law,
             scale,
             kind,
         };
         Ok((Joint { name: name.into(), freedom: Freedom::Revolute, first, second }, coupling))
     }
 
-    /// A wheel and a rack.
-    fn rack(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
-        let Named { mechanism, name, defined } = *named;
+    /// The wheel or cam that turns, and the prismatic joint in which the second body slides.
+    fn slide(&self, named: &Named) -> Result<Slide, DefinitionError> {
+        let Named { mechanism, defined, .. } = *named;
         let (first, first_angle) = self.wheel(named, "first", &defined.first)?;
         let joint = mechanism.joints.position(defined.joint.as_deref().unwrap_or_default()).unwrap_or(0);
         let slide = &self.joints[joint];
@@ -187,8 +244,10 @@ impl Linkage {
                 format!("is on {}, which slides in {}: name a wheel that turns", self.bodies[on.body].name, slide.name);
             return named.refused("first", message);
         }
-        let hinged = ends.into_iter().find(|(carrier, ..)| self.hinge_on(carrier.body, first).is_some());
-        let Some((carrier, rack, sign)) = hinged else {
+        let hinged = ends.into_iter().find_map(|(carrier, second, sign)| {
+            self.hinge_on(carrier.body, first).map(|center| (carrier, second, sign, center))
+        });
+        let Some((carrier, second, sign, center)) = hinged else {
             let bodies = ends.map(|(body, ..)| self.bodies[body.body].name.as_str()).join(" nor on ");
             let message = format!(
                 "{} is hinged neither on {bodies}, the bodies of {}: let a revolute joint hold it on one of them",
@@ -204,23 +263,33 @@ impl Linkage {
             );
             return named.refused("joint", message);
         };
-        let (text, carrier) = if sign > 0.0 {
-            (&mechanism.joints.iter().nth(joint).map(|(_, j)| j.first.as_str()), carrier.body)
-        } else {
-            (&mechanism.joints.iter().nth(joint).map(|(_, j)| j.second.as_str()), carrier.body)
-        };
+        let text = mechanism
+            .joints
+            .iter()
+            .nth(joint)
+            .map(|(_, j)| if sign > 0.0 { j.first.as_str() } else { j.second.as_str() });
         let carrier_angle = text.map_or(0.0, |text| self.angle_of(mechanism, text));
+        let motion = Second::Position { joint, coordinate, sign };
+        Ok(Slide { first, shift: first_angle - carrier_angle, carrier, second, center, motion })
+    }
+
+    /// A wheel and a rack.
+    fn rack(&self, named: &Named) -> Result<(Joint, Coupling), DefinitionError> {
+        let Named { name, defined, .. } = *named;
+        let Slide { first, shift, carrier, second, motion, .. } = self.slide(named)?;
         let radius = defined.radius.unwrap_or(1.0);
         let ratio = if defined.side == Some(Side::Left) { -radius } else { radius };
         let coupling = Coupling {
             joint: self.joints.len(),
-            carrier,
-            shift: first_angle - carrier_angle,
-            second: Second::Position { joint, coordinate, sign },
+            carrier: carrier.body,
+            shift,
+            second: motion,
             law: Law::Constant { ratio, phase: defined.phase.unwrap_or(0.0) },
             scale: 1.0,
             kind: Kind::Rack,
         };
-        Ok((Joint { name: name.into(), freedom: Freedom::Revolute, first, second: rack }, coupling))
+        Ok((Joint { name: name.into(), freedom: Freedom::Revolute, first, second }, coupling))
     }
 }
+
+mod cams;

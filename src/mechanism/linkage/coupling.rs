@@ -1,19 +1,21 @@
-//! Couplings: gears, racks and belts, each one equation between the motions of two bodies relative to a carrier.
+//! Couplings: gears, racks, belts and cams, each one equation between the motions of two bodies relative to a carrier.
 //!
-//! In: positions and rates of the bodies. Out: the residual of a coupling with its derivatives, and the force that it
-//! transmits. It must not know definitions, loads or time.
+//! In: positions and rates of the bodies. Out: the residual of a coupling with its derivatives. It must not know
+//! definitions, loads or time.
 //!
 //! The first wheel turns by u1 relative to the carrier. The second body turns by u2, or it slides by u2 along a prismatic
 //! joint of the carrier. The coupling holds u2 = F(u1), and its residual is scale (u2 - F(u1)) [m]. With the multiplier
 //! lambda [N] of this equation, the power that the coupling gives to the second body is lambda scale u2_dot, and it takes
 //! as much from the first.
+use super::cam::Cam;
+use super::law::Law;
 use super::motion::{Positions, Rates};
-use super::structure::{Freedom, Linkage};
-use crate::numerics::plane::{Vec2, perp};
+use super::structure::{Freedom, Joint, Linkage};
+use crate::numerics::plane::Vec2;
 use crate::numerics::twofold::Twofold;
 
-/// A coupling of two bodies. Its joint has the centre of the first wheel and the centre of the second, or the point of
-/// the rack in its prismatic joint.
+/// A coupling of two bodies. Its joint has the centre of the first wheel or cam and the centre of the second wheel or
+/// follower, or the point of the rack or follower in its prismatic joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     /// Index of its joint.
@@ -51,22 +53,11 @@ pub enum Second {
     },
 }
 
-/// Law u2 = F(u1) of a coupling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Law {
-    /// F = ratio u1 + phase.
-    Constant {
-        /// Ratio u2_dot / u1_dot [1, or m/rad].
-        ratio: f64,
-        /// u2 at u1 = 0 [rad, or m].
-        phase: f64,
-    },
-}
-
 /// How a coupling transmits its force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// Teeth in contact at the pitch point on the line between the centres.
+    /// Teeth in contact at the pitch point on the line between the centres, with a common tangent of the pitch curves that is
+    /// across this line for a constant ratio.
     Gears,
     /// Teeth in contact at the pitch point at the foot of the first wheel's centre on the pitch line of the rack.
     Rack,
@@ -77,52 +68,18 @@ pub enum Kind {
         /// Whether the spans cross between the pulleys.
         crossed: bool,
     },
-}
-
-/// What a coupling exerts on its second body for lambda = 1 N; the opposite acts on the first body, at the same point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contact {
-    /// Point of the force, in the mechanism frame [m].
-    pub at: Vec2,
-    /// Force [1].
-    pub force: Vec2,
-    /// Moment about this point [m].
-    pub moment: f64,
-    /// Force transmitted along the motion [1]: tangential force of gears and racks, difference of the tensions of a belt.
-    /// It is positive if it drives the second body towards larger u2.
-    pub transmitted: f64,
-    /// Unit vector of the force on the second body that does no work: away from the first wheel for the teeth of gears
-    /// outside one another and of racks, and for belts; towards it for a pinion in a ring.
-    pub apart: Vec2,
-}
-
-impl Law {
-    /// F, F' and F'' at u1.
-    pub fn at(&self, u: f64) -> [f64; 3] {
-        match *self {
-            Self::Constant { ratio, phase } => [ratio * u + phase, ratio, 0.0],
-        }
-    }
-
-    /// F at a u1 of twice the precision.
-    fn precise(&self, u: Twofold) -> Twofold {
-        match *self {
-            Self::Constant { ratio, phase } => Twofold::from(ratio) * u + Twofold::from(phase),
-        }
-    }
-
-    /// The same law with a value added to u2.
-    pub(super) fn add_phase(&mut self, change: f64) {
-        match self {
-            Self::Constant { phase, .. } => *phase += change,
-        }
-    }
+    /// A disc cam and its follower, in contact along the normal of the profile. The contact pulls too, as in a groove.
+    Cam(Cam),
 }
 
 impl Linkage {
     /// u1 and u2 of a coupling at these positions.
     pub fn coupled(&self, coupling: &Coupling, p: &Positions) -> [f64; 2] {
-        let joint = &self.joints[coupling.joint];
+        self.motions(coupling, &self.joints[coupling.joint], p)
+    }
+
+    /// u1 and u2 of a coupling with this joint.
+    pub(super) fn motions(&self, coupling: &Coupling, joint: &Joint, p: &Positions) -> [f64; 2] {
         let angle = |body: usize| p.angle[body] - p.angle[coupling.carrier];
         let second = match coupling.second {
             Second::Angle { shift } => angle(joint.second.body) + shift,
@@ -131,8 +88,18 @@ impl Linkage {
         [angle(joint.first.body) + coupling.shift, second]
     }
 
+    /// u1 of a coupling at these coordinates, and its change for a change of them.
+    pub fn first_motion(&self, coupling: &Coupling, q: &[f64], change: &[f64]) -> [f64; 2] {
+        let of = |body: usize| {
+            let body = &self.bodies[body];
+            body.angle_coordinate.map_or([body.offset, 0.0], |i| [q[i] + body.offset, change[i]])
+        };
+        let ([angle, rate], carrier) = (of(self.joints[coupling.joint].first.body), of(coupling.carrier));
+        [angle - carrier[0] + coupling.shift, rate - carrier[1]]
+    }
+
     /// Axis of a prismatic joint and the vector from its first point to its second, in the mechanism frame.
-    fn slid(&self, joint: usize, p: &Positions) -> [Vec2; 2] {
+    pub(super) fn slid(&self, joint: usize, p: &Positions) -> [Vec2; 2] {
         let joint = &self.joints[joint];
         let axis = match joint.freedom {
             Freedom::Prismatic(e) => p.vector(joint.first.body, e),
@@ -218,46 +185,5 @@ impl Linkage {
                 add(angle(coupling.carrier), coupling.scale * slope);
             }
         }
-    }
-
-    /// What a coupling exerts on its second body.
-    pub fn contact(&self, coupling: &Coupling, p: &Positions) -> Contact {
-        let joint = &self.joints[coupling.joint];
-        let scale = coupling.scale;
-        let slope = coupling.law.at(self.coupled(coupling, p)[0])[1];
-        let first = p.point(joint.first);
-        match (coupling.kind, coupling.second) {
-            (Kind::Rack, Second::Position { joint, .. }) => {
-                let axis = self.slid(joint, p)[0];
-                // Towards the pitch line: the wheel's velocity there is slope u1_dot along the axis.
-                let apart = -slope.signum() * perp(axis);
-                Contact { at: first + slope.abs() * apart, force: scale * axis, moment: 0.0, transmitted: scale, apart }
-            }
-            (Kind::Belt { radii, crossed }, _) => {
-                let (across, distance) = self.between_centers(coupling, p);
-                let sign = if crossed { -1.0 } else { 1.0 };
-                // Cosine of the angle between the line of the centres and the radii to where the belt leaves.
-                let cosine = (radii[0] - sign * radii[1]) / distance;
-                let force = (sign * cosine * scale / radii[1]) * perp(across);
-                let at = p.point(joint.second);
-                Contact { at, force, moment: scale, transmitted: scale / radii[1], apart: across }
-            }
-            _ => {
-                let (across, distance) = self.between_centers(coupling, p);
-                // The pitch point: both wheels have one velocity there, relative to the carrier.
-                let at = first + (distance * slope / (slope - 1.0)) * across;
-                let tangential = scale * (slope - 1.0) / distance;
-                let apart = if slope < 0.0 { across } else { -across };
-                Contact { at, force: tangential * perp(across), moment: 0.0, transmitted: tangential.abs(), apart }
-            }
-        }
-    }
-
-    /// Unit vector from the centre of the first wheel to that of the second, and their distance [m].
-    fn between_centers(&self, coupling: &Coupling, p: &Positions) -> (Vec2, f64) {
-        let joint = &self.joints[coupling.joint];
-        let between = p.point(joint.second) - p.point(joint.first);
-        let distance = between.norm();
-        (between / distance, distance)
     }
 }

@@ -6,16 +6,26 @@
 //! Bodies that are fixed to one another are one body here. Bodies connected by prismatic joints share one angle. The
 //! coordinates q are the angles of these groups [rad], then the positions of the prismatic joints of the tree [m].
 mod build;
+mod cam;
+mod contact;
 mod couple;
 mod coupling;
+mod law;
 mod loops;
 mod motion;
+mod outline;
 mod points;
 mod precise;
+mod rotor;
 mod structure;
 
-pub use coupling::{Contact, Coupling, Kind, Law, Second};
+pub use cam::{Cam, Guide};
+pub use contact::Contact;
+pub use coupling::{Coupling, Kind, Second};
+pub use law::Law;
 pub use motion::{Arms, Positions, Rates};
+pub use outline::Outline;
+pub use rotor::{Rotor, Stroke, Thrust};
 pub use structure::{Body, Branch, Freedom, GROUND, Joint, Linkage, Loop, Point};
 
 #[cfg(test)]

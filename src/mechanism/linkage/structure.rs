@@ -1,5 +1,6 @@
 //! Bodies, joints, spanning tree and loops of a linkage.
 use super::coupling::Coupling;
+use super::rotor::Rotor;
 use crate::numerics::plane::Vec2;
 
 /// Index of the ground among the bodies.
@@ -131,6 +132,8 @@ pub struct Linkage {
     pub loops: Vec<Loop>,
     /// Couplings in the order of the file.
     pub couplings: Vec<Coupling>,
+    /// Rotors, one for each drive with a screw.
+    pub rotors: Vec<Rotor>,
     /// Names of the coordinates: of a body for an angle, of a joint for a position.
     pub coordinates: Vec<String>,
     /// Number of coordinates that are angles; they come first.

@@ -1,13 +1,14 @@
 //! The loads of a mechanism, resolved: loads of unit size, and the laws that size them.
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
-//! springs, those sized by a state: stops, surfaces, friction - with their laws. It must not know the state.
+//! springs, those sized by a state: stops, springs with a part of that kind, surfaces, friction - with their laws. It must
+//! not know the state.
+mod air;
 mod couplings;
 mod friction;
 
-use super::laws::drag::Drag;
 use super::laws::gas::Gas;
-use super::laws::profile::{POLYNOMIAL_345, POLYNOMIAL_4567, Profile, Shape};
+use super::laws::profile::{Profile, Shape};
 use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
@@ -16,7 +17,9 @@ use crate::hydraulics::definition::Command;
 use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::numerics::monotone::Monotone;
-use crate::numerics::plane::{Vec2, turned};
+use crate::numerics::plane::Vec2;
+use crate::numerics::rise::Rise;
+pub use air::{Air, Surface};
 pub use couplings::Mesh;
 pub use friction::{FrictionJoint, JointFriction};
 use std::collections::HashMap;
@@ -26,8 +29,8 @@ use std::fmt;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Loads of unit size: one for each input that sizes a load, one for each constant, one for each spring; then one
-    /// for each stop, three for each surface, one for each joint with friction, one for each mesh of
-    /// teeth.
+    /// for each stop, one for each spring that the state sizes in part, three for each surface, one for each joint with
+    /// friction, one or two for each mesh of teeth.
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
@@ -35,7 +38,7 @@ pub struct Loading {
     pub constants: Vec<f64>,
     /// Springs.
     pub springs: Vec<Spring>,
-    /// Drives; each sizes the load with the same index.
+    /// Drives; each sizes the load with the same index. The loads of their curves follow.
     pub drives: Vec<Drive>,
     /// Index of the load of gravity.
     pub gravity: Option<usize>,
@@ -74,14 +77,14 @@ impl MotionDrive {
     fn new(load: usize, motion: &PrescribedMotion, first_input: usize) -> Self {
         let number = |value: Option<f64>| value.unwrap_or(0.0);
         let (distance, duration) = (number(motion.distance), number(motion.duration));
-        let polynomial = |coefficients| Some(Shape::Polynomial { distance, duration, coefficients });
+        let rise = |law| Some(Shape::Rise { law, distance, duration });
         let shape = motion.profile.and_then(|kind| match kind {
             ProfileKind::Trapezoid => {
                 Some(Shape::trapezoid(distance, number(motion.speed), number(motion.acceleration)))
             }
-            ProfileKind::Cycloidal => Some(Shape::Cycloidal { distance, duration }),
-            ProfileKind::Polynomial345 => polynomial(POLYNOMIAL_345),
-            ProfileKind::Polynomial4567 => polynomial(POLYNOMIAL_4567),
+            ProfileKind::Cycloidal => rise(Rise::Cycloidal),
+            ProfileKind::Polynomial345 => rise(Rise::Polynomial345),
+            ProfileKind::Polynomial4567 => rise(Rise::Polynomial4567),
             ProfileKind::Table => Monotone::new(motion.points.as_ref()?).map(Shape::Table),
         });
         let profile = shape.map(|shape| Profile { start_time: number(motion.start_time), shape });
@@ -117,43 +120,26 @@ pub struct Lock {
     pub at: Point,
 }
 
-/// Air with the surfaces in it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Air {
-    /// Mass density [kg/m3].
-    pub density: f64,
-    /// Direction of the flow, a unit vector.
-    pub flow: Vec2,
-    /// Whether drag depends on the motion of the surfaces.
-    pub relative_wind: bool,
-    /// Surfaces.
-    pub surfaces: Vec<Surface>,
-}
-
-/// A surface in the air, fixed to a body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Surface {
-    /// Name.
-    pub name: String,
-    /// Start of the strip, or position of the area.
-    pub start: Point,
-    /// Unit vector along the strip or the flat area, in the body's frame; None for an area without direction.
-    pub line: Option<Vec2>,
-    /// Law of its drag.
-    pub drag: Drag,
-    /// Index of the first of its loads: forces along x and y at `start`, then a torque on the body.
-    pub load: usize,
-}
-
 /// A drive of the mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Name.
     pub name: String,
-    /// Whether the drive turns a joint; else it moves along a line.
+    /// Whether the drive turns a joint or a screw; else it moves along a line.
     pub is_rotary: bool,
     /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
     pub efficiency: Option<f64>,
+    /// Curve of the drive's force over its speed.
+    pub curve: Option<DriveCurve>,
+}
+
+/// Curve of a drive: command times a function of the speed is added to the force of the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveCurve {
+    /// Index of the load that it sizes, which is like that of the drive; the input of the same index is the command [1].
+    pub load: usize,
+    /// Force [N or N.m] over speed [m/s or rad/s] for the command 1.
+    pub force: Monotone,
 }
 
 /// The joints between each two bodies, so that nobody searches all joints.
@@ -224,6 +210,12 @@ fn joint_load(linkage: &Linkage, joint: usize) -> Load {
     }
 }
 
+/// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the joint
+/// turns round and round.
+fn is_sized_by_state(spring: &definition::Spring, load: &Load) -> bool {
+    spring.damping_points.is_some() || (spring.points.is_some() && matches!(load, Load::Couple { .. }))
+}
+
 /// Nonlinear part of a spring's law, if the definition, which is checked, states one.
 fn characteristic(spring: &definition::Spring) -> Option<Characteristic> {
     let gas = spring.gas.map(|definition::Gas { pressure, area, volume, exponent, ambient }| {
@@ -252,9 +244,19 @@ impl Loading {
                 &a.second,
                 &a.joint,
             )?;
-            let is_rotary = matches!(load, Load::Couple { .. });
+            let load = match a.screw {
+                Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
+                None => load,
+            };
+            let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
-            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency });
+            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, curve: None });
+        }
+        for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
+            if let Some(force) = a.points.as_ref().and_then(|points| Monotone::new(points)) {
+                drives[drive].curve = Some(DriveCurve { load: sized.len(), force });
+                sized.push((format!("{name}.command"), sized[drive].1.clone()));
+            }
         }
         let gravity = mechanism.gravity.as_ref().map(|_| sized.len());
         if let Some(g) = &mechanism.gravity {
@@ -303,6 +305,8 @@ impl Loading {
                 free: s.free_length.or(s.free_angle).unwrap_or(0.0),
                 preload: s.preload.unwrap_or(0.0),
                 characteristic: characteristic(s),
+                damper: s.damping_points.as_ref().and_then(|points| Monotone::new(points)),
+                state_load: None,
             });
             loads.push(load);
         }
@@ -319,9 +323,10 @@ impl Loading {
         let mut loading =
             Self { loads, inputs, constants, springs, drives, gravity, hydraulics, motion, ..Self::default() };
         loading.add_stops(mechanism, linkage, joints_between)?;
+        loading.add_springs_of_state(mechanism);
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
-        loading.add_meshes(mechanism)?;
+        loading.add_meshes(mechanism, linkage)?;
         Ok(loading)
     }
 
@@ -369,6 +374,7 @@ impl Loading {
                 restitution: s.restitution,
                 stiffness: s.stiffness,
                 damping: s.damping,
+                curve: s.points.as_ref().and_then(|points| Monotone::new(points)),
             });
             self.loads.push(load);
         }
@@ -384,34 +390,14 @@ impl Loading {
         Ok(())
     }
 
-    fn add_air(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
-        let Some(air) = &mechanism.air else { return Ok(()) };
-        let mut surfaces = Vec::new();
-        for (name, s) in mechanism.surfaces.iter() {
-            let locate = |key: &str, text: &Option<String>| {
-                let text = text.as_deref().unwrap_or_default();
-                linkage.locate(mechanism, format_args!("surfaces.{name}.{key}"), text)
-            };
-            let (start, line, length, breadth) = match &s.at {
-                None => {
-                    let (from, to) = (locate("from", &s.from)?, locate("to", &s.to)?);
-                    let along = to.local - from.local;
-                    (from, Some(along.normalize()), along.norm(), s.width.unwrap_or(0.0))
-                }
-                Some(text) => {
-                    let line = s.surface_angle.map(|a| turned(Vec2::x(), a + linkage.angle_of(mechanism, text)));
-                    (locate("at", &s.at)?, line, 0.0, s.area.unwrap_or(0.0))
-                }
-            };
-            let drag = Drag { directed: line.is_some(), length, breadth, coefficient: s.drag_coefficient };
-            surfaces.push(Surface { name: name.into(), start, line, drag, load: self.loads.len() });
-            self.loads.push(Load::Force { at: start, direction: Vec2::x() });
-            self.loads.push(Load::Force { at: start, direction: Vec2::y() });
-            self.loads.push(Load::Torque { body: start.body });
+    fn add_springs_of_state(&mut self, mechanism: &Mechanism) {
+        for (spring, (_, defined)) in self.springs.iter_mut().zip(mechanism.springs.iter()) {
+            let load = self.loads[spring.load].clone();
+            if is_sized_by_state(defined, &load) {
+                spring.state_load = Some(self.loads.len());
+                self.loads.push(load);
+            }
         }
-        let flow = turned(Vec2::x(), air.flow_angle);
-        self.air = Some(Air { density: air.density, flow, relative_wind: air.relative_wind, surfaces });
-        Ok(())
     }
 
     /// Number of inputs of the hydraulic circuit or of a prescribed motion; 0 without these.
@@ -428,6 +414,12 @@ impl Loading {
         self.sized() + self.springs.len()
     }
 
+    /// Whether an input sizes a load by its curve: then the load has no potential.
+    pub fn is_command(&self, load: usize) -> bool {
+        let commands = self.drives.iter().filter(|drive| drive.curve.is_some()).count();
+        (self.drives.len()..self.drives.len() + commands).contains(&load)
+    }
+
     /// Number of applied loads: those sized by inputs, then those of constant size.
     pub fn sized(&self) -> usize {
         self.inputs.len() + self.constants.len()
@@ -440,7 +432,9 @@ impl Loading {
             Some(None) => {
                 let stops = self.stops.iter().filter(|s| s.load == load).map(|s| &s.name);
                 let surfaces = self.air.iter().flat_map(|air| &air.surfaces);
-                let mut names = stops.chain(surfaces.filter(|s| (s.load..s.load + 3).contains(&load)).map(|s| &s.name));
+                let springs = self.springs.iter().filter(|s| s.state_load == Some(load)).map(|s| &s.name);
+                let surfaces = surfaces.filter(|s| (s.load..s.load + 3).contains(&load)).map(|s| &s.name);
+                let mut names = stops.chain(springs).chain(surfaces);
                 names.next().map_or("friction".into(), String::clone)
             }
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),

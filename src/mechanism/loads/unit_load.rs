@@ -38,11 +38,21 @@ pub enum Load {
         /// Index of the body with 1 N.m.
         second: usize,
     },
-    /// 1 N that pushes the second body of a coupling away from the first, as the teeth of gears outside one another do: the
-    /// force of the coupling that does no work. S is 0.
+    /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one another
+    /// do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
     Separation {
         /// Index of the coupling.
         coupling: usize,
+        /// tan(alpha) with the sign of the transmitted force F_t, which says which flank bears, for gears of variable
+        /// ratio; else 0.
+        lean: f64,
+    },
+    /// 1 N.m on a screw that pushes along a line. S is the screw's angle [rad], `ratio` times the displacement along the line.
+    Screw {
+        /// The load along the line of 1 N.
+        along: Box<Self>,
+        /// 2 pi over the lead [rad/m].
+        ratio: f64,
     },
     /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
     Slide {
@@ -81,6 +91,11 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 }
 
 impl Load {
+    /// The load along the line of a screw; another load itself.
+    pub fn along(&self) -> &Self {
+        if let Self::Screw { along, .. } = self { along } else { self }
+    }
+
     /// Growth of S over one revolution of a closed curve; 0 for another curve.
     pub fn growth(&self, curve: &Curve) -> f64 {
         let body = |b: usize| curve.linkage().bodies[b].angle_coordinate.map_or(0.0, |angle| curve.growth(angle));
@@ -99,6 +114,7 @@ impl Load {
             Self::Pair { first, second } => (p.point(second) - p.point(first)).norm(),
             Self::Torque { body } => p.angle[body],
             Self::Couple { first, second } => p.angle[second] - p.angle[first],
+            Self::Screw { ref along, ratio } => ratio * along.displacement_at(linkage, p),
             Self::Slide { joint } => {
                 let (first, second, axis) = axis(linkage, p, joint);
                 axis.dot(&(p.point(second) - p.point(first)))
@@ -121,6 +137,7 @@ impl Load {
                 sum
             }
             Self::Separation { .. } => [0.0; 3],
+            Self::Screw { ref along, ratio } => along.displacement(linkage, c).map(|s| ratio * s),
             Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
             Self::Pair { first, second } => {
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
@@ -152,7 +169,7 @@ impl Load {
     }
 
     /// Call `act` with every wrench of the load.
-    pub fn exert(&self, linkage: &Linkage, p: &Positions, act: &mut impl FnMut(Wrench)) {
+    pub fn exert(&self, linkage: &Linkage, p: &Positions, act: &mut dyn FnMut(Wrench)) {
         let at = |point: Point, force: Vec2| Wrench {
             body: point.body,
             force,
@@ -169,13 +186,17 @@ impl Load {
                 act(at(first, -along));
                 act(at(second, along));
             }
-            Self::Separation { coupling } => {
+            Self::Separation { coupling, lean } => {
                 let coupling = &linkage.couplings[coupling];
                 let (contact, joint) = (linkage.contact(coupling, p), &linkage.joints[coupling.joint]);
-                for (body, force) in [(joint.first.body, -contact.apart), (joint.second.body, contact.apart)] {
+                let apart = contact.separation(lean);
+                for (body, force) in [(joint.first.body, -apart), (joint.second.body, apart)] {
                     act(Wrench { body, force, moment: cross(contact.at - p.origin[body], force) });
                 }
             }
+            Self::Screw { ref along, ratio } => along.exert(linkage, p, &mut |Wrench { body, force, moment }| {
+                act(Wrench { body, force: ratio * force, moment: ratio * moment });
+            }),
             Self::Torque { body } => act(couple(body, 1.0)),
             Self::Couple { first, second } => {
                 act(couple(first, -1.0));

@@ -213,7 +213,10 @@ impl Model {
         let loads = reduced.loading().inputs.len();
         if let Some((index, drive)) = what.held_by.and_then(|input| Some((input as usize, self.drive_of(input)?))) {
             let holding = Output::OneElement { drive, term: OneElement::HoldingForce };
-            let force = motion.output(reduced, &inputs, holding).unwrap_or(f64::NAN);
+            let held = motion.output(reduced, &inputs, holding).unwrap_or(f64::NAN);
+            // What the drive's curve gives at rest is not asked of the input.
+            let acting = motion.output(reduced, &inputs, Output::ActingForce { drive }).unwrap_or(f64::NAN);
+            let force = held - (acting - inputs.reals[index]);
             out.holding = Some(force);
             if force.is_finite() {
                 inputs.reals[index] = force;

@@ -229,16 +229,21 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
-        if N == DRIVEN { gaps + BORDERS } else { gaps }
+        let own = self.state_loads.map_or(0, StateLoads::borders);
+        if N == DRIVEN { own + BORDERS } else { own }
     }
 
     fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
-        let (reduced, state_loads) = self.stretch_at(z[0]);
         let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
         let Some(border) = border.checked_sub(gaps) else {
+            let (reduced, state_loads) = self.stretch_at(z[0]);
             return state_loads.map_or(0.0, |state_loads| state_loads.beyond_gap(border, z[0], reduced.period()));
         };
+        let kinks = self.state_loads.map_or(&[][..], |state_loads| &state_loads.kinks);
+        if let Some(kink) = kinks.get(border) {
+            return self.beyond_kink(kink, [z[0], z[1]]);
+        }
+        let border = border - kinks.len();
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 
@@ -275,7 +280,7 @@ where
         let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
         let stop = &loading.stops[state_loads.bumpers[bumper]];
         let s = at(state_loads.pressed(bumper)) + panel_force.revolutions * self.reduced.load_growth(stop.load);
-        let rate = at(state_loads.free() - state_loads.bumpers.len() + bumper) * sigma_dot;
+        let rate = at(state_loads.bumper(bumper)) * sigma_dot;
         let beyond = stop.beyond(s);
         let outward = if stop.sign() > 0.0 { rate } else { -rate };
         (beyond, stop.push(beyond, outward))
@@ -289,16 +294,23 @@ where
         let of = |component: usize, growth: f64| sigma.chain(self.component_bounds(component, sigma.value, growth));
         let s = of(state_loads.pressed(bumper), growth)
             + Enclosure::constant(self.applied.revolutions * growth - stop.value);
-        let rate = of(state_loads.free() - state_loads.bumpers.len() + bumper, 0.0) * sigma_dot;
+        let rate = of(state_loads.bumper(bumper), 0.0) * sigma_dot;
         let (beyond, outward) = if stop.sign() > 0.0 { (s, rate) } else { (-s, -rate) };
-        [beyond, stop.push(beyond, outward)]
+        [beyond, stop.push_bounds(beyond, outward)]
     }
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
         let drives = self.state_loads.map_or(&[][..], |s| &s.drives[..s.efficient]);
         let change = self.applied.change.as_ref()?;
+        let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
         match drives.get(index) {
-            Some(&load) => Some([self.applied.sizes[load], change.first[load], change.second[load]]),
+            Some(&load) => Some(match &self.reduced.loading().drives[load].curve {
+                Some(curve) => {
+                    let (own, command, at_rest) = (of(load), of(curve.load), curve.force.at(0.0)[0]);
+                    [0, 1, 2].map(|order| own[order] + at_rest * command[order])
+                }
+                None => of(load),
+            }),
             None if index == drives.len() && self.scratch.air => {
                 Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
             }

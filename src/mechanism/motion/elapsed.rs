@@ -18,6 +18,11 @@ impl Elapsed {
         Self { now, lost: 0.0 }
     }
 
+    /// The sum and what it has lost to rounding [s].
+    pub fn parts(&self) -> [f64; 2] {
+        [self.now, self.lost]
+    }
+
     /// `h` [s] have gone by.
     #[inline]
     pub fn pass(&mut self, h: f64) {

@@ -418,13 +418,13 @@ impl SavedState {
                 }
                 Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
                 Event::Border(border) => {
-                    let gaps = state_loads.map_or(0, StateLoads::gap_borders);
+                    let own = state_loads.map_or(0, StateLoads::borders);
                     let of_circuit = |border| {
                         let drive = loading.hydraulics.as_ref();
                         drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
                     };
-                    let what = "there is no such gap of the friction table, cushion, pump or edge of a valve";
-                    let is_one = border.checked_sub(gaps).is_none_or(of_circuit);
+                    let what = "there is no such gap of the friction table, point of a curve, cushion, pump or edge of a valve";
+                    let is_one = border.checked_sub(own).is_none_or(of_circuit);
                     (is_one, format!("index of an event = {border}: {what}"))
                 }
                 Event::Switch(switch) => (

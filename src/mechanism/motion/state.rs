@@ -4,6 +4,7 @@
 //! know outputs.
 mod circuit;
 mod inputs;
+mod jump;
 mod prescribed;
 mod start;
 
@@ -463,7 +464,9 @@ impl State {
         let springs = reduced.loading().springs.iter();
         let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(self.displacement(reduced, spring.load)));
         for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
-            sum -= size * self.displacement(reduced, load);
+            if !reduced.loading().is_command(load) {
+                sum -= size * self.displacement(reduced, load);
+            }
         }
         sum
     }

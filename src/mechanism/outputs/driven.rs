@@ -89,7 +89,7 @@ impl ReducedMotion {
         }
         let state = driven.shown().unwrap_or(&self.state);
         let Some(prescribed) = state.prescribed else { return };
-        let motion = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.now);
+        let motion = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.parts());
         let [_, _, acceleration, mut jerk] = motion.map_or([f64::NAN; 4], |motion| motion.at(0.0));
         if let Some(first) = drive.first_input {
             jerk = inputs.signal.first[first + 2];

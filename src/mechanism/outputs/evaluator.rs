@@ -79,6 +79,11 @@ pub trait Kinematics<N: Number> {
     /// Position of a body's origin along an axis [m].
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError>;
 
+    /// Pressure angle of a cam [rad].
+    fn pressure_angle(&mut self, _coupling: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
     /// Force x, force y [N] and moment [N.m] that a joint transmits.
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError>;
 
@@ -153,6 +158,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
                 ReactionPart::Moment => moment,
             }
         }
+        Output::PressureAngle { coupling } => motion.pressure_angle(coupling)?,
         Output::ActingForce { drive } => motion.acting_force(drive)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {

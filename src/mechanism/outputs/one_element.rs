@@ -16,15 +16,15 @@ impl<N: Reading> View<'_, N> {
         let slope = self.before_derivative(table, position, 1);
         let curvature = self.component(table, position, 2);
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);
-        let speed = (slope * sigma_dot).value();
+        let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
-        let power = self.loads.sizes[drive] * speed;
+        let power = self.acting(drive, speed).value() * speed.value();
         let value = match term {
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
             OneElement::StaticLoad => {
                 let influence = self.influence(drive);
-                let others = self.forces()?.free - self.delivered(drive) * influence;
+                let others = self.forces()?.free - self.delivered_by(drive) * influence;
                 with_efficiency(power, -others / slope)
             }
             OneElement::AdditionalForce => with_efficiency(power, curvature * (sigma_dot / slope).powi(2)),
@@ -69,15 +69,17 @@ impl<N: Reading> View<'_, N> {
     fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence) = (self.sigma(), self.influence(drive));
         let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
-        Ok(at_rest - self.delivered(drive) * influence)
+        Ok(at_rest - self.delivered_by(drive) * influence)
     }
 
     /// Derivative along sigma of [`Self::others_at_rest`].
     fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence_slope) = (self.sigma(), self.influence_slope(drive));
-        // A drive with a circuit gives what its pressures do, as evaluated at rest.
-        let has_circuit = self.reduced.loading().hydraulics.as_ref().is_some_and(|own| own.load == drive);
-        let size = if has_circuit { self.delivered(drive) } else { self.size(drive) };
+        // A drive with a circuit gives what its pressures do, one with a curve what that has at rest, as evaluated there.
+        let loading = self.reduced.loading();
+        let has_circuit = loading.hydraulics.as_ref().is_some_and(|own| own.load == drive);
+        let is_own = has_circuit || loading.drives[drive].curve.is_some();
+        let size = if is_own { self.delivered_by(drive) } else { self.size(drive) };
         let at_rest = self.equation()?.slope_at_rest(sigma)?;
         Ok(at_rest - size * influence_slope)
     }

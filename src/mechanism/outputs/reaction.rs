@@ -35,14 +35,14 @@ impl<'a, N: Reading> View<'a, N> {
     #[cold]
     #[inline(never)]
     fn add_separation(&mut self, mesh: usize, joint: usize, value: &mut Parts<N>) -> Result<(), OutputError> {
-        let Mesh { joint: own, load, tangent } = self.reduced.loading().meshes[mesh];
+        let Mesh { joint: own, loads, tangent } = self.reduced.loading().meshes[mesh];
         let transmitted = match self.cache.transmitted[mesh] {
             Some(transmitted) => transmitted,
             None => self.reaction_along(own)?[2],
         };
         self.cache.transmitted[mesh] = Some(transmitted);
         self.cache.has_reactions = true;
-        let size = if transmitted.value() < 0.0 { -transmitted } else { transmitted };
+        let (size, load) = if transmitted.value() < 0.0 { (-transmitted, loads[0]) } else { (transmitted, loads[1]) };
         let parts = if self.reduced.linkage().joints[joint].freedom == Freedom::Revolute { 2 } else { 3 };
         self.add_column(joint, 2 + load, size * tangent, &mut value[..parts])
     }
@@ -111,6 +111,11 @@ impl<'a, N: Reading> View<'a, N> {
         (shares.given, shares.are_known) = (given, true);
         shares.state.clear();
         shares.state.extend_from_slice(&self.cache.scratch.evaluator.loads);
+        if let Some(state_loads) = self.state_loads() {
+            // Their whole force is among those of springs.
+            let springs = state_loads.spring(0)..state_loads.free();
+            self.cache.shares.state[springs].fill(N::constant(0.0));
+        }
         Ok(())
     }
 

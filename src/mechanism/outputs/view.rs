@@ -6,6 +6,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
+use crate::mechanism::linkage::Kind;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::impacts::Impacts;
@@ -219,6 +220,22 @@ impl<'a, N: Reading> View<'a, N> {
         let index = self.state_loads().and_then(|s| s.drives.iter().position(|l| *l == load));
         index.map_or_else(|| self.size(load), |k| self.cache.scratch.evaluator.delivered[k])
     }
+
+    /// Delivered force of a drive, with that of its curve; as last evaluated.
+    pub fn delivered_by(&self, drive: usize) -> N {
+        match &self.reduced.loading().drives[drive].curve {
+            Some(curve) => self.delivered(drive) + self.delivered(curve.load),
+            None => self.delivered(drive),
+        }
+    }
+
+    /// Force of a drive before its loss, with that of its curve at a speed.
+    pub fn acting(&self, drive: usize, speed: N) -> N {
+        match &self.reduced.loading().drives[drive].curve {
+            Some(curve) => self.size(drive) + self.size(curve.load) * speed.compose(curve.force.at(speed.value())),
+            None => self.size(drive),
+        }
+    }
 }
 
 impl<N: Reading> Kinematics<N> for View<'_, N> {
@@ -277,6 +294,16 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, 0)
     }
 
+    #[inline(never)]
+    fn pressure_angle(&mut self, coupling: usize) -> Result<N, OutputError> {
+        let linkage = self.reduced.linkage();
+        let coupling = &linkage.couplings[coupling];
+        let Kind::Cam(cam) = &coupling.kind else { return Ok(N::constant(0.0)) };
+        let turned = self.angle(linkage.joints[coupling.joint].first.body, 0)? - self.angle(coupling.carrier, 0)?;
+        let [angle, slope] = cam.pressure_angle(coupling.law.at(turned.value() + coupling.shift));
+        Ok(turned.chain(angle, slope))
+    }
+
     #[inline]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         match self.cache.reactions[joint] {
@@ -297,7 +324,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn acting_force(&mut self, drive: usize) -> Result<N, OutputError> {
         self.loads.check_driven()?;
-        Ok(self.size(drive))
+        if self.reduced.loading().drives[drive].curve.is_none() {
+            return Ok(self.size(drive));
+        }
+        let speed = self.displacement(drive, 1)?;
+        Ok(self.acting(drive, speed))
     }
 
     fn state_load(&mut self, load: usize) -> Result<N, OutputError> {

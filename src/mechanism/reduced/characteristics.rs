@@ -4,7 +4,6 @@
 //! know states or inputs.
 use super::error::ReductionError;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
-use crate::mechanism::definition::DefinitionError;
 use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
 use crate::mechanism::loads::resolved::Loading;
 use crate::numerics::bracket::false_position;
@@ -19,21 +18,12 @@ const NARROW: f64 = 0.05;
 
 /// Borders of the panels of tables: the curve's, and the places where a spring passes a point of its curve, where its
 /// third derivative jumps. A place that is missed costs narrower panels and no accuracy.
-///
-/// # Errors
-/// A spring winds up over a revolution of the mechanism, and its characteristic does not repeat itself.
-pub(super) fn grid(curve: &Curve, loading: &Loading) -> Result<Vec<f64>, ReductionError> {
+/// The characteristic of a spring that winds up over each revolution is in no table: it is another one in each.
+pub(super) fn grid(curve: &Curve, loading: &Loading) -> Vec<f64> {
     let mut borders = curve.grid(ACCURACY);
     let mut passed = Vec::new();
     for spring in &loading.springs {
-        if spring.characteristic.is_some() && loading.loads[spring.load].growth(curve) != 0.0 {
-            return Err(ReductionError::Definition(DefinitionError::key(
-                format_args!("springs.{}.points", spring.name),
-                "the joint turns round and round, where a curve of torque has no end: give stops to the joint, or a stiffness \
-                 in place of the points",
-            )));
-        }
-        if !spring.knots().is_empty() {
+        if !spring.knots().is_empty() && loading.loads[spring.load].growth(curve) == 0.0 {
             passages(curve, loading, spring, &borders, &mut passed);
         }
     }
@@ -56,7 +46,7 @@ pub(super) fn grid(curve: &Curve, loading: &Loading) -> Result<Vec<f64>, Reducti
             borders[next] = at;
         }
     }
-    Ok(borders)
+    borders
 }
 
 /// Values of sigma at which the displacement of a spring passes a point of its curve.

@@ -40,7 +40,7 @@ impl Meeting {
 /// The arcs of a curve between positions where two ends of a load coincide, that nearest to the guess first. Empty if
 /// ends coincide nowhere, or at the guess.
 pub(super) fn arcs(curve: &Curve, loading: &Loading) -> Vec<Arc> {
-    let loads = loading.loads.iter().enumerate().filter(|(_, load)| matches!(load, Load::Pair { .. }));
+    let loads = loading.loads.iter().enumerate().filter(|(_, load)| matches!(load.along(), Load::Pair { .. }));
     let mut met: Vec<Meeting> = loads.flat_map(|(index, _)| Pair::new(curve, loading, index).meetings()).collect();
     met.sort_by(|a, b| a.range.0.total_cmp(&b.range.0));
     let (first, last) = curve.range;
@@ -87,7 +87,7 @@ impl<'a> Pair<'a> {
     fn at(&mut self, sigma: f64) -> [f64; 2] {
         self.curve.configure(sigma, &mut self.scratch, &mut self.c);
         let linkage = self.curve.linkage();
-        let [distance, slope, _] = self.loading.loads[self.load].displacement(linkage, &self.c);
+        let [distance, slope, _] = self.loading.loads[self.load].along().displacement(linkage, &self.c);
         [distance / linkage.size - MEET, if distance > 0.0 { distance * slope } else { 0.0 }]
     }
 

@@ -23,5 +23,5 @@ pub use model::{Built, Reduced};
 pub use reactions::PanelTable;
 pub use source::Components;
 pub use start::Stated;
-pub use state_loads::StateLoads;
+pub use state_loads::{Argument, Kink, StateLoads};
 pub use stretches::End;

@@ -241,7 +241,7 @@ impl Reduced {
         };
         let borders = match stored {
             Some(stored) => stored.borders.to_vec(),
-            None => characteristics::grid(&curve, &loading)?,
+            None => characteristics::grid(&curve, &loading),
         };
         let grid = Grid { borders, centers: curve.crossings.to_vec(), noise };
         let source = Source { stored: stored.cloned(), ..Source::new(curve, loading, length) };
@@ -443,6 +443,7 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
     let position = curve.describe(at.sigma, 0.0);
     let c = curve.configuration(at.sigma);
     let meets = loading.loads.iter().position(|load| {
+        let load = load.along();
         matches!(load, Load::Pair { .. }) && load.displacement(curve.linkage(), &c)[0] < MEET * curve.linkage().size
     });
     match meets {

@@ -61,7 +61,7 @@ impl Source {
         };
         let winds = |s: &Spring| loading.loads[s.load].growth(&curve) != 0.0;
         let springs = next(!loading.springs.is_empty());
-        let damping = next(loading.springs.iter().any(Spring::is_damped));
+        let damping = next(loading.springs.iter().any(|s| s.damping != 0.0));
         let winding = next(loading.springs.iter().any(winds));
         let components = Components { sized, springs, damping, winding, count };
         let length = length.unwrap_or_else(|| curve.scale());
@@ -70,6 +70,11 @@ impl Source {
 
     pub(super) fn linkage(&self) -> &Linkage {
         self.curve.linkage()
+    }
+
+    /// Whether the characteristic of a spring is none of the position on the curve, as S grows over each revolution.
+    pub(super) fn winds(&self, spring: &Spring) -> bool {
+        spring.characteristic.is_some() && self.loading.loads[spring.load].growth(&self.curve) != 0.0
     }
 
     /// Natural sizes of a function of this size and of its two derivatives along sigma.
@@ -95,6 +100,7 @@ impl Source {
         match load {
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
             Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Separation { .. } => linkage.size,
+            Load::Screw { along, ratio } => ratio * self.size_of(along),
             Load::Gravity(acceleration) => {
                 let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();
                 mass * acceleration.norm() * linkage.size
@@ -111,7 +117,7 @@ impl Source {
             let s = self.displacement_size(spring.load);
             for (component, size) in [
                 (components.springs, spring.force_scale(s) * s / length),
-                (components.damping, spring.lost_power(s / length)),
+                (components.damping, spring.linear_power(s / length)),
                 (components.winding, spring.winding_force(s) * s / length),
             ] {
                 if let Some(k) = component {
@@ -131,8 +137,8 @@ impl Source {
             let [s, s_sigma, _] = load.displacement(curve.linkage(), c);
             SpringLoad {
                 load: spring.load,
-                at_rest: -spring.force(s),
-                damping: spring.damping_force(s_sigma),
+                at_rest: if self.winds(spring) { -spring.linear_force(s) } else { -spring.force(s) },
+                damping: spring.linear_damping(s_sigma),
                 winding: components.winding.map_or(0.0, |_| -spring.winding_force(load.growth(curve))),
             }
         }));

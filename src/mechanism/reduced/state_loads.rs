@@ -1,17 +1,18 @@
 //! State loads: loads sized by the state, and their effects in one table that the integration reads.
 //!
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
-//! friction. Without dampers, efficiencies, a hydraulic circuit, bumpers, friction and moving air there is no such
-//! table. It must not know
-//! states.
+//! friction. Without dampers, efficiencies, curves of drives, a hydraulic circuit, bumpers, springs that the state sizes,
+//! friction and moving air there is no such table. It must not know states.
 use super::source::{Source, SpringLoad};
 use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
+use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
+use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::bundle::Bundle;
+use crate::numerics::monotone::Monotone;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::f64::consts::TAU;
@@ -26,10 +27,12 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
-    /// hydraulic circuit.
+    /// hydraulic circuit, then the loads of the curves of drives.
     pub drives: Vec<usize>,
     /// How many of them have an efficiency.
     pub efficient: usize,
+    /// Drives with a curve.
+    pub curves: Vec<usize>,
     /// Whether friction holds at rest.
     pub sticks: bool,
     /// Whether the right-hand side jumps where sigma_dot changes its sign.
@@ -38,6 +41,10 @@ pub struct StateLoads {
     pub air: bool,
     /// Bumpers, by their stops.
     pub bumpers: Vec<usize>,
+    /// Springs that the state sizes in part.
+    pub springs: Vec<usize>,
+    /// Points of all curves by which the state sizes loads. A step ends there.
+    pub kinks: Vec<Kink>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
     /// The prismatic ones among them, by their indices there.
@@ -60,6 +67,33 @@ pub struct StateLoads {
     /// Number of components of the influence table: effects on the motion or on one component of a reaction.
     given: usize,
 }
+
+/// A point of a curve that sizes a load of the state: the third derivative of the force jumps there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kink {
+    /// Quantity over which the curve is.
+    pub of: Argument,
+    /// Value of the quantity at the point [m/s, rad/s, m or rad].
+    pub value: f64,
+    /// Distance from the value up to which a quantity is at it.
+    pub near: f64,
+}
+
+/// Quantity over which a curve is that sizes a load of the state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Argument {
+    /// Speed of the drive with this index.
+    Drive(usize),
+    /// Depth of a bumper by its index in [`StateLoads::bumpers`], while it pushes.
+    Depth(usize),
+    /// Rate of a spring by its index in [`StateLoads::springs`].
+    Rate(usize),
+    /// Angle of a spring by its index in [`StateLoads::springs`], over all revolutions.
+    Angle(usize),
+}
+
+/// Part of the largest value of a curve's points up to which a quantity is at one of them.
+const AT_KINK: f64 = 1e-11;
 
 /// Mark of a load that does not act.
 const ABSENT: usize = usize::MAX;
@@ -95,6 +129,35 @@ impl StateLoads {
         2 * self.table.gaps().len()
     }
 
+    /// Number of ends of gaps and of points of curves, at which a step ends.
+    pub fn borders(&self) -> usize {
+        self.gap_borders() + self.kinks.len()
+    }
+
+    /// Points of the curves that size the loads of drives, bumpers and springs.
+    fn find_kinks(&mut self, source: &Source) {
+        let loading = &source.loading;
+        let mut add = |of: Argument, curve: Option<&Monotone>, first: usize| {
+            let knots = curve.map_or(&[][..], Monotone::knots);
+            let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
+            self.kinks.extend(knots.iter().skip(first).map(|&value| Kink { of, value, near }));
+        };
+        for &drive in &self.curves {
+            add(Argument::Drive(drive), loading.drives[drive].curve.as_ref().map(|curve| &curve.force), 0);
+        }
+        for (k, &stop) in self.bumpers.iter().enumerate() {
+            // The contact itself is an event.
+            add(Argument::Depth(k), loading.stops[stop].curve.as_ref(), 1);
+        }
+        for (k, &spring) in self.springs.iter().enumerate() {
+            let spring = &loading.springs[spring];
+            add(Argument::Rate(k), spring.damper.as_ref(), 0);
+            if let (true, Some(Characteristic::Points(points))) = (source.winds(spring), &spring.characteristic) {
+                add(Argument::Angle(k), Some(points), 0);
+            }
+        }
+    }
+
     /// How far sigma is beyond an end of a gap; on a closed curve with this period, beyond one that may be revolutions
     /// away.
     pub fn beyond_gap(&self, border: usize, sigma: f64, period: Option<f64>) -> f64 {
@@ -102,6 +165,21 @@ impl StateLoads {
         let beyond = sigma - if border.is_multiple_of(2) { a } else { b };
         // As a sine, without a jump; half a revolution away a step ends in vain.
         period.map_or(beyond, |period| (TAU * beyond / period).sin())
+    }
+
+    /// Index in `drives` of the load of a curve, by the index of its drive in `curves`.
+    pub fn curve(&self, curve: usize) -> usize {
+        self.drives.len() - self.curves.len() + curve
+    }
+
+    /// Index in `loads` of the load of `bumpers[k]`.
+    pub fn bumper(&self, k: usize) -> usize {
+        self.spring(0) - self.bumpers.len() + k
+    }
+
+    /// Index in `loads` of the load of `springs[k]`.
+    pub fn spring(&self, k: usize) -> usize {
+        self.free() - self.springs.len() + k
     }
 
     /// Number of `loads` that are not friction.
@@ -141,12 +219,17 @@ impl StateLoads {
     /// In the bundle: the displacement of the load of `bumpers[k]`.
     pub fn pressed(&self, k: usize) -> usize {
         // Each surface has three loads.
-        self.line((self.free() - self.bumpers.len()) / 3) + k
+        self.line(self.bumper(0) / 3) + k
+    }
+
+    /// In the bundle: the displacement of the load of `springs[k]`.
+    pub fn stretched(&self, k: usize) -> usize {
+        self.pressed(self.bumpers.len()) + k
     }
 
     /// Number of components of the bundle.
     pub fn bundled(&self) -> usize {
-        self.pressed(self.bumpers.len())
+        self.stretched(self.springs.len())
     }
 
     /// Component of the table: effect of the component `k` of [`super::Components`] in a row.
@@ -161,6 +244,10 @@ impl StateLoads {
         let mut drives: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
         let efficient = drives.len();
         drives.extend(loading.hydraulics.as_ref().map(|drive| drive.load));
+        let with_curve = |(index, drive): (usize, &Drive)| drive.curve.as_ref().map(|curve| (index, curve.load));
+        let (curves, of_curves): (Vec<usize>, Vec<usize>) =
+            loading.drives.iter().enumerate().filter_map(with_curve).unzip();
+        drives.extend(of_curves);
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
@@ -169,12 +256,19 @@ impl StateLoads {
         };
         let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
-        let damped = source.components.damping.is_some();
-        if drives.is_empty() && bumpers.is_empty() && friction_joints.is_empty() && surfaces.is_empty() && !damped {
-            return Ok(None);
-        }
+        let by_state = |(index, spring): (usize, &Spring)| {
+            let load = spring.state_load.filter(|_| spring.damper.is_some() || source.winds(spring))?;
+            Some((index, load))
+        };
+        let (springs, of_springs): (Vec<usize>, Vec<usize>) =
+            loading.springs.iter().enumerate().filter_map(by_state).unzip();
         let mut loads: Vec<usize> = surfaces.iter().flat_map(|s| s.load..s.load + 3).collect();
         loads.extend(bumpers.iter().map(|&b| loading.stops[b].load));
+        loads.extend(of_springs);
+        let damped = source.components.damping.is_some();
+        if drives.is_empty() && loads.is_empty() && friction_joints.is_empty() && !damped {
+            return Ok(None);
+        }
         loads.extend(friction_joints.iter().map(|p| p.load));
         let of_joints = groups(linkage);
         let mut leaders: Vec<usize> = Vec::new();
@@ -195,10 +289,13 @@ impl StateLoads {
         let mut state_loads = Self {
             drives,
             efficient,
+            curves,
             sticks,
             reverses: sticks || efficient > 0,
             air,
             bumpers,
+            springs,
+            kinks: Vec::new(),
             friction_joints,
             prismatic,
             groups: group_of,
@@ -210,6 +307,7 @@ impl StateLoads {
             caused_by_applied: Vec::new(),
             given: source.components.count,
         };
+        state_loads.find_kinks(source);
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
         let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
@@ -254,6 +352,9 @@ impl StateLoads {
         sizes[self.line(0)..self.pressed(0)].fill(1.0);
         for (k, &b) in self.bumpers.iter().enumerate() {
             sizes[self.pressed(k)] = source.displacement_size(loading.stops[b].load);
+        }
+        for (k, &spring) in self.springs.iter().enumerate() {
+            sizes[self.stretched(k)] = source.displacement_size(loading.springs[spring].load);
         }
         let given = source.influence_sizes();
         for row in 0..self.rows() {
@@ -328,6 +429,9 @@ impl StateLoads {
         }
         for (k, &stop) in self.bumpers.iter().enumerate() {
             values[self.pressed(k)] = loading.loads[loading.stops[stop].load].displacement(linkage, c)[0];
+        }
+        for (k, &spring) in self.springs.iter().enumerate() {
+            values[self.stretched(k)] = loading.loads[loading.springs[spring].load].displacement(linkage, c)[0];
         }
     }
 

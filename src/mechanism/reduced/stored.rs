@@ -132,7 +132,7 @@ impl Reduced {
     pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
         let mut all = Sink::default();
         let mut curve = Vec::new();
-        let borders = self.curve().grid(crate::numerics::table::ACCURACY);
+        let borders = super::characteristics::grid(self.curve(), self.loading());
         let mut record = Record::Write(&mut curve);
         let borders = record.arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
         let mut rows = self.curve().closure.rows().iter();

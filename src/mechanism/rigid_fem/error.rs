@@ -8,6 +8,8 @@ use std::fmt;
 pub enum RigidFemError {
     /// A prismatic joint: an element has two revolute joints.
     Prismatic { joint: String },
+    /// A drive with a screw: masses are those of elements.
+    Screw,
     /// A coupling: an element has two revolute joints.
     Coupling { coupling: String },
     /// A moving body that is not a binary link: joints hold it at `count` different points.
@@ -40,9 +42,12 @@ impl fmt::Display for RigidFemError {
                 f,
                 "{joint} is prismatic: rigid finite elements take revolute joints only; choose the reduced model"
             ),
+            Self::Screw => {
+                write!(f, "a drive has a screw: rigid finite elements know none; choose the reduced model")
+            }
             Self::Coupling { coupling } => write!(
                 f,
-                "{coupling} couples two bodies: rigid finite elements know no gears, racks or belts; choose the reduced model"
+                "{coupling} couples two bodies: rigid finite elements know no gears, racks, belts or cams; choose the reduced model"
             ),
             Self::Nodes { body, count } => write!(
                 f,

@@ -78,6 +78,9 @@ impl Mesh {
         if let Some(coupling) = linkage.couplings.first() {
             return Err(RigidFemError::Coupling { coupling: linkage.joints[coupling.joint].name.clone() });
         }
+        if !linkage.rotors.is_empty() {
+            return Err(RigidFemError::Screw);
+        }
         if let Some(joint) = linkage.joints.iter().find(|j| j.freedom != Freedom::Revolute) {
             return Err(RigidFemError::Prismatic { joint: joint.name.clone() });
         }

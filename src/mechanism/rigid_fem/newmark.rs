@@ -230,8 +230,9 @@ impl RigidFem {
     /// a stiff spring.
     fn add_springs(&self, at: &Present, h: f64, forces: &mut [[Vec2; 2]], g: &mut [f64], tangent: &mut Lu) {
         for spring in &self.springs {
-            let s = self.loads[spring.load].displacement(&self.mesh, at, 0);
-            let part = spring.force_change(s, [0.25 * h * h, 0.5 * h]);
+            let load = &self.loads[spring.load];
+            let s_dot = if spring.damper.is_some() { load.displacement(&self.mesh, at, 1) } else { 0.0 };
+            let part = spring.force_change([load.displacement(&self.mesh, at, 0), s_dot], [0.25 * h * h, 0.5 * h]);
             if part == 0.0 {
                 continue;
             }

@@ -35,7 +35,7 @@ impl NodalLoad {
             Load::Torque { body } => Self::Couple(element(GROUND), element(body)),
             Load::Couple { first, second } => Self::Couple(element(first), element(second)),
             // No mesh has a coupling.
-            Load::Separation { .. } => return None,
+            Load::Separation { .. } | Load::Screw { .. } => return None,
             Load::Slide { joint } => {
                 debug_assert!(joint < linkage.joints.len());
                 return None;

@@ -1,5 +1,7 @@
 //! Saved states, failed steps, faulty circuits.
 use super::*;
+use linkage_fmu::mechanism::Model;
+use std::f64::consts::PI;
 
 /// A twin that is saved, written, read and restored at any time has the bits of one that is not.
 #[test]
@@ -125,4 +127,26 @@ fn a_change_of_a_port_takes_effect_at_once() {
         assert!((whole.0 - many.0).abs() < 1e-9, "{name}: {whole:?} {many:?}");
         assert!((whole.1 / many.1 - 1.0).abs() < 1e-8 && (whole.2 / many.2 - 1.0).abs() < 1e-9, "{name}");
     }
+}
+
+/// With a circuit an equilibrium at the start is refused; start pressures whose force is the holding force are one.
+#[test]
+fn an_equilibrium_is_refused_and_the_remedy_is_one() {
+    let text = changed(HYDRAULIC_GEAR, |gear| gear["start"]["equilibrium"] = json!(true));
+    let words = ["start.equilibrium", "start_pressure of chamber_a", "actuator.holding_force", "cargo fmu check"];
+    assert_says(Model::from_json(&text).unwrap_err(), &words);
+    let gear = || {
+        let mut gear = Run::shared(HYDRAULIC_GEAR);
+        gear.set_all(&[("downstop.enabled", false), ("upstop.enabled", false)]);
+        gear.with(&[("crank.start_angle", 0.3), ("command.ramp_amplitude", 0.0), ("command.sine_amplitude", 0.0)])
+    };
+    let mut told = gear().started();
+    let holding = told.get("actuator.holding_force");
+    assert!(holding.abs() > 100.0 && told.get("crank.acceleration").abs() > 0.1);
+    let [bore, rod] = ["cylinder.bore", "cylinder.rod"].map(|name| told.get(name));
+    let (piston, ring) = (PI / 4.0 * bore * bore, PI / 4.0 * (bore * bore - rod * rod));
+    let b = 8e6;
+    let a = (holding + b * ring) / piston;
+    let mut rests = gear().with(&[("chamber_a.start_pressure", a), ("chamber_b.start_pressure", b)]).started();
+    assert!(rests.get("crank.acceleration").abs() < 1e-9, "{}", rests.get("crank.acceleration"));
 }

@@ -268,7 +268,10 @@ impl Player<'_> {
             }
             76..=81 => {
                 let has_value = self.phase != Instantiated || of.is_some_and(is_early);
-                let may = if of.is_some_and(|v| v.kind == Kind::Real) && has_value { Either } else { BeRefused };
+                // Behind the last variable FMI 3.0 has the time.
+                let is_time = of.is_none() && matches!(host, Host::Three(_));
+                let is_real = of.is_some_and(|v| v.kind == Kind::Real) && has_value;
+                let may = if is_real || is_time { Either } else { BeRefused };
                 let mut value = 0.0;
                 let status = host.real(reference, &mut value);
                 ("get a Real", may, self.check(status, &[value]))

@@ -12,7 +12,7 @@ use super::bar::Bar;
 use super::chunk::Remark;
 use super::csv::Csv;
 use super::parquet::Parquet;
-use super::results::{Column, Content, Format, Partial, columns};
+use super::results::{Column, Content, Partial, columns};
 use super::run::{Runner, Task};
 use super::{Stated, design, page, task};
 use crate::simulate::Outcome;
@@ -101,7 +101,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let stated = Stated::read(workspace, &arguments.study)?;
     let shown = arguments.study.display();
     let at = || format!("{shown}");
-    let factors = design::bounded(&stated.definition, stated.component.interface()).with_context(at)?;
+    let factors = design::bounded(&stated.definition, &stated.component).with_context(at)?;
     let (factors, bounds): (Vec<_>, Vec<_>) = factors.into_iter().unzip();
     let task = task(&stated.definition, &stated.folder, &stated.component, &factors).with_context(at)?;
     let goal = Goal::new(&stated.definition, &task.responses.columns).with_context(at)?;
@@ -214,8 +214,8 @@ fn write_table(out: &Path, with_csv: bool, columns: &[Column], found: &Found) ->
         let violation = worth.as_ref().map_or(f64::NAN, Worth::violation);
         let values = [point.as_slice(), responses, &[violation]].concat();
         let remark = Remark { is_failure: *is_failure, text: message };
-        parquet.format.add(number, &values, remark)?;
-        csv.as_mut().map_or(Ok(()), |csv| csv.format.add(number, &values, remark))?;
+        parquet.add(number, &values, remark)?;
+        csv.as_mut().map_or(Ok(()), |csv| csv.add(number, &values, remark))?;
     }
     parquet.end()?;
     csv.map_or(Ok(()), Partial::end)

@@ -20,7 +20,8 @@ class Drawing {
     const { bodies, joints, actuators, springs } = this.scene;
     const used = bodies.flatMap((body) => (body.points[0].frame === 0 ? [] : [...body.points, body.center]));
     const ends = [...actuators, ...springs].flatMap((connection) => connection.ends ?? []);
-    const points = [...used, ...ends, ...joints.flatMap((joint) => [joint.first, joint.second])];
+    const outlines = (this.scene.outlines ?? []).flatMap(({ frame, points }) => points.map((at) => ({ frame, at })));
+    const points = [...used, ...ends, ...outlines, ...joints.flatMap((joint) => [joint.first, joint.second])];
     const box = [Infinity, Infinity, -Infinity, -Infinity];
     for (const poses of this.sources) {
       for (const point of points) {
@@ -126,6 +127,13 @@ class Drawing {
         element("path", { d: "M0 0V-5.5A5.5 5.5 0 0 1 5.5 0ZM0 0V5.5A5.5 5.5 0 0 1 -5.5 0Z" }, mass);
         this.follow(mass, body.center, 0, false);
       }
+    }
+    for (const { name, frame, points, is_closed } of this.scene.outlines ?? []) {
+      const group = element("g", { class: "outline", style: frame === 0 ? "--c:var(--muted)" : this.colour(frame) }, this.layers.bodies);
+      element("title", {}, group, name);
+      const path = line(points.map(([x, y]) => [this.scale * x, -this.scale * y])) + (is_closed ? "Z" : "");
+      element("path", { d: path }, group);
+      this.follow(group, { frame, at: [0, 0] });
     }
     for (const surface of this.scene.surfaces.filter((s) => s.half)) {
       const group = element("g", { class: "surface" }, this.layers.surfaces);

@@ -1,25 +1,28 @@
 //! Motion over time of a drive that is prescribed: from rest to rest, or through points.
 //!
-//! With u = t / T and the distance D in the time T:
+//! With the distance D, the speed v, the acceleration a:
 //!
 //! ```text
 //! trapezoid        acceleration a, speed v, deceleration a; without the middle part where D < v^2 / a
-//! cycloidal        s = D (u - sin(2 pi u) / (2 pi))
-//! polynomial 345   s = D (10 u^3 - 15 u^4 + 6 u^5)
-//! polynomial 4567  s = D (35 u^4 - 84 u^5 + 70 u^6 - 20 u^7)
+//! cycloidal, polynomial 345, polynomial 4567: the rises of `numerics/rise.rs`
 //! table            the twice continuously differentiable curve of `numerics/monotone.rs`
 //! ```
 //!
-//! Source of the first four: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
+//! Source of the trapezoid: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
 //! acceleration, jerk. It must not know what moves.
 use crate::numerics::monotone::Monotone;
-use std::f64::consts::TAU;
+use crate::numerics::rise::Rise;
 
 /// Part of the time of a profile within which a time counts as that of a kink, so that sums of steps get there.
 const CLOSE: f64 = 1e-12;
+/// Durations of a profile up to which the time at rest before it counts in this.
+const LATE: f64 = 1e3;
 
 /// Distance [m or rad], speed, acceleration and jerk at a time.
 pub type Kinematics = [f64; 4];
+
+/// A time since the motion was first prescribed [s], and what its rounding has lost [s].
+pub type Since = [f64; 2];
 
 /// A motion over time.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,18 +39,11 @@ pub struct Profile {
 pub enum Shape {
     /// Acceleration with its sign, then duration of the acceleration and of the middle part [s].
     Trapezoid { acceleration: f64, ramp: f64, middle: f64 },
-    /// Acceleration as one period of a sine.
-    Cycloidal { distance: f64, duration: f64 },
-    /// Sum of coefficients times u^3 to u^7.
-    Polynomial { distance: f64, duration: f64, coefficients: [f64; 5] },
+    /// A rise by the distance [m or rad] in the duration [s].
+    Rise { law: Rise, distance: f64, duration: f64 },
     /// Through points.
     Table(Monotone),
 }
-
-/// Coefficients of u^3 to u^7 of the polynomial 345.
-pub const POLYNOMIAL_345: [f64; 5] = [10.0, -15.0, 6.0, 0.0, 0.0];
-/// Coefficients of u^3 to u^7 of the polynomial 4567.
-pub const POLYNOMIAL_4567: [f64; 5] = [0.0, 35.0, -84.0, 70.0, -20.0];
 
 impl Shape {
     /// The trapezoid of a distance with these largest speed and acceleration, both > 0.
@@ -66,10 +62,8 @@ impl Shape {
     fn kinks(&self) -> impl Iterator<Item = f64> {
         let (few, knots) = match self {
             Self::Trapezoid { ramp, middle, .. } => ([0.0, *ramp, ramp + middle, ramp + middle + ramp], &[][..]),
-            Self::Cycloidal { duration, .. } | Self::Polynomial { duration, .. } => {
-                ([0.0, *duration, *duration, *duration], &[][..])
-            }
-            Self::Table(table) => ([table.knots()[0]; 4], table.knots()),
+            Self::Rise { duration, .. } => ([0.0, *duration, *duration, *duration], &[][..]),
+            Self::Table(table) => ([0.0; 4], table.knots()),
         };
         few.into_iter().chain(knots.iter().copied())
     }
@@ -95,34 +89,7 @@ impl Shape {
                     _ => [all, 0.0, 0.0, 0.0],
                 }
             }
-            Self::Cycloidal { distance, duration } => {
-                if t >= *duration || t < 0.0 {
-                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
-                }
-                let (omega, mean) = (TAU / duration, distance / duration);
-                let (sin, cos) = (omega * t).sin_cos();
-                [mean * (t - sin / omega), mean * (1.0 - cos), mean * omega * sin, mean * omega * omega * cos]
-            }
-            Self::Polynomial { distance, duration, coefficients } => {
-                if t >= *duration || t < 0.0 {
-                    return [if t < 0.0 { 0.0 } else { *distance }, 0.0, 0.0, 0.0];
-                }
-                let u = t / duration;
-                let mut sum = [0.0; 4];
-                for (c, power) in coefficients.iter().zip(3..) {
-                    let n = f64::from(power);
-                    let factors = [1.0, n, n * (n - 1.0), n * (n - 1.0) * (n - 2.0)];
-                    for (order, factor) in (0..).zip(factors) {
-                        sum[order as usize] += c * factor * u.powi(power - order);
-                    }
-                }
-                let mut unit = *distance;
-                sum.map(|derivative| {
-                    let value = unit * derivative;
-                    unit /= duration;
-                    value
-                })
-            }
+            Self::Rise { law, distance, duration } => law.at(t, *distance, *duration),
             Self::Table(table) => {
                 let [value, slope, curvature] = table.at(t);
                 [value, slope, curvature, table.third(t)]
@@ -132,19 +99,31 @@ impl Shape {
 }
 
 impl Profile {
-    /// The motion at a time t [s] from where it was first prescribed; at a kink that which follows.
-    pub fn at(&self, t: f64) -> Kinematics {
-        let t = t - self.start_time;
-        let close = CLOSE * (self.start_time + self.shape.duration());
+    /// The motion at a time t [s] of a step that begins so long after the motion was first prescribed, a time [s] and what
+    /// its rounding has lost; at a kink that which follows. Within a step it is smooth to rounding of t, however late.
+    pub fn at(&self, [since, lost]: Since, t: f64) -> Kinematics {
+        let t = (since - self.start_time) + (lost + t);
+        let close = self.close();
         let kink = self.shape.kinks().find(|kink| (kink - t).abs() <= close);
-        self.shape.at(kink.unwrap_or(t))
+        match (&self.shape, kink) {
+            // A table may begin at any speed; before it the drive is at rest.
+            (Shape::Table(table), None) if t < 0.0 => [table.at(0.0)[0], 0.0, 0.0, 0.0],
+            _ => self.shape.at(kink.unwrap_or(t)),
+        }
     }
 
-    /// The first kink after t [s]; infinite if none follows.
-    pub fn next_kink(&self, t: f64) -> f64 {
-        let close = CLOSE * (self.start_time + self.shape.duration());
-        let kinks = self.shape.kinks().map(|kink| kink + self.start_time);
+    /// The first kink after a time t [s] of a step that begins so long after the motion was first prescribed, as a time of
+    /// this step; infinite if none follows.
+    pub fn next_kink(&self, [since, lost]: Since, t: f64) -> f64 {
+        let close = self.close();
+        let kinks = self.shape.kinks().map(|kink| (kink - (since - self.start_time)) - lost);
         kinks.filter(|kink| *kink > t + close).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance of a time from a kink at which it counts as that of the kink [s].
+    fn close(&self) -> f64 {
+        let duration = self.shape.duration();
+        CLOSE * (duration + self.start_time.min(LATE * duration))
     }
 
     /// Time at which the last kink is [s].
@@ -159,14 +138,15 @@ mod tests {
 
     fn all() -> Vec<Profile> {
         let (distance, duration) = (-0.7, 0.8);
-        let polynomial = |coefficients| Shape::Polynomial { distance, duration, coefficients };
-        let table = Monotone::new(&[[0.0, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
+        let rise = |law| Shape::Rise { law, distance, duration };
+        let table =
+            Monotone::new(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
         let shapes = [
             Shape::trapezoid(distance, 1.5, 8.0),
             Shape::trapezoid(distance, 3.0, 8.0),
-            Shape::Cycloidal { distance, duration },
-            polynomial(POLYNOMIAL_345),
-            polynomial(POLYNOMIAL_4567),
+            rise(Rise::Cycloidal),
+            rise(Rise::Polynomial345),
+            rise(Rise::Polynomial4567),
             Shape::Table(table),
         ];
         shapes.map(|shape| Profile { start_time: 0.25, shape }).into()
@@ -175,11 +155,23 @@ mod tests {
     #[test]
     fn each_profile_goes_its_distance_from_rest_to_rest() {
         for profile in all() {
-            assert_eq!(profile.at(0.1), [0.0; 4]);
-            let end = profile.at(profile.end() + 1e-9);
+            assert_eq!(profile.at([0.0; 2], 0.1), [0.0; 4]);
+            let end = profile.at([0.0; 2], profile.end() + 1e-9);
             assert!((end[0] + 0.7).abs() < 1e-14 && end[1..] == [0.0; 3], "{profile:?} {end:?}");
-            let before = profile.at(profile.end() - 1e-9);
+            let before = profile.at([0.0; 2], profile.end() - 1e-9);
             assert!((before[0] + 0.7).abs() < 1e-8 && before[1].abs() < 1e-7, "{profile:?} {before:?}");
+        }
+    }
+
+    #[test]
+    fn speeds_near_the_end_are_exact_in_relation_to_themselves() {
+        // 140 u^3 (1 - u)^3 and 30 u^2 (1 - u)^2 near u = 1, times D / T; the cycloid's 1 - cos(2 pi u) likewise.
+        let w = 2.0_f64.powi(-12);
+        let (u, mean) = (1.0 - w, -0.7 / 0.8);
+        let exact = [2.0 * (std::f64::consts::PI * w).sin().powi(2), 30.0 * (u * w).powi(2), 140.0 * (u * w).powi(3)];
+        for (profile, exact) in all()[2..5].iter().zip(exact) {
+            let [_, speed, ..] = profile.shape.at(0.8 * u);
+            assert!((speed / (mean * exact) - 1.0).abs() < 1e-11, "{profile:?}: {speed:e}");
         }
     }
 
@@ -189,10 +181,10 @@ mod tests {
         for profile in all() {
             for k in 0..200 {
                 let t = 0.2 + 0.0061 * f64::from(k);
-                if profile.next_kink(t - 2.0 * h) < t + 2.0 * h {
+                if profile.next_kink([0.0; 2], t - 2.0 * h) < t + 2.0 * h {
                     continue;
                 }
-                let [now, before, after] = [t, t - h, t + h].map(|t| profile.at(t));
+                let [now, before, after] = [t, t - h, t + h].map(|t| profile.at([0.0; 2], t));
                 for order in 0..3 {
                     let slope = (after[order] - before[order]) / (2.0 * h);
                     let size = now[order + 1].abs().max(100.0_f64.powi(order as i32));
@@ -216,8 +208,28 @@ mod tests {
     #[test]
     fn a_time_within_rounding_of_a_kink_is_that_of_the_kink() {
         let profile = Profile { start_time: 0.3, shape: Shape::trapezoid(1.0, 1.0, 10.0) };
-        assert_eq!(profile.at(0.1 + 0.2 - 1e-16)[2], 10.0);
-        assert_eq!(profile.at(0.3 - 1e-6)[2], 0.0);
-        assert!((profile.next_kink(0.3) - 0.4).abs() < 1e-15);
+        assert_eq!(profile.at([0.0; 2], 0.1 + 0.2 - 1e-16)[2], 10.0);
+        assert_eq!(profile.at([0.0; 2], 0.3 - 1e-6)[2], 0.0);
+        assert!((profile.next_kink([0.0; 2], 0.3) - 0.4).abs() < 1e-15);
+    }
+
+    /// Late in a run a step sees the motion as smooth as at the beginning; before a table the drive is at rest.
+    #[test]
+    fn a_late_profile_is_smooth_within_a_step_and_begins_at_rest() {
+        let shape = Shape::Rise { law: Rise::Polynomial345, distance: 1.0, duration: 0.5 };
+        let [early, late] = [0.0, 1e9].map(|start_time| Profile { start_time, shape: shape.clone() });
+        for k in 1..50 {
+            let t = 0.01 * f64::from(k);
+            assert_eq!(late.at([1e9, 0.0], t), early.at([0.0; 2], t));
+        }
+        assert_eq!(late.next_kink([1e9, 0.0], 0.01), 0.5);
+        // What the sum of the steps has lost counts.
+        assert_eq!(late.at([1e9, 1e-9], 0.1), early.at([1e-9, 0.0], 0.1));
+        let table = Shape::Table(Monotone::new(&[[0.0, 0.0], [1.0, 2.0]]).unwrap());
+        let profile = Profile { start_time: 0.5, shape: table };
+        assert_eq!(profile.at([0.0; 2], 0.2), [0.0; 4]);
+        assert_eq!(profile.next_kink([0.0; 2], 0.2), 0.5);
+        assert_eq!(profile.at([0.0; 2], 0.5)[1], 2.0);
+        assert_eq!(profile.at([0.5, 0.0], 0.5)[0], 1.0);
     }
 }

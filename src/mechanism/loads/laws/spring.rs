@@ -1,12 +1,12 @@
 //! The law of a spring with a damper.
 //!
-//! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy. It must not know the
-//! linkage.
+//! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy, power lost. It must not know
+//! the linkage.
 use super::gas::Gas;
 use crate::numerics::dual::Number;
 use crate::numerics::monotone::Monotone;
 
-/// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot.
+/// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot + damper(S_dot).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Name.
@@ -23,6 +23,10 @@ pub struct Spring {
     pub preload: f64,
     /// Further force as a function of S.
     pub characteristic: Option<Characteristic>,
+    /// Further force as a function of S_dot.
+    pub damper: Option<Monotone>,
+    /// Index of a second load like its own, of the part of the force that the state sizes; none where no part may be.
+    pub state_load: Option<usize>,
 }
 
 /// Force of a spring as a nonlinear function of S.
@@ -53,9 +57,14 @@ impl Characteristic {
 }
 
 impl Spring {
+    /// Linear part of the force at rest [N or N.m], its slope and its curvature.
+    fn linear(&self, s: f64) -> [f64; 3] {
+        [self.preload + self.stiffness * (s - self.free), self.stiffness, 0.0]
+    }
+
     /// Force at rest [N or N.m], its slope and its curvature.
     fn force_and_slopes(&self, s: f64) -> [f64; 3] {
-        let linear = [self.preload + self.stiffness * (s - self.free), self.stiffness, 0.0];
+        let linear = self.linear(s);
         match &self.characteristic {
             None => linear,
             Some(characteristic) => {
@@ -70,9 +79,34 @@ impl Spring {
         s.compose(self.force_and_slopes(s.value()))
     }
 
-    /// Force of the damper at the rate S_dot [N or N.m].
-    pub fn damping_force<T: Number>(&self, rate: T) -> T {
+    /// Force at rest without the characteristic [N or N.m].
+    pub fn linear_force<T: Number>(&self, s: T) -> T {
+        s.compose(self.linear(s.value()))
+    }
+
+    /// Force of the characteristic [N or N.m]; 0 without one.
+    pub fn characteristic_force<T: Number>(&self, s: T) -> T {
+        let further = self.characteristic.as_ref().map_or([0.0; 3], |c| c.force(s.value(), self.free));
+        s.compose(further)
+    }
+
+    /// Force of the linear damper at the rate S_dot [N or N.m].
+    pub fn linear_damping<T: Number>(&self, rate: T) -> T {
         T::constant(self.damping) * rate
+    }
+
+    /// Force of the damper with a curve at the rate S_dot [N or N.m]; 0 without one.
+    pub fn damper_force<T: Number>(&self, rate: T) -> T {
+        match &self.damper {
+            Some(damper) => rate.compose(damper.at(rate.value())),
+            None => T::constant(0.0),
+        }
+    }
+
+    /// Force of the dampers at the rate S_dot [N or N.m].
+    pub fn damping_force<T: Number>(&self, rate: T) -> T {
+        let linear = self.linear_damping(rate);
+        if self.damper.is_some() { linear + self.damper_force(rate) } else { linear }
     }
 
     /// Energy stored, less the energy at S = free [J].
@@ -84,8 +118,14 @@ impl Spring {
         s.compose([linear + further, force, slope])
     }
 
-    /// Power lost in the damper at the rate S_dot [W].
+    /// Power lost in the dampers at the rate S_dot [W].
     pub fn lost_power(&self, rate: f64) -> f64 {
+        let linear = self.linear_power(rate);
+        if self.damper.is_some() { linear + self.damper_force(rate) * rate } else { linear }
+    }
+
+    /// Natural power lost in the linear damper at the rate S_dot [W].
+    pub fn linear_power(&self, rate: f64) -> f64 {
         self.damping * rate.powi(2)
     }
 
@@ -99,20 +139,21 @@ impl Spring {
         self.preload.abs() + self.stiffness * s + further
     }
 
-    /// Change of the force over a revolution in which S grows by `growth` [N or N.m]. A characteristic does not repeat
-    /// itself over a revolution.
+    /// Change of the linear force over a revolution in which S grows by `growth` [N or N.m]. A characteristic does not
+    /// repeat itself over a revolution, so that the state sizes it.
     pub fn winding_force(&self, growth: f64) -> f64 {
         self.stiffness * growth
     }
 
-    /// Change of the force at S for small changes of S and of S_dot [N or N.m].
-    pub fn force_change(&self, s: f64, [change, rate]: [f64; 2]) -> f64 {
-        self.force_and_slopes(s)[1] * change + self.damping * rate
+    /// Change of the force at S and S_dot for small changes of both [N or N.m].
+    pub fn force_change(&self, [s, s_dot]: [f64; 2], [change, rate]: [f64; 2]) -> f64 {
+        let damping = self.damping + self.damper.as_ref().map_or(0.0, |damper| damper.at(s_dot)[1]);
+        self.force_and_slopes(s)[1] * change + damping * rate
     }
 
-    /// Whether the damper acts.
+    /// Whether a damper acts.
     pub fn is_damped(&self) -> bool {
-        self.damping != 0.0
+        self.damping != 0.0 || self.damper.is_some()
     }
 
     /// Values of S at which the law changes its polynomial.

@@ -3,7 +3,9 @@
 //! In: displacement S of its load, S_dot. Out: distance beyond the stop, push of the bumper. It must not know the
 //! linkage.
 use crate::mechanism::definition::Limit;
-use std::ops::{Add, Mul};
+use crate::numerics::dual::Number;
+use crate::numerics::enclosure::Enclosure;
+use crate::numerics::monotone::Monotone;
 
 /// A stop at one end of the travel of S.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +30,8 @@ pub struct Stop {
     pub stiffness: f64,
     /// Damping of the bumper [N.s/m or N.m.s/rad].
     pub damping: f64,
+    /// Further push of the bumper as a function of the distance beyond the stop, 0 at 0 and nowhere falling.
+    pub curve: Option<Monotone>,
 }
 
 impl Stop {
@@ -47,9 +51,29 @@ impl Stop {
         }
     }
 
-    /// Push of the bumper in contact [N or N.m], at a distance beyond the stop that grows at `rate`. The push is odd in
-    /// both: with S - value and S_dot for them it is the force that resists S at either end.
-    pub fn push<T: Add<Output = T> + Mul<f64, Output = T>>(&self, beyond: T, rate: T) -> T {
-        beyond * self.stiffness + rate * self.damping
+    /// Push of the bumper in contact [N or N.m], at a distance beyond the stop that grows at `rate`.
+    pub fn push<T: Number>(&self, beyond: T, rate: T) -> T {
+        let linear = beyond * T::constant(self.stiffness) + rate * T::constant(self.damping);
+        match &self.curve {
+            Some(curve) => linear + beyond.compose(curve.at(beyond.value())),
+            None => linear,
+        }
+    }
+
+    /// Bounds of [`Self::push`].
+    pub fn push_bounds(&self, beyond: Enclosure, rate: Enclosure) -> Enclosure {
+        let linear = beyond * self.stiffness + rate * self.damping;
+        match &self.curve {
+            Some(curve) => linear + beyond.chain(curve.bounds(beyond.value)),
+            None => linear,
+        }
+    }
+
+    /// Force of the bumper in contact on the load [N or N.m], at S - value and the rate S_dot.
+    pub fn force<T: Number>(&self, s: T, rate: T) -> T {
+        match self.limit {
+            Limit::Upper => -self.push(s, rate),
+            Limit::Lower => self.push(-s, -rate),
+        }
     }
 }

@@ -3,8 +3,9 @@
 //! In: a definition and its linkage. Out: loads with what sizes them. It must not know the state.
 use super::Loading;
 use crate::mechanism::definition::{DefinitionError, Mechanism};
-use crate::mechanism::linkage::{Kind, Linkage};
+use crate::mechanism::linkage::{Kind, Law, Linkage};
 use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::decimal::Decimal;
 
 /// Teeth in mesh. They touch along the line of pressure, so that a tangential force F_t comes with the force
 /// |F_t| tan(alpha) that pushes the wheels apart, whichever of the flanks bears.
@@ -12,8 +13,8 @@ use crate::mechanism::loads::unit_load::Load;
 pub struct Mesh {
     /// Index of the joint of the coupling.
     pub joint: usize,
-    /// Index of the load that pushes the wheels apart.
-    pub load: usize,
+    /// Indices of the loads that push the wheels apart for F_t < 0 and for F_t > 0; one load for a constant ratio.
+    pub loads: [usize; 2],
     /// tan(alpha), with the pressure angle alpha.
     pub tangent: f64,
 }
@@ -29,11 +30,11 @@ pub(super) fn pretension(linkage: &Linkage, coupling: usize, tension: f64) -> (f
         }
         _ => 1.0,
     };
-    (-2.0 * tension * (1.0 - cosine * cosine).sqrt(), Load::Separation { coupling })
+    (-2.0 * tension * (1.0 - cosine * cosine).sqrt(), Load::Separation { coupling, lean: 0.0 })
 }
 
 impl Loading {
-    pub(super) fn add_meshes(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
+    pub(super) fn add_meshes(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
         let joints = mechanism.joints.len();
         for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
             let Some(angle) = defined.pressure_angle.filter(|angle| *angle > 0.0) else { continue };
@@ -42,8 +43,26 @@ impl Loading {
                                for teeth that push along the motion, or leave out friction";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
             }
-            self.meshes.push(Mesh { joint: joints + coupling, load: self.loads.len(), tangent: angle.tan() });
-            self.loads.push(Load::Separation { coupling });
+            let (first, tangent) = (self.loads.len(), angle.tan());
+            let leans: &[f64] = match &linkage.couplings[coupling].law {
+                Law::Elliptic { eccentricity: e, lobes, .. } => {
+                    let steepest = lobes * e / (1.0 - e * e).sqrt();
+                    if steepest * tangent >= 1.0 {
+                        let message = format!(
+                            "the pitch curves are inclined by up to {} rad to circles, so that teeth with this pressure angle \
+                             cannot drive there: make the sum of both smaller than pi/2 by a smaller pressure_angle, or by a \
+                             smaller eccentricity",
+                            Decimal::rounded(steepest.atan())
+                        );
+                        return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
+                    }
+                    &[-tangent, tangent]
+                }
+                _ => &[0.0],
+            };
+            let loads = [first, first + leans.len() - 1];
+            self.meshes.push(Mesh { joint: joints + coupling, loads, tangent });
+            self.loads.extend(leans.iter().map(|&lean| Load::Separation { coupling, lean }));
         }
         Ok(())
     }

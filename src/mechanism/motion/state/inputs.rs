@@ -110,7 +110,9 @@ impl State {
         for (load, input) in inputs.reals[..loads].iter().enumerate() {
             let input = &size(load, *input);
             if self.applied[load].to_bits() != input.to_bits() {
-                work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                if !reduced.loading().is_command(load) {
+                    work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                }
                 largest = largest.max(input.abs());
                 changed = true;
             }

@@ -34,8 +34,11 @@ use crate::numerics::kronrod::{NODES, means, relative_error};
 
 /// Part of the size of the mechanism's motion of 1 rad by which the position at a switch may differ from that of the drive.
 const SWITCH: f64 = 1e-6;
-/// Part of a step below which a part of it is not halved any more.
+/// Part of what lies between two kinks below which a part of a step is not halved any more.
 const SHORTEST: f64 = 1e-6;
+/// Part of the work of the drive's force over the size of the mechanism's motion: what is exchanged in a part of a step is
+/// judged in relation to no less, as the rounding of position and speed is not smooth.
+const LEAST_WORK: f64 = 1e-6;
 
 /// sigma, sigma_dot and sigma_ddot under a prescribed motion, with S_sigma.
 #[derive(Clone, Copy)]
@@ -70,7 +73,7 @@ impl Step<'_> {
     fn name(&self) -> String {
         let loading = self.track.whole.loading();
         let quantity = match &loading.loads[self.drive.load] {
-            Load::Couple { .. } => "angle",
+            Load::Couple { .. } | Load::Screw { .. } => "angle",
             Load::Slide { .. } => "position",
             _ => "length",
         };
@@ -180,7 +183,7 @@ impl State {
             true => PrescribedState { given, ..before },
             false => PrescribedState { is_active: true, origin: here, given, ..PrescribedState::default() },
         };
-        let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.now) else { return Ok(()) };
+        let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.parts()) else { return Ok(()) };
         let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
         let step = Step { track, motion, inputs, drive };
@@ -292,7 +295,7 @@ impl State {
         let (Some(drive), Some(prescribed)) = (&reduced.loading().motion, self.saved.prescribed) else {
             return Ok((progress, false));
         };
-        let Some(motion) = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.now) else {
+        let Some(motion) = Prescribed::new(drive, inputs, prescribed.origin, prescribed.time.parts()) else {
             return Ok((progress, false));
         };
         let pauses = self.witness.pauses.at_steps;
@@ -302,9 +305,12 @@ impl State {
         let step = Step { track, motion, inputs, drive };
         let SavedState { applied: sizes, airspeed, air, revolutions, .. } = &*saved;
         let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, arrival.contact.touching());
-        let mut balance = Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching };
+        let mut balance =
+            Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
         balance.begin();
         let (mut width, mut sigma) = (h, arrival.y[0]);
+        // Where the present piece between two kinks begins, and where it ends.
+        let (mut begun, mut kink) = (0.0, 0.0);
         while progress.t < h {
             if progress.work.is_spent(attempts) {
                 balance.scratch.panel_force.invalidate();
@@ -313,6 +319,10 @@ impl State {
             progress.work.extra += 1;
             let t = progress.t;
             let end = motion.next_kink(t, h);
+            if t >= kink {
+                begun = t;
+            }
+            kink = end;
             let to = if t + width < end { t + width } else { end };
             let mut near = sigma;
             let mut places = [None; NODES.len()];
@@ -328,13 +338,17 @@ impl State {
                 *value = balance.lost(t + u * (to - t), &place)?;
             }
             let means = means(&values);
-            let kinetic = 0.5 * last.y[1] * last.y[1];
-            let is_rough = relative_error(means, kinetic / (to - t)) > solver.tolerance;
-            if is_rough && to - t > SHORTEST * h {
+            let energy = (0.5 * last.y[1] * last.y[1]).max(LEAST_WORK * balance.largest * reduced.scale());
+            let is_rough = relative_error(means, energy / (to - t)) > solver.tolerance;
+            if is_rough && to - t > SHORTEST * (end - begun) {
                 width = 0.5 * (to - t);
                 continue;
             }
             arrival.lost += means[0] * (to - t);
+            // A table that begins at a speed: the drive gives it at once, which is work.
+            if last.y[1] != 0.0 && places.iter().flatten().all(|place| place.y[1] == 0.0) {
+                arrival.lost -= 0.5 * last.y[1] * last.y[1];
+            }
             arrival.y = [last.y[0], last.y[1]];
             (sigma, width, progress.t) = (last.y[0], 2.0 * (to - t).max(width), to);
             balance.touch(&last);
@@ -359,6 +373,8 @@ struct Balance<'a, 's> {
     /// Excess of the sizes of the loads over those at the beginning of the step, then as many zeros.
     rates: &'s mut Vec<f64>,
     touching: BumperSet,
+    /// Largest generalised force of the drive in the step.
+    largest: f64,
 }
 
 impl Balance<'_, '_> {
@@ -420,7 +436,9 @@ impl Balance<'_, '_> {
         let direction = toward(sigma_dot, acceleration);
         let demand = Demand { drive: (step.drive.load, slope), acceleration, direction, breakaway: None };
         let force = self.equation(sigma, t, 0.0).required(sigma, sigma_dot, &demand);
-        let force = force.map_err(|_| self.locked(t, sigma))? / slope;
+        let generalised = force.map_err(|_| self.locked(t, sigma))?;
+        self.largest = self.largest.max(generalised.abs());
+        let force = generalised / slope;
         let efficiency = step.track.whole.loading().drives[step.drive.load].efficiency;
         let force = with_efficiency(efficiency, force * sigma_dot * slope, force);
         let mut equation = self.equation(sigma, t, force);

@@ -1,0 +1,220 @@
+//! Disc cams: motion law of the follower, with the checks that need no geometry.
+use super::couplings::Coupling;
+use crate::format::DefinitionError;
+use crate::numerics::decimal::Decimal;
+use crate::numerics::periodic::{Periodic, Segment};
+use crate::numerics::rise::Rise;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Largest error of a sum of angles that is to be one revolution, and of lifts that are to be 0, relative to its size.
+const CLOSE: f64 = 1e-9;
+/// Least number of points of a table.
+const FEWEST: usize = 3;
+
+/// What touches a cam.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Follower {
+    /// A roller.
+    Roller,
+    /// A flat face.
+    Flat,
+}
+
+/// A part of a cam's revolution.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
+#[serde(deny_unknown_fields)]
+pub struct CamSegment {
+    /// Law of the lift.
+    pub law: CamLaw,
+    /// Angle of the cam over which it goes [rad], > 0; of the last segment the rest of the revolution where absent.
+    pub angle: Option<f64>,
+    /// Growth of the lift, of any sign [m, or rad of an oscillating follower]; none of a dwell; of the last segment back to
+    /// 0 where absent.
+    pub rise: Option<f64>,
+}
+
+/// Law of the lift over a segment.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
+pub enum CamLaw {
+    /// No motion.
+    #[serde(rename = "dwell")]
+    Dwell,
+    /// Acceleration as one period of a sine.
+    #[serde(rename = "cycloidal")]
+    Cycloidal,
+    /// Polynomial of degree 5, without acceleration at its ends.
+    #[serde(rename = "polynomial_345")]
+    Polynomial345,
+    /// Polynomial of degree 7, without acceleration and jerk at its ends.
+    #[serde(rename = "polynomial_4567")]
+    Polynomial4567,
+}
+
+impl CamLaw {
+    fn rise(self) -> Option<Rise> {
+        match self {
+            Self::Dwell => None,
+            Self::Cycloidal => Some(Rise::Cycloidal),
+            Self::Polynomial345 => Some(Rise::Polynomial345),
+            Self::Polynomial4567 => Some(Rise::Polynomial4567),
+        }
+    }
+}
+
+fn refused<T>(key: String, message: impl std::fmt::Display) -> Result<T, DefinitionError> {
+    Err(DefinitionError::key(key, message))
+}
+
+impl Coupling {
+    /// The lift of a cam over one revolution. `key`: the key of the coupling.
+    ///
+    /// # Errors
+    /// Segments that are no revolution or do not return; points of no function.
+    pub fn lift(&self, key: &str) -> Result<Periodic, DefinitionError> {
+        match (&self.segments, &self.points) {
+            (Some(segments), None) => of_segments(segments, key),
+            (None, Some(points)) => of_points(points, key),
+            (Some(_), Some(_)) => {
+                refused(format!("{key}.points"), "the lift is given by segments already: remove one of both")
+            }
+            (None, None) => {
+                refused(key.to_owned(), "has no lift: add segments, or the points of a table [angle, lift]")
+            }
+        }
+    }
+
+    /// Call `visit` with each number of the lift, and whether it is an angle; else it is a length.
+    pub(super) fn lift_numbers(&mut self, visit: &mut dyn FnMut(bool, &mut f64)) {
+        let turns = self.joint.is_none();
+        for segment in self.segments.iter_mut().flatten() {
+            segment.angle.iter_mut().for_each(|angle| visit(true, angle));
+            segment.rise.iter_mut().for_each(|rise| visit(turns, rise));
+        }
+        for [angle, lift] in self.points.iter_mut().flatten() {
+            visit(true, angle);
+            visit(turns, lift);
+        }
+    }
+
+    /// Numbers of the lift with their keys. `key`: the key of the coupling.
+    pub(super) fn stated_lift(&self, key: &str) -> Vec<(String, f64)> {
+        let mut all = Vec::new();
+        for (k, segment) in self.segments.iter().flatten().enumerate() {
+            for (name, value) in [("angle", segment.angle), ("rise", segment.rise)] {
+                all.extend(value.map(|value| (format!("{key}.segments[{k}].{name}"), value)));
+            }
+        }
+        for (k, point) in self.points.iter().flatten().enumerate() {
+            all.extend((0..2).map(|part| (format!("{key}.points[{k}][{part}]"), point[part])));
+        }
+        all
+    }
+
+    /// Faults of the keys of a cam.
+    pub(super) fn check_cam(&self, key: &str) -> Result<(), DefinitionError> {
+        let at = |k: &str| format!("{key}.{k}");
+        match (&self.joint, &self.second) {
+            (Some(_), Some(_)) => {
+                return refused(
+                    at("second"),
+                    "the follower slides in a joint already: remove second, or joint for a follower that turns",
+                );
+            }
+            (None, None) => {
+                let message = "the follower has no motion: add joint, in which it slides, or second, the centre about which it turns";
+                return refused(key.to_owned(), message);
+            }
+            (Some(_), None) if self.carrier.is_some() => {
+                return refused(at("carrier"), "the joint of the follower says what carries the cam: remove it");
+            }
+            _ => {}
+        }
+        if self.phase.is_some() {
+            return refused(at("phase"), "the base circle says where the follower is without lift: remove it");
+        }
+        match (self.follower, self.roller_radius, self.face_angle) {
+            (Some(Follower::Roller), None, _) => return refused(at("roller_radius"), "is missing: add it"),
+            (Some(Follower::Roller), _, Some(_)) => {
+                return refused(at("face_angle"), "a roller has no face: remove it, or write flat for follower");
+            }
+            (Some(Follower::Flat), Some(_), _) => {
+                return refused(
+                    at("roller_radius"),
+                    "a flat follower has no roller: remove it, or write roller for follower",
+                );
+            }
+            _ => {}
+        }
+        self.lift(key).map(|_| ())
+    }
+}
+
+fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, DefinitionError> {
+    let last = segments.len().saturating_sub(1);
+    let (mut angle, mut lift, mut largest) = (0.0, 0.0, 0.0_f64);
+    let mut all = Vec::new();
+    for (k, segment) in segments.iter().enumerate() {
+        let at = |name: &str| format!("{key}.segments[{k}].{name}");
+        let law = segment.law.rise();
+        let length = match segment.angle {
+            Some(length) if length > 0.0 && length <= TAU => length,
+            Some(length) => {
+                return Err(DefinitionError::value(at("angle"), Decimal(length), "an angle > 0 and <= 2 pi rad"));
+            }
+            None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
+            None if k == last => {
+                let message = format!(
+                    "the segments before it take {} rad, the whole revolution: remove it",
+                    Decimal::rounded(angle)
+                );
+                return refused(at("angle"), message);
+            }
+            None => return refused(at("angle"), "is missing: only the last segment has the rest of the revolution"),
+        };
+        let distance = match (law, segment.rise) {
+            (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove it, or choose another law"),
+            (None, None) => 0.0,
+            (Some(_), Some(rise)) if rise.is_finite() && rise.abs() <= 1e100 => rise,
+            (Some(_), Some(rise)) => {
+                return Err(DefinitionError::value(at("rise"), Decimal(rise), "a number from -1e100 to 1e100"));
+            }
+            (Some(_), None) if k == last => -lift,
+            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment returns without it"),
+        };
+        angle += length;
+        lift += distance;
+        largest = largest.max(distance.abs());
+        all.push(Segment { length, distance, law });
+    }
+    if (angle - TAU).abs() > CLOSE * TAU {
+        let message = format!(
+            "the angles add up to {} rad instead of 2 pi: change them, or leave out that of the last segment, which then has \
+             the rest",
+            Decimal::rounded(angle)
+        );
+        return refused(format!("{key}.segments"), message);
+    }
+    if lift.abs() > CLOSE * largest {
+        let message = format!(
+            "the rises add up to {} instead of 0, so that the lift does not return: change them, or leave out that of the \
+             last segment",
+            Decimal::rounded(lift)
+        );
+        return refused(format!("{key}.segments"), message);
+    }
+    Periodic::of_segments(&all).map_or_else(|| refused(format!("{key}.segments"), "there are none: add some"), Ok)
+}
+
+fn of_points(points: &[[f64; 2]], key: &str) -> Result<Periodic, DefinitionError> {
+    let is_finite = points.iter().flatten().all(|value| value.is_finite());
+    match Periodic::of_points(points).filter(|_| is_finite && points.len() >= FEWEST) {
+        Some(lift) => Ok(lift),
+        None => refused(
+            format!("{key}.points"),
+            "give 3 or more points [angle, lift] of finite numbers with ascending angles, from the first to the last less \
+             than 2 pi: the first follows on the last by itself",
+        ),
+    }
+}

@@ -1,0 +1,170 @@
+//! Twice continuously differentiable functions of the period 2 pi: the motion laws of cams.
+//!
+//! In: rises one after another, or points of one period. Out: the function with two derivatives, and the knots between
+//! which it is analytic. It must not know what the function means.
+use super::monotone::Monotone;
+use super::rise::Rise;
+use std::f64::consts::TAU;
+
+/// Number of points before and behind one period that decide the curve within it: curvatures follow from the slopes at
+/// both neighbours, these from theirs.
+const BEYOND: usize = 3;
+
+/// A part of the period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Length [rad], > 0.
+    pub length: f64,
+    /// Growth of the function.
+    pub distance: f64,
+    /// Law of the growth; none for a part without growth.
+    pub law: Option<Rise>,
+}
+
+/// A function of the period 2 pi.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Periodic {
+    /// Borders of its analytic parts, ascending, from 0 on and below 2 pi after the first.
+    knots: Vec<f64>,
+    parts: Parts,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Parts {
+    /// Segments, each with the value at its start, one for each knot.
+    Segments(Vec<(f64, Segment)>),
+    /// A curve through the points of one period and some around it.
+    Points(Monotone),
+}
+
+impl Periodic {
+    /// Segments whose lengths add up to 2 pi and whose distances to 0, but for rounding; the function is 0 at 0. None for
+    /// no segments.
+    pub fn of_segments(segments: &[Segment]) -> Option<Self> {
+        let (mut start, mut value) = (0.0, 0.0);
+        let (mut knots, mut parts) = (Vec::new(), Vec::new());
+        for segment in segments {
+            knots.push(start);
+            parts.push((value, *segment));
+            start += segment.length;
+            value += if segment.law.is_some() { segment.distance } else { 0.0 };
+        }
+        (!parts.is_empty()).then_some(Self { knots, parts: Parts::Segments(parts) })
+    }
+
+    /// The curve through points [u, value] of one period: at least two, u ascending by less than 2 pi in all. None for
+    /// other points.
+    pub fn of_points(points: &[[f64; 2]]) -> Option<Self> {
+        let (first, last) = (points.first()?, points.last()?);
+        if points.len() < 2 || last[0] - first[0] >= TAU {
+            return None;
+        }
+        let count = points.len() as isize;
+        let around = (-(BEYOND as isize)..=count + BEYOND as isize).map(|k| {
+            let [u, value] = points[k.rem_euclid(count) as usize];
+            [u + TAU * k.div_euclid(count) as f64, value]
+        });
+        let curve = Monotone::new(&around.collect::<Vec<_>>())?;
+        Some(Self { knots: points.iter().map(|point| point[0]).collect(), parts: Parts::Points(curve) })
+    }
+
+    /// Value with its first and second derivative at u.
+    pub fn at(&self, u: f64) -> [f64; 3] {
+        let first = self.knots[0];
+        let u = first + (u - first).rem_euclid(TAU);
+        match &self.parts {
+            Parts::Points(curve) => curve.at(u),
+            Parts::Segments(parts) => {
+                let k = self.knots.partition_point(|knot| *knot <= u).max(1) - 1;
+                let (value, Segment { length, distance, law }) = parts[k];
+                let [s, slope, curvature, _] = law.map_or([0.0; 4], |law| law.at(u - self.knots[k], distance, length));
+                [value + s, slope, curvature]
+            }
+        }
+    }
+
+    /// Distance from u to the next knot beyond `close`, in the direction of growing u or against it.
+    pub fn next_knot(&self, u: f64, ascending: bool, close: f64) -> f64 {
+        let sign = if ascending { 1.0 } else { -1.0 };
+        let away = |knot: &f64| {
+            let distance = (sign * (knot - u)).rem_euclid(TAU);
+            if distance > close { distance } else { distance + TAU }
+        };
+        self.knots.iter().map(away).fold(TAU, f64::min)
+    }
+
+    /// Borders of the analytic parts, ascending.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all() -> Vec<Periodic> {
+        let rise = |length, distance, law| Segment { length, distance, law: Some(law) };
+        let dwell = |length| Segment { length, distance: 0.0, law: None };
+        let segments = [
+            dwell(0.7),
+            rise(1.2, 0.03, Rise::Cycloidal),
+            dwell(0.5),
+            rise(1.0, -0.01, Rise::Polynomial345),
+            rise(TAU - 3.4, -0.02, Rise::Polynomial4567),
+        ];
+        let points = [[0.3, 0.0], [1.0, 0.01], [2.0, 0.04], [3.0, 0.04], [5.0, 0.02]];
+        [Periodic::of_segments(&segments), Periodic::of_points(&points)].into_iter().flatten().collect()
+    }
+
+    #[test]
+    fn it_returns_and_is_smooth_everywhere() {
+        let h = 1e-5;
+        for f in all() {
+            for k in 0..700 {
+                let u = -3.0 + 0.02003 * f64::from(k);
+                let [now, later, before, after] = [u, u + TAU, u - h, u + h].map(|u| f.at(u));
+                for order in 0..3 {
+                    assert!((now[order] - later[order]).abs() < 1e-13, "{u} {now:?} {later:?}");
+                }
+                for order in 0..2 {
+                    let slope = (after[order] - before[order]) / (2.0 * h);
+                    assert!((slope - now[order + 1]).abs() < 1e-5, "{u}: {slope} {now:?}");
+                }
+            }
+            for knot in f.knots() {
+                let [before, after] = [-1e-9, 1e-9].map(|h| f.at(knot + h));
+                assert!((before[2] - after[2]).abs() < 1e-7, "{knot}: {before:?} {after:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_next_knot_is_ahead_in_either_direction() {
+        for f in all() {
+            for k in 0..200 {
+                let u = -9.0 + 0.1 * f64::from(k);
+                for (ascending, sign) in [(true, 1.0), (false, -1.0)] {
+                    let ahead = f.next_knot(u, ascending, 1e-9);
+                    let at = u + sign * ahead;
+                    let nearest = f.knots().iter().map(|knot| ((knot - at) / TAU).round() * TAU + at - knot);
+                    assert!(nearest.fold(f64::INFINITY, |least, d| least.min(d.abs())) < 1e-12);
+                    let between = f.knots().iter().filter(|knot| {
+                        let distance = (sign * (*knot - u)).rem_euclid(TAU);
+                        1e-9 < distance && distance < ahead - 1e-9
+                    });
+                    assert_eq!(between.count(), 0);
+                }
+            }
+            let knot = f.knots()[1];
+            assert!(f.next_knot(knot, true, 1e-9) > 1e-3, "the knot at hand is not the next one");
+        }
+    }
+
+    #[test]
+    fn points_of_more_than_a_period_are_refused() {
+        for points in [&[[0.0, 1.0]][..], &[[0.0, 1.0], [TAU, 1.0]], &[[1.0, 0.0], [0.5, 1.0]]] {
+            assert_eq!(Periodic::of_points(points), None);
+        }
+    }
+}
