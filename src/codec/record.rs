@@ -111,8 +111,6 @@ impl Record<'_> {
 
     /// A list of arrays of finite numbers, with its length.
     pub fn arrays<const N: usize>(&mut self, name: &str, arrays: &mut Vec<[f64; N]>) -> Result<(), Damaged> {
-        /// All bits of an exponent: of infinities and NaN.
-        const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
         let mut size = arrays.len();
         self.size(name, &mut size, size_of::<[f64; N]>())?;
         match self {
@@ -121,11 +119,9 @@ impl Record<'_> {
                 let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
                 *rest = after;
                 let (words, _) = own.as_chunks::<8>();
-                let has_end = |word: &[u8; 8]| u64::from_le_bytes(*word) & EXPONENT == EXPONENT;
-                let is_finite = !words.iter().fold(false, |any, word| any | has_end(word));
-                Damaged::unless(is_finite, || format!("{name}: must be finite numbers"))?;
-                let array = |words: &[[u8; 8]]| std::array::from_fn(|i| f64::from_le_bytes(words[i]));
-                *arrays = words.chunks_exact(N).map(array).collect();
+                Damaged::unless(are_finite(words), || format!("{name}: must be finite numbers"))?;
+                *arrays = vec![[0.0; N]; size];
+                fill(arrays.as_flattened_mut(), words);
             }
         }
         Ok(())
@@ -157,7 +153,20 @@ impl Record<'_> {
 
     /// The finite numbers of a slice, without its length.
     pub fn all_finite(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
-        values.iter_mut().try_for_each(|value| self.finite(name, value))
+        let Self::Read(rest) = self else {
+            return values.iter_mut().try_for_each(|value| self.finite(name, value));
+        };
+        let ended = || Damaged("it ends too early".to_owned());
+        let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
+        let (words, _) = own.as_chunks::<8>();
+        if !are_finite(words) {
+            let mut all = words.iter().map(|word| f64::from_le_bytes(*word));
+            let first = all.find(|value| !value.is_finite()).unwrap_or(f64::NAN);
+            return Err(Damaged(format!("{name} = {first}: must be a finite number")));
+        }
+        fill(values, words);
+        *rest = after;
+        Ok(())
     }
 
     /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
@@ -178,6 +187,21 @@ impl Record<'_> {
             Some(value) => fields(self, value),
             None => Ok(()),
         }
+    }
+}
+
+/// Whether numbers in little-endian bytes are all finite.
+fn are_finite(words: &[[u8; 8]]) -> bool {
+    /// All bits of an exponent: of infinities and NaN.
+    const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
+    let has_end = |word: &[u8; 8]| u64::from_le_bytes(*word) & EXPONENT == EXPONENT;
+    !words.iter().fold(false, |any, word| any | has_end(word))
+}
+
+/// Give numbers the values in these little-endian bytes.
+fn fill(values: &mut [f64], words: &[[u8; 8]]) {
+    for (value, word) in values.iter_mut().zip(words) {
+        *value = f64::from_le_bytes(*word);
     }
 }
 

@@ -133,6 +133,13 @@ pub fn read_with<T: DeserializeOwned>(kind: &str, text: &str, numbers: &Numbers)
     // Some editors begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut json = serde_json::Deserializer::from_str(text);
+    let plain = T::deserialize(Strict::new(&mut json, numbers));
+    if let Ok(read) = plain.and_then(|read| json.end().map(|()| read)) {
+        return Ok(read);
+    }
+    // The path of the key at fault costs more than all the rest of the reading: it is kept in a second one.
+    numbers.restart();
+    let mut json = serde_json::Deserializer::from_str(text);
     let malformed = |key: String, error: &serde_json::Error| {
         let message = message(error, text, key.is_empty());
         DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message)

@@ -110,7 +110,7 @@ impl Model {
         let (variables, reduced) = match stored {
             Some((reduced, guid)) => {
                 let resolved = (reduced.linkage(), reduced.loading(), &reduced.markers[..]);
-                (interface::kept_variables(&mechanism, resolved, guid), reduced)
+                (interface::kept_variables(&mut mechanism, resolved, guid), reduced)
             }
             None => (interface::variables(&mechanism)?, Reduced::new(&mechanism)?),
         };

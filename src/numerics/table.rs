@@ -45,8 +45,17 @@ impl Grid {
     /// This grid with the borders of tables that were built on it.
     pub fn refined<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Self {
         let mut borders = self.borders.clone();
-        borders.extend(tables.into_iter().flat_map(|t| &t.borders));
-        borders.sort_by(f64::total_cmp);
+        // Most tables have the borders of the one before, or those of the grid.
+        let mut last = &self.borders;
+        for table in tables {
+            if table.borders != *last {
+                borders.extend(&table.borders);
+            }
+            last = &table.borders;
+        }
+        if borders.len() > self.borders.len() {
+            borders.sort_by(f64::total_cmp);
+        }
         borders.dedup();
         Self { borders, centers: self.centers.clone(), noise: self.noise }
     }

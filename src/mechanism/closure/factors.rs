@@ -91,6 +91,42 @@ impl Factors {
         regular
     }
 
+    /// [`Self::push`] of a row with an entry in every column, in their order: the same numbers, without a search for what
+    /// is to be eliminated.
+    pub fn push_whole(&mut self, row: &[f64], weights: &[f64]) -> bool {
+        let Self { upper, upper_ends, lower, lower_ends, pivots, pivot_rows, entries, .. } = self;
+        entries.copy_from_slice(row);
+        for (index, &(pivot, inverse)) in pivots.iter().enumerate() {
+            let factor = std::mem::take(&mut entries[pivot]) * inverse;
+            if factor != 0.0 {
+                lower.push((index, factor));
+                for &(column, value) in part(upper, upper_ends, index) {
+                    entries[column] -= factor * value;
+                }
+            }
+        }
+        lower_ends.push(lower.len());
+        let mut best = (FREE, 0.0);
+        for (column, ((entry, weight), pivot_row)) in entries.iter().zip(weights).zip(&*pivot_rows).enumerate() {
+            let size = (entry / weight).abs();
+            if *pivot_row == FREE && size > best.1 {
+                best = (column, size);
+            }
+        }
+        let (pivot, size) = best;
+        let regular = pivot != FREE && size.is_finite();
+        if regular {
+            pivot_rows[pivot] = pivots.len();
+            pivots.push((pivot, 1.0 / entries[pivot]));
+            let others = entries.iter().zip(&*pivot_rows).enumerate();
+            let others = others.filter(|(_, (entry, pivot_row))| **pivot_row == FREE && **entry != 0.0);
+            upper.extend(others.map(|(column, (entry, _))| (column, *entry)));
+        }
+        upper_ends.push(upper.len());
+        entries.fill(0.0);
+        regular
+    }
+
     /// Note that the current row has an entry in a column.
     fn touch(&mut self, column: usize) {
         if !self.present[column] {
@@ -279,6 +315,34 @@ mod tests {
                 let along = rest.dot(&normal) / normal.norm_squared();
                 assert!((rest - along * &normal).norm() < 1e-11 * solution.norm().max(1.0), "{n}");
             }
+        }
+    }
+
+    /// Whole rows give the same bits by either way, zeros and dependent rows among them.
+    #[test]
+    fn whole_rows_are_rows() {
+        let mut seed = 2;
+        for case in 0..200 {
+            let n = 2 + case % 5;
+            let weights: Vec<f64> = (0..n).map(|i| 1.0 + (i % 3) as f64).collect();
+            let [mut one, mut other] = [Factors::default(), Factors::default()];
+            one.clear(n);
+            other.clear(n);
+            let mut rows: Vec<Vec<f64>> = Vec::new();
+            for r in 0..n - 1 {
+                let row: Vec<f64> = match rows.last() {
+                    Some(last) if case % 7 == 0 => last.iter().map(|v| 2.0 * v).collect(),
+                    _ => (0..n).map(|c| if (c + r + case) % 4 == 0 { 0.0 } else { noise(&mut seed) }).collect(),
+                };
+                let pushed = one.push(row.iter().copied().enumerate(), &weights);
+                assert_eq!(other.push_whole(&row, &weights), pushed);
+                if !pushed {
+                    break;
+                }
+                rows.push(row);
+            }
+            assert_eq!(one.finish(), other.finish());
+            assert_eq!(one, other);
         }
     }
 

@@ -102,8 +102,21 @@ impl Closure {
             }
             return Err(AssemblyError::Freedom { count: freedom });
         }
-        let probes = (0..n - 1).map(|i| probes(i).map(|gap| gap * linkage.size)).collect();
-        Ok((Self { linkage, rows: independent_rows(&j, n - 1), probes, weights: w }, q))
+        Ok((Self::of_independent(linkage, independent_rows(&j, n - 1), w), q))
+    }
+
+    /// The loop equations of which those with these indices are independent, as [`Self::assemble`] has found them; None if
+    /// they are none of this linkage.
+    pub fn of_rows(linkage: Arc<Linkage>, rows: Vec<usize>) -> Option<Self> {
+        let w = weights(&linkage);
+        let ascending = rows.windows(2).all(|pair| pair[0] < pair[1]);
+        let are_own = ascending && rows.len() + 1 == w.len() && rows.last().is_none_or(|last| *last < linkage.rows());
+        are_own.then(|| Self::of_independent(linkage, rows, w))
+    }
+
+    fn of_independent(linkage: Arc<Linkage>, rows: Vec<usize>, weights: Vec<f64>) -> Self {
+        let probes = (0..rows.len()).map(|i| probes(i).map(|gap| gap * linkage.size)).collect();
+        Self { linkage, rows, probes, weights }
     }
 
     /// Whether some loop equations depend on others.
@@ -138,8 +151,13 @@ impl Closure {
             linkage.partials(&scratch.positions, q, index, &mut scratch.partials);
             for partials in &scratch.partials[..linkage.joints[joint].freedom.rows()] {
                 if kept.next_if(|r| **r == row).is_some() {
-                    let columns = linkage.loops[index].columns.iter().copied();
-                    if !scratch.factors.push(columns.zip(partials.iter().copied()), &self.weights) {
+                    let columns = &linkage.loops[index].columns;
+                    let is_independent = if columns.len() == q.len() {
+                        scratch.factors.push_whole(partials, &self.weights)
+                    } else {
+                        scratch.factors.push(columns.iter().copied().zip(partials.iter().copied()), &self.weights)
+                    };
+                    if !is_independent {
                         return false;
                     }
                 }

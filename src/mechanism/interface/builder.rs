@@ -27,7 +27,13 @@ pub(super) struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     pub fn new(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>, describes: bool) -> Self {
-        let (list, quantities, initial) = Default::default();
+        /// Variables of an element, rarely more.
+        const EACH: usize = 12;
+        let mechanism = source.mechanism;
+        let elements = mechanism.bodies.len() + mechanism.joints.len() + source.loads.len() + source.markers.len();
+        let most = EACH * elements;
+        let (list, quantities, initial) =
+            (Vec::with_capacity(most), Vec::with_capacity(most), Vec::with_capacity(most));
         Self { source, list, quantities, causes, initial, dependencies: 0, describes }
     }
 

@@ -177,13 +177,16 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
         let text = "What begins to move it backward, of";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
-        let text = [
-            "Whether friction locks the mechanism against ",
-            n,
-            ": no force of it gives the demanded acceleration, ",
-            "or none begins to move it forward, or none backward",
-        ]
-        .concat();
+        let text = b.text(|| {
+            let force = ": no force of it gives the demanded acceleration, ";
+            [
+                "Whether friction locks the mechanism against ",
+                n,
+                force,
+                "or none begins to move it forward, or none backward",
+            ]
+            .concat()
+        });
         let locking = Needs { statics: true, ..required };
         b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);
     }

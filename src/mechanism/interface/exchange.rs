@@ -30,7 +30,7 @@ pub(super) fn add(b: &mut Builder) {
     for (indicator, unit) in indicators(s) {
         let (name, text) = description(s, indicator);
         let quantity = Quantity::Indicator(indicator);
-        b.state(name, b.text(|| text), unit, quantity, s.acceleration().inputs);
+        b.state(name, b.text(|| text.concat()), unit, quantity, s.acceleration().inputs);
     }
 }
 
@@ -51,33 +51,34 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     all
 }
 
-/// Name and description of an event indicator.
-fn description(s: &Source, indicator: Indicator) -> (String, String) {
+/// Name of an event indicator, and the pieces of its description.
+fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]) {
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
     match indicator {
         Indicator::End(0) => {
-            (own("low_end"), "Gap to the rigid stop at the low end, at rest there the press on it".into())
+            (own("low_end"), ["Gap to the rigid stop at the low end, at rest there the press on it", "", "", ""])
         }
         Indicator::End(_) => {
-            (own("high_end"), "Gap to the rigid stop at the high end, at rest there the press on it".into())
+            (own("high_end"), ["Gap to the rigid stop at the high end, at rest there the press on it", "", "", ""])
         }
         Indicator::Bumper(stop) => {
-            let name = &s.loading.stops[stop].name;
-            let text = ["Gap or lack of push before the bumper pushes, push of it after, of ", name].concat();
-            ([name, ".indicator"].concat(), text)
+            let name = s.loading.stops[stop].name.as_str();
+            let text = "Gap or lack of push before the bumper pushes, push of it after, of ";
+            ([name, ".indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Lock(lock) => {
-            let name = &s.loading.locks[lock].name;
-            ([name, ".indicator"].concat(), ["Way to the place where the mechanism is caught by ", name].concat())
+            let name = s.loading.locks[lock].name.as_str();
+            let text = "Way to the place where the mechanism is caught by ";
+            ([name, ".indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Reversal => {
-            (own("reversal"), "Speed whose sign decides on friction and on the losses of drives".into())
+            (own("reversal"), ["Speed whose sign decides on friction and on the losses of drives", "", "", ""])
         }
         Indicator::Slip { joint, kinetic } => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             let border = if kinetic { "kinetic" } else { "static" };
-            let text = ["Slip speed less friction.", border, "_speed in ", name].concat();
+            let text = ["Slip speed less friction.", border, "_speed in ", name];
             ([name, ".", border, "_indicator"].concat(), text)
         }
     }

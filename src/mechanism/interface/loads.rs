@@ -115,7 +115,7 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
 pub(super) fn add_sticking(b: &mut Builder) {
     let s = b.source;
     if s.mechanism.sticks() && s.has_friction() {
-        let text = "Whether friction holds the mechanism at rest".to_owned();
+        let text = b.text(|| "Whether friction holds the mechanism at rest".to_owned());
         b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, s.acceleration());
     }
 }

@@ -11,18 +11,20 @@ mod exchange;
 mod hydraulics;
 mod loads;
 mod needs;
+mod parameters;
 mod source;
 mod terminals;
 mod vectors;
 
-use crate::mechanism::definition::{DefinitionError, Mechanism, Method, Role};
+use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::quantity::Quantity;
 use crate::variables::Causality::{CalculatedParameter, Parameter};
-use crate::variables::{Reference, Value, Variability, Variables};
+use crate::variables::{Reference, Variables};
 use builder::Builder;
 use needs::{Cause, causes};
+use parameters::Known;
 use source::Source;
 pub use terminals::terminals;
 pub use vectors::vectors;
@@ -40,7 +42,8 @@ const MOST_COMPARISONS: usize = 10_000_000;
 /// Two variables of one name; a definition that does not resolve; more than [`MOST_DEPENDENCIES`].
 pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, DefinitionError> {
     let source = Source::new(mechanism)?;
-    let Builder { list, quantities, dependencies, .. } = build(&source, None, true);
+    let known = Known::new(&mut mechanism.clone(), true);
+    let Builder { list, quantities, dependencies, .. } = build(&source, known, None, true);
     if dependencies > MOST_DEPENDENCIES {
         let message = format!(
             "outputs depend on inputs {dependencies} times, at most {MOST_DEPENDENCIES}: \
@@ -60,29 +63,38 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 /// As [`variables`]; a parameter that may not change a little.
 pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Reference>>>, DefinitionError> {
     let source = Source::new(mechanism)?;
-    let known = build(&source, None, false).list;
+    let parameters = || Known::new(&mut mechanism.clone(), false);
+    let known = build(&source, parameters(), None, false).list;
     let first = known.iter().take_while(|v| !matches!(v.causality, Parameter | CalculatedParameter)).count();
     let elements = mechanism.bodies.len() + mechanism.joints.len() + source.loads.len() + source.markers.len();
     if (known.len() - first).saturating_mul(elements.max(first)) > MOST_COMPARISONS {
         return Ok(None);
     }
-    Ok(Some(build(&source, Some((first as Reference, causes(&source)?)), false).initial))
+    let causes = causes(&source)?;
+    Ok(Some(build(&source, parameters(), Some((first as Reference, causes)), false).initial))
 }
 
 /// The variables of a mechanism of which this reduced linkage and the GUID of the interface are kept, without their
 /// descriptions, which no importer asks an instance for: they stand in the FMU's description.
 pub fn kept_variables(
-    mechanism: &Mechanism,
+    mechanism: &mut Mechanism,
     resolved: (&Linkage, &Loading, &[Point]),
     guid: String,
 ) -> Variables<Quantity> {
+    let known = Known::new(mechanism, false);
     let source = Source::of(mechanism, resolved);
-    let Builder { list, quantities, .. } = build(&source, None, false);
+    let Builder { list, quantities, .. } = build(&source, known, None, false);
     Variables::with_guid(guid, list, quantities)
 }
 
-/// All variables in order; with `causes` also the dependencies of initial values; `describes`: with descriptions.
-fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)>, describes: bool) -> Builder<'a> {
+/// All variables in order, with these parameters among them; with `causes` also the dependencies of initial values;
+/// `describes`: with descriptions.
+fn build<'a>(
+    source: &'a Source<'a>,
+    known: Known,
+    causes: Option<(Reference, Vec<Vec<Cause>>)>,
+    describes: bool,
+) -> Builder<'a> {
     let mut b = Builder::new(source, causes, describes);
     drives::add_inputs(&mut b);
     drives::add_commands(&mut b);
@@ -106,73 +118,9 @@ fn build<'a>(source: &'a Source<'a>, causes: Option<(Reference, Vec<Vec<Cause>>)
     hydraulics::add(&mut b);
     loads::add_sticking(&mut b);
     bodies::add_small_motion(&mut b);
-    add_parameters(&mut b);
+    known.add(&mut b);
     bodies::add_frames(&mut b);
     loads::add_contact_mode(&mut b);
     exchange::add(&mut b);
     b
-}
-
-/// Parameters of the definition: numbers, flags, then the formulation if stated.
-fn add_parameters(b: &mut Builder) {
-    let (mut stated, mut indices) = (b.source.mechanism.clone(), 0..);
-    let mut index = || indices.next().unwrap_or_default();
-    let (expressions, first) = (stated.expressions.clone(), b.list.len());
-    let tunable = tunable(&stated);
-    stated.parameters(&mut |p, value| {
-        let index = index();
-        match expressions.of(index) {
-            Some(calculated) => {
-                let text = b.text(|| [&p.description.concat(), ": ", calculated.text()].concat());
-                let bases = calculated.bases.iter().map(|base| (first + base) as Reference).collect();
-                b.calculated(p.name.concat(), text, p.unit, Quantity::Parameter(index), bases);
-            }
-            None => {
-                let start = (Some(p.unit), Value::Real(*value));
-                b.known(
-                    p.name.concat(),
-                    b.text(|| p.description.concat()),
-                    Parameter,
-                    start,
-                    Quantity::Parameter(index),
-                );
-            }
-        }
-        if let Some(variable) = b.list.last_mut() {
-            variable.details.bounds = p.range.bounds();
-            if tunable[index] {
-                variable.variability = Variability::Tunable;
-            }
-        }
-    });
-    let mut indices = 0..;
-    let mut index = || indices.next().unwrap_or_default();
-    stated.flags(&mut |flag, value| {
-        let start = (None, Value::Boolean(*value));
-        b.known(flag.name.concat(), b.text(|| flag.description.concat()), Parameter, start, Quantity::Flag(index()));
-    });
-    if let Some(method) = stated.solver.method {
-        let text = ["Formulation of the motion: ", &Method::ALL.map(Method::word).join(" or ")].concat();
-        let start = (None, Value::Item(method.word().into()));
-        b.known("solver.method".into(), text, Parameter, start, Quantity::Method);
-    }
-}
-
-/// Which numeric parameters may change between two steps: those of laws and of the integration, unless one that may not
-/// follows from them; a named parameter, if all that follow from it may; one that follows from others, if all these may.
-fn tunable(mechanism: &Mechanism) -> Vec<bool> {
-    let mut roles = Vec::new();
-    mechanism.clone().parameters(&mut |p, _| roles.push(p.role));
-    let calculated = || mechanism.expressions.iter();
-    let mut tunable: Vec<bool> = roles.iter().map(|role| role.is_tunable()).collect();
-    for (index, role) in roles.iter().enumerate().filter(|(index, _)| mechanism.expressions.of(*index).is_none()) {
-        let followers = calculated().filter(|calculated| calculated.bases.contains(&index));
-        let followers: Vec<Role> = followers.map(|calculated| roles[calculated.index]).collect();
-        let acts = role.is_tunable() || *role == Role::Named && followers.iter().any(|role| role.is_tunable());
-        tunable[index] = acts && followers.iter().all(|role| role.is_tunable() || *role == Role::Named);
-    }
-    for calculated in calculated() {
-        tunable[calculated.index] = !calculated.bases.is_empty() && calculated.bases.iter().all(|&base| tunable[base]);
-    }
-    tunable
 }

@@ -7,6 +7,7 @@ use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::stop::Stop;
 use crate::numerics::bracket::bisect;
+use crate::numerics::chebyshev::Series;
 use crate::numerics::table::{Table, polynomial};
 use std::f64::consts::TAU;
 
@@ -97,11 +98,13 @@ impl Reduced {
         let x: [f64; SAMPLES + 1] = std::array::from_fn(|k| OVERLAP * (-1.0 + 2.0 * k as f64 / SAMPLES as f64));
         let sampled =
             |panel: usize, order: usize| x.map(|x| polynomial(table.series(panel, 3 * coordinate + order), x));
-        let samples: Vec<_> = (0..table.panels()).map(|panel| [0, 1].map(|order| sampled(panel, order))).collect();
+        let samples_on = |panel: usize| [0, 1].map(|order| sampled(panel, order));
         // On a curve with growth the value may lie some revolutions away.
+        let mut samples = Vec::new();
         let revolutions = if growth == 0.0 {
             vec![0.0]
         } else {
+            samples = (0..table.panels()).map(samples_on).collect();
             let all = || samples.iter().flat_map(|[values, _]| values.iter().copied());
             let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
             let around = ((value - 0.5 * (low + high)) / growth).round();
@@ -114,7 +117,11 @@ impl Reduced {
         };
         for revolution in revolutions {
             let wanted = value - revolution * growth;
-            for (panel, [values, slopes]) in samples.iter().enumerate() {
+            for panel in 0..table.panels() {
+                if !may_reach(table.series(panel, 3 * coordinate), wanted, value) {
+                    continue;
+                }
+                let [values, slopes] = samples.get(panel).copied().unwrap_or_else(|| samples_on(panel));
                 let (a, b) = table.borders(panel);
                 let mut offer = |x: f64| {
                     let (sigma, revolution) = self.wrapped(0.5 * (a + b) + 0.5 * (b - a) * x, revolution);
@@ -227,6 +234,15 @@ const OVERLAP: f64 = 1.0 + 1e-9;
 const RIGID: f64 = 1e-9;
 /// Distance beyond a toggle within which a stated start is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
+
+/// Whether a polynomial with these monomial coefficients may have the value `wanted` on its panel, or come as near to it as
+/// counts as that; `value` is the one to which rounding is relative.
+fn may_reach(series: &Series, wanted: f64, value: f64) -> bool {
+    /// More than what the range beyond the panel, a toggle and rounding add, relative to the terms and to the value.
+    const SLACK: f64 = 1e-6;
+    let terms: f64 = series[1..].iter().map(|c| c.abs()).sum();
+    (series[0] - wanted).abs() <= terms * (1.0 + SLACK) + SLACK * (1.0 + value.abs())
+}
 
 /// Root of a function that changes sign, within rounding.
 fn root(f: &dyn Fn(f64) -> f64, a: f64, b: f64) -> f64 {

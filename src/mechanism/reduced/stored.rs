@@ -7,15 +7,15 @@ use super::resolved::Resolved;
 use super::state_loads::StateLoads;
 use crate::codec::record::{Damaged, Record};
 use crate::codec::sections::Sections;
-use crate::mechanism::closure::{Closure, guessed};
+use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Curve;
 use crate::mechanism::definition::Mechanism;
 use crate::numerics::table::{Table, Unresolved};
 use std::sync::Arc;
 
-/// Names of sections: the curve with the borders of the grid, the tables that every start needs, those of points and of
-/// bodies. Those of single displacements have names with their indices, those of reactions with the index of their panel,
-/// those of state loads with what they depend on.
+/// Names of sections: the curve with the borders of the grid and the independent loop equations, the tables that every
+/// start needs, those of points and of bodies. Those of single displacements have names with their indices, those of
+/// reactions with the index of their panel, those of state loads with what they depend on.
 const CURVE: &str = "curve";
 pub(super) const START: &str = "start";
 pub(super) const MARKERS: &str = "markers";
@@ -111,7 +111,6 @@ impl Reduced {
     /// [`Self::new`] to the bit. None if the sections have no such curve.
     pub fn stored(mechanism: &Mechanism, sections: &Arc<Sections>) -> Option<Self> {
         let Resolved { linkage, loading, markers } = Resolved::new(mechanism).ok()?;
-        let guess = guessed(&linkage, &mechanism.guess).ok()?;
         let bytes = sections.read(CURVE)?;
         let mut record = Record::Read(&bytes);
         let mut borders: Vec<[f64; 1]> = Vec::new();
@@ -119,7 +118,9 @@ impl Reduced {
         if borders.len() < 2 || borders.windows(2).any(|pair| pair[0] >= pair[1]) {
             return None;
         }
-        let (closure, _) = Closure::assemble(Arc::new(linkage), &guess).ok()?;
+        let mut rows = vec![0; linkage.coordinates.len().checked_sub(1)?];
+        rows.iter_mut().try_for_each(|row| record.place("loop equation", row, linkage.rows())).ok()?;
+        let closure = Closure::of_rows(Arc::new(linkage), rows)?;
         let curve = Arc::new(Curve::read(closure, &mut record).ok()?);
         let stored = Stored { sections: Arc::clone(sections), borders: borders.into_flattened().into() };
         let of = Origin::Stored(&mechanism.solver, &stored);
@@ -132,8 +133,12 @@ impl Reduced {
         let mut all = Sink::default();
         let mut curve = Vec::new();
         let borders = super::characteristics::grid(self.curve(), self.loading());
-        let borders = Record::Write(&mut curve).arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
-        if self.is_part() || self.stretch != 0 || borders.and(self.curve().write(&mut curve)).is_err() {
+        let mut record = Record::Write(&mut curve);
+        let borders = record.arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
+        let mut rows = self.curve().closure.rows().iter();
+        let rows = rows.try_for_each(|row| record.place("loop equation", &mut row.clone(), usize::MAX));
+        let written = borders.and(rows).and_then(|()| self.curve().write(&mut curve));
+        if self.is_part() || self.stretch != 0 || written.is_err() {
             return Vec::new();
         }
         all.add(CURVE, Ok(curve));
