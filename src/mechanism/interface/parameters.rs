@@ -84,8 +84,8 @@ impl Known {
             let followers = expressions.iter().filter(|calculated| calculated.bases.contains(&index));
             let followers: Vec<Role> = followers.map(|calculated| role(calculated.index)).collect();
             let is_named = role(index) == Role::Named && followers.iter().any(|role| role.is_tunable());
-            tunable[index] = (tunable[index] || is_named)
-                && followers.iter().all(|role| role.is_tunable() || *role == Role::Named);
+            tunable[index] =
+                (tunable[index] || is_named) && followers.iter().all(|role| role.is_tunable() || *role == Role::Named);
         }
         for calculated in expressions.iter() {
             tunable[calculated.index] =

@@ -11,11 +11,15 @@ use std::sync::Arc;
 impl Model {
     /// Give tunable parameters these values, which [`Self::check_real`] and [`Self::check_together`] accept, and leave the
     /// motion as it is. The reduced model keeps the curve and all tables that the values do not change. Energy that the change
-    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside.
+    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside. Before there is a state they are set
+    /// as parameters are.
     ///
     /// # Errors
     /// The values together give no law, or `solver.method` = "`rigid_fem`"; nothing has changed.
     pub fn tune(&mut self, references: &[Reference], values: &[f64]) -> Result<(), ModelError> {
+        if self.state.is_none() {
+            return references.iter().zip(values).try_for_each(|(&reference, &value)| self.take_real(reference, value));
+        }
         let mut tuned = Arc::clone(&self.parameter_values);
         let mut decides = false;
         for (&reference, &value) in references.iter().zip(values) {
