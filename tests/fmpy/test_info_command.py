@@ -124,7 +124,9 @@ def cut(part: str, size: int) -> Change:
         (without("binaries"), "holds no library", False),
         (cut("binaries", 5000), ".so", False),
         (without("modelDescription"), "holds no modelDescription.xml", False),
+        # Between two elements, and within a word.
         (cut("modelDescription", 3000), "the text is no XML", False),
+        (cut("modelDescription", 2990), "the text is no XML", False),
         (without("mechanism.json"), "holds no resources/mechanism.json", False),
         (
             lambda name, content: (name.replace("documentation/", "../"), content),

@@ -114,6 +114,9 @@ impl Description {
                 _ => {}
             }
         }
+        if let Some(element) = open.last() {
+            bail!("the text is no XML: it ends within the element {element}");
+        }
         if out.fmi_version.is_empty() {
             bail!("there is no element fmiModelDescription with an fmiVersion");
         }
