@@ -171,49 +171,17 @@ impl<T: Number> StateLoadEvaluator<T> {
         side_by_side_at(&panel_force.reactions, x, &mut self.reactions);
         self.motion = panel_force.at(x, t);
         let mut lost = T::constant(0.0);
-        let curves = state_loads.curve(0);
-        for (curve, &drive) in state_loads.curves.iter().enumerate() {
-            let Some(DriveCurve { load, force }) = &reduced.loading().drives[drive].curve else { continue };
-            let speed = at(state_loads.given(0, *load)) * sigma_dot;
-            self.delivered[curves + curve] = applied.size(*load, t) * speed.compose(force.at(speed.value()));
-        }
-        for (k, &load) in state_loads.drives[..curves].iter().enumerate() {
-            let influence = at(state_loads.given(0, load));
-            if k >= state_loads.efficient {
-                let Some(drive) = &reduced.loading().hydraulics else { continue };
-                self.delivered[k] = drive.laws.force(self.pressures, influence * sigma_dot);
-                let driven = influence * self.delivered[k];
-                self.motion = self.motion + driven;
-                lost = lost - driven * sigma_dot;
-                continue;
-            }
-            let size = applied.size(load, t);
-            let full = influence * size;
-            let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
-            let curve = state_loads.curves.iter().position(|drive| *drive == load).map(|curve| curves + curve);
-            let further = curve.map_or(0.0, |curve| (influence * self.delivered[curve]).value());
-            let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
-            self.delivered[k] = size * T::constant(part);
-            if let Some(curve) = curve {
-                self.delivered[curve] = self.delivered[curve] * T::constant(part);
-            }
-            self.motion = self.motion + influence * self.delivered[k];
-            lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
-        }
-        for (&load, &delivered) in state_loads.drives[curves..].iter().zip(&self.delivered[curves..]) {
-            let driven = at(state_loads.given(0, load)) * delivered;
-            self.motion = self.motion + driven;
-            lost = lost - driven * sigma_dot;
+        if !state_loads.drives.is_empty() {
+            lost = self.drives((reduced, state_loads), applied, panel_force, mode, [t, x, sigma_dot]);
         }
         self.drag(reduced, state_loads, applied.air(t), sigma_dot);
         self.bumpers(reduced, state_loads, panel_force, mode, sigma_dot);
-        let stored = self.springs(reduced, state_loads, panel_force, sigma_dot);
+        if !state_loads.springs.is_empty() {
+            lost = lost - self.springs(reduced, state_loads, panel_force, sigma_dot) * sigma_dot;
+        }
         for (&effect, &size) in self.effects.as_flattened().iter().zip(&self.loads[..state_loads.free()]) {
             self.motion = self.motion + effect * size;
             lost = lost - effect * size * sigma_dot;
-        }
-        if !state_loads.springs.is_empty() {
-            lost = lost - stored * sigma_dot;
         }
         if let Some(k) = reduced.components().damping {
             let damping = at(state_loads.given(0, k)) * sigma_dot;
@@ -355,6 +323,55 @@ impl<T: Number> StateLoadEvaluator<T> {
         let effects = self.effects.as_flattened();
         let reactions = self.reactions.as_flattened();
         self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]])).is_err()
+    }
+
+    /// Delivered forces of the drives, with those of their curves: added to the motion. Returns the power lost in them.
+    #[inline(never)]
+    fn drives(
+        &mut self,
+        (reduced, state_loads): (&Reduced, &StateLoads),
+        applied: &AppliedLoads,
+        panel_force: &PanelForce,
+        mode: &Mode,
+        [t, x, sigma_dot]: [T; 3],
+    ) -> T {
+        let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
+        let mut lost = T::constant(0.0);
+        let curves = state_loads.curve(0);
+        for (curve, &drive) in state_loads.curves.iter().enumerate() {
+            let Some(DriveCurve { load, force }) = &reduced.loading().drives[drive].curve else { continue };
+            let speed = at(state_loads.given(0, *load)) * sigma_dot;
+            self.delivered[curves + curve] = applied.size(*load, t) * speed.compose(force.at(speed.value()));
+        }
+        for (k, &load) in state_loads.drives[..curves].iter().enumerate() {
+            let influence = at(state_loads.given(0, load));
+            if k >= state_loads.efficient {
+                let Some(drive) = &reduced.loading().hydraulics else { continue };
+                self.delivered[k] = drive.laws.force(self.pressures, influence * sigma_dot);
+                let driven = influence * self.delivered[k];
+                self.motion = self.motion + driven;
+                lost = lost - driven * sigma_dot;
+                continue;
+            }
+            let size = applied.size(load, t);
+            let full = influence * size;
+            let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
+            let curve = state_loads.curves.iter().position(|drive| *drive == load).map(|curve| curves + curve);
+            let further = curve.map_or(0.0, |curve| (influence * self.delivered[curve]).value());
+            let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
+            self.delivered[k] = size * T::constant(part);
+            if let Some(curve) = curve {
+                self.delivered[curve] = self.delivered[curve] * T::constant(part);
+            }
+            self.motion = self.motion + influence * self.delivered[k];
+            lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
+        }
+        for (&load, &delivered) in state_loads.drives[curves..].iter().zip(&self.delivered[curves..]) {
+            let driven = at(state_loads.given(0, load)) * delivered;
+            self.motion = self.motion + driven;
+            lost = lost - driven * sigma_dot;
+        }
+        lost
     }
 
     fn friction(&mut self, state_loads: &StateLoads, mode: &Mode, t: f64, sigma_dot: T) -> Result<(), Locked> {
