@@ -34,7 +34,8 @@ pub fn each(method: Method, factors: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct UnitCube {
     sampling: Sampling,
-    random: ChaCha8Rng,
+    /// Of each dimension: its stream of random bits, at the place that was read last. Samples in their order go on in it.
+    random: Vec<ChaCha8Rng>,
     /// Of each dimension: direction numbers of Sobol's sequence, and its shift.
     sobol: Vec<(Vec<u64>, u64)>,
 }
@@ -42,9 +43,13 @@ pub struct UnitCube {
 impl UnitCube {
     /// Samples with at most [`most_dimensions`] coordinates.
     pub fn new(sampling: Sampling, dimensions: usize) -> Self {
-        let random = ChaCha8Rng::seed_from_u64(sampling.seed);
-        let mut cube = Self { sampling, random, sobol: Vec::new() };
         let dimensions = if sampling.method == Method::Saltelli { 2 * dimensions } else { dimensions };
+        let stream = |dimension| {
+            let mut random = ChaCha8Rng::seed_from_u64(sampling.seed);
+            random.set_stream(dimension as u64);
+            random
+        };
+        let mut cube = Self { sampling, random: (0..dimensions).map(stream).collect(), sobol: Vec::new() };
         if matches!(sampling.method, Method::Sobol | Method::Saltelli) {
             let parameters = JoeKuoD6::minimal();
             let directions = Sobol::<u64>::init_direction_vals::<u32>(dimensions, BITS as usize, &parameters);
@@ -87,9 +92,12 @@ impl UnitCube {
 
     /// 64 random bits that belong to a sample and a dimension: a place in the stream of the dimension.
     fn draw(&mut self, sample: u64, dimension: usize) -> u64 {
-        self.random.set_stream(dimension as u64);
-        self.random.set_word_pos(2 * u128::from(sample));
-        self.random.next_u64()
+        let (random, place) = (&mut self.random[dimension], 2 * u128::from(sample));
+        // To go to a place costs a new block of the stream, even where it is there already.
+        if random.get_word_pos() != place {
+            random.set_word_pos(place);
+        }
+        random.next_u64()
     }
 
     /// The part of a factor's range that a sample of the Latin hypercube is in: a permutation of the samples. A network of
