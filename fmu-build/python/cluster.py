@@ -45,6 +45,8 @@ MOST_BYTES = 1 << 20
 """Values of factors in a task, about at most [B]."""
 FAILURES = 20
 """Workers that a task may lose before it is given up."""
+LOGGED = 20
+"""Messages between client, scheduler and workers that are kept for a search for errors."""
 FATAL = 2**64 - 1
 """Number of a chunk that stands for an error."""
 Done = queue.Queue[tuple[list[int], Future] | None]
@@ -199,7 +201,8 @@ def main() -> None:
     os.dup2(2, 1)
     # Workers of another machine do not have the module.
     cloudpickle.register_pickle_by_value(study_runs)
-    config.set({"distributed.scheduler.allowed-failures": FAILURES})
+    # The log of messages would keep the values of all factors.
+    config.set({"distributed.scheduler.allowed-failures": FAILURES, "distributed.admin.low-level-log-length": LOGGED})
     cluster = None
     if arguments.scheduler is None:
         cluster = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
