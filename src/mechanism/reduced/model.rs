@@ -3,6 +3,7 @@
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::characteristics;
 use super::error::ReductionError;
+use super::knots::knots;
 use super::meetings::{self, MEET};
 use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
@@ -40,6 +41,8 @@ pub struct Reduced {
     pub(crate) speed_floor: f64,
     /// State loads without and with moving air.
     pub(super) state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
+    /// Knots of the motion on this stretch, if the law of a coupling has some.
+    pub(super) knots: Option<Box<[f64]>>,
     /// What is beyond the open ends of the curve, if it has one.
     pub(super) beyond: Option<Box<Beyond>>,
     /// Why the motion ends at the low and at the high end of the curve, where two ends of a load coincide there.
@@ -223,7 +226,8 @@ impl Reduced {
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
         let state_loads = Default::default();
         let ends_meet = [None, None];
-        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, beyond, ends_meet, stretch }
+        let knots = knots(&source.curve);
+        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, knots, beyond, ends_meet, stretch }
     }
 
     /// The reduced model with the tables that every start needs.
