@@ -49,6 +49,8 @@ pub struct Coupling {
     pub segments: Option<Vec<CamSegment>>,
     /// Cam: points of the lift in place of segments: pairs of angle [rad] and lift [m or rad], angles ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
+    pub grooved: Option<bool>,
     /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
     pub first_teeth: Option<f64>,
     /// Gears: number of teeth of the second wheel [1], > 0.
@@ -142,14 +144,14 @@ impl Coupling {
             }
             CouplingKind::Cam => (
                 &["follower", "contact", "base_radius"],
-                &["joint", "second", "carrier", "roller_radius", "face_angle", "start_angle", "segments", "points"],
+                &["joint", "second", "carrier", "roller_radius", "face_angle", "start_angle", "segments", "points", "grooved"],
             ),
             CouplingKind::Screw => (&[], &[]),
         }
     }
 
     /// Keys that not all kinds have, and whether they are given.
-    fn given(&self) -> [(&'static str, bool); 23] {
+    fn given(&self) -> [(&'static str, bool); 24] {
         [
             ("second", self.second.is_some()),
             ("carrier", self.carrier.is_some()),
@@ -174,6 +176,7 @@ impl Coupling {
             ("start_angle", self.start_angle.is_some()),
             ("segments", self.segments.is_some()),
             ("points", self.points.is_some()),
+            ("grooved", self.grooved.is_some()),
         ]
     }
 
