@@ -224,10 +224,6 @@ fn keys_agree_at_every_level() {
                     full()["bodies"]["weight"].get(key).cloned().unwrap_or(json!("uniform_rod"));
                 assert!(refusal(&mechanism).is_some() && !validator().is_valid(&mechanism), "ground.{key}");
             }
-        } else if name == "coupling" {
-            // Asked for often, and refused by name.
-            let known: BTreeSet<&str> = known.into_iter().filter(|key| *key != "efficiency").collect();
-            assert_eq!(described, known, "keys at {path}");
         } else {
             assert_eq!(described, known, "keys at {path}");
         }

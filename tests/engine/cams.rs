@@ -361,12 +361,12 @@ fn a_follower_that_lifts_off_is_told_once() {
         let (mut told, mut first) = (Vec::new(), None);
         for k in 0..150 {
             let point = 3.0 + 0.01 * f64::from(k);
-            run.model_mut().step_from(Some(point), 0.01).unwrap();
+            run.0.model_mut().step_from(Some(point), 0.01).unwrap();
             let force = run.get("cam.contact_force");
             if force < 0.0 {
                 first = first.or(Some((point + 0.01, force)));
             }
-            told.extend(run.model_mut().take_warning());
+            told.extend(run.0.model_mut().take_warning());
         }
         (told, first)
     };

@@ -73,7 +73,7 @@ pub struct Coupling {
     pub pressure_angle: Option<f64>,
     /// u2 at u1 = 0 [rad, or m for a rack]; as in the guess where absent.
     pub phase: Option<f64>,
-    /// Part of the power that is passed on [1], which is refused: couplings have no losses.
+    /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss where absent.
     pub efficiency: Option<f64>,
 }
 
@@ -129,16 +129,23 @@ impl Coupling {
         list.role = Role::Load;
         list.add("pretension", "Tension of each span without load", Newton, Range::NonNegative, &mut self.pretension);
         list.add("pressure_angle", "Pressure angle", Radian, Range::Pressure, &mut self.pressure_angle);
+        list.add("efficiency", "Efficiency", One, Range::Fraction, &mut self.efficiency);
     }
 
     /// Keys that this kind must have, and the others that it may have.
     fn keys(&self) -> (&'static [&'static str], &'static [&'static str]) {
         match self.kind {
             CouplingKind::Gears => {
-                (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle"])
+                (
+                    &["second", "first_teeth", "second_teeth"],
+                    &["carrier", "internal", "pressure_angle", "efficiency"],
+                )
             }
-            CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle"]),
-            CouplingKind::Belt => (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension"]),
+            CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
+            CouplingKind::Belt => (
+                &["second", "first_radius", "second_radius"],
+                &["carrier", "crossed", "pretension", "efficiency"],
+            ),
             CouplingKind::EllipticGears => {
                 (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
             }
@@ -205,9 +212,9 @@ impl Mechanism {
                            screw of an actuator, or write rack for a wheel that turns in the plane";
             return refused("type", message);
         }
-        if coupling.efficiency.is_some() {
-            let message = "couplings pass on all power, as their losses would follow from the force that they change: remove it, \
-                           and give the efficiency of a drive, or the friction of joints";
+        if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
+            let message = "couplings of variable ratio pass on all power: remove it, and give the efficiency of a drive, or the \
+                           friction of joints";
             return refused("efficiency", message);
         }
         if self.bodies.get(name).is_some() || self.joints.get(name).is_some() {
@@ -216,7 +223,10 @@ impl Mechanism {
             return Err(DefinitionError::key(format_args!("couplings.{name}"), message));
         }
         let (needed, allowed) = coupling.keys();
-        let given = coupling.given().into_iter().chain([("pressure_angle", coupling.pressure_angle.is_some())]);
+        let given = coupling.given().into_iter().chain([
+            ("pressure_angle", coupling.pressure_angle.is_some()),
+            ("efficiency", coupling.efficiency.is_some()),
+        ]);
         for (k, is_given) in given {
             if is_given && !needed.contains(&k) && !allowed.contains(&k) {
                 let phase: &[&str] = if coupling.kind == CouplingKind::Cam { &[] } else { &["phase"] };

@@ -10,7 +10,7 @@ use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
-use crate::mechanism::loads::resolved::DriveCurve;
+use crate::mechanism::loads::resolved::{DriveCurve, FrictionJoint};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
@@ -146,7 +146,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         if let Some(k) = switch.checked_sub(state_loads.efficient) {
             let joint = state_loads.prismatic[k];
             let influence = self.effects.as_flattened()[state_loads.free() + joint];
-            return 2.0 * (self.friction.arm[joint] * influence).value().abs();
+            let back = state_loads.friction_joints[joint].back;
+            return 2.0 * back * (self.friction.arm[joint] * influence).value().abs();
         }
         let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
         1.0 / efficiency - efficiency
@@ -299,7 +300,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
         let balance = balance(state_loads, [effects, reactions, inertial]);
-        self.friction.solve(&balance)?;
+        solve(&mut self.friction, state_loads, 0.0, &balance)?;
         let mut force = bare;
         for j in 0..n {
             force = force - effects[free + j] * self.friction.friction(j);
@@ -322,7 +323,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         self.set_static_arms(state_loads, direction);
         let effects = self.effects.as_flattened();
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]])).is_err()
+        let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
+        solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
     /// Delivered forces of the drives, with those of their curves: added to the motion. Returns the power lost in them.
@@ -390,12 +392,59 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve_at(t, &balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))?;
+        let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
+        solve(&mut self.friction, state_loads, t, &balance)?;
         for (k, &joint) in state_loads.prismatic.iter().enumerate() {
             self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
         }
         Ok(())
     }
+}
+
+/// Solve the friction loop at a time t [s] of a step, with arms that are those of power that flows forward in couplings.
+#[inline(always)]
+fn solve<T: Number>(
+    friction: &mut FrictionLoop<T>,
+    state_loads: &StateLoads,
+    t: f64,
+    balance: &Balance<T>,
+) -> Result<(), Locked> {
+    if state_loads.loses { solve_with_losses(friction, state_loads, balance) } else { friction.solve_at(t, balance) }
+}
+
+/// Solve the friction loop where couplings have losses. In each of them power flows forward or back by the sign of its
+/// transmitted force, held or that of the solution: it is taken as without losses first, and where the solution has
+/// the other sign the flow is turned round.
+#[cold]
+#[inline(never)]
+fn solve_with_losses<T: Number>(
+    friction: &mut FrictionLoop<T>,
+    state_loads: &StateLoads,
+    balance: &Balance<T>,
+) -> Result<(), Locked> {
+    let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_coupling);
+    let mut flows_back = 0_u64;
+    for (j, joint) in couplings() {
+        let held = friction.sign[j];
+        let force = if held == 0.0 { balance.free[0][j].value() } else { held };
+        if force * friction.arm[j].value() < 0.0 {
+            friction.arm[j] = friction.arm[j] * T::constant(joint.back);
+            flows_back |= 1 << (j % 64);
+        }
+    }
+    for _ in 0..=2 * state_loads.friction_joints.len() {
+        friction.solve(balance)?;
+        let is_wrong = |(j, _): &(usize, &FrictionJoint)| {
+            let flows = friction.normal_force(*j) * friction.arm[*j].value() < 0.0;
+            friction.sign[*j] == 0.0 && friction.size[*j].value() != 0.0 && flows != (flows_back >> (j % 64) & 1 == 1)
+        };
+        let Some((j, joint)) = couplings().find(is_wrong) else { return Ok(()) };
+        let turns_forward = flows_back >> (j % 64) & 1 == 1;
+        let factor = if turns_forward { 1.0 / joint.back } else { joint.back };
+        friction.arm[j] = friction.arm[j] * T::constant(factor);
+        flows_back ^= 1 << (j % 64);
+    }
+    Err(Locked)
 }
 
 /// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.

@@ -48,7 +48,10 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
         all.push((Indicator::Reversal, MetrePerSecond));
     }
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
-    all.extend((0..joints).flat_map(borders));
+    let is_coupling = |joint: usize| {
+        s.loading.friction.as_ref().is_some_and(|friction| friction.friction_joints[joint].is_coupling)
+    };
+    all.extend((0..joints).filter(|joint| !is_coupling(*joint)).flat_map(borders));
     let drives = s.loading.drives.iter().enumerate();
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
     all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
@@ -104,7 +107,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::NormalForce(joint) => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
-            ([name, ".normal_indicator"].concat(), ["Normal force whose size decides on the friction in ", name, "", ""])
+            ([name, ".normal_indicator"].concat(), ["Normal or transmitted force whose sign decides on the loss in ", name, "", ""])
         }
         Indicator::Points(curve) => {
             let (name, suffix, what) = match curve {

@@ -102,7 +102,9 @@ pub fn value_of(
             switching(view, switch)?.unwrap_or(ABSENT)
         }
         Indicator::NormalForce(joint) => {
-            let switch = |s: &StateLoads| Some(s.efficient + s.prismatic.iter().position(|other| *other == joint)?);
+            let own = loading.friction.as_ref().map(|friction| friction.friction_joints[joint].joint);
+            let is_own = |s: &StateLoads, other: usize| Some(s.friction_joints[other].joint) == own;
+            let switch = |s: &StateLoads| Some(s.efficient + s.prismatic.iter().position(|other| is_own(s, *other))?);
             switching(view, switch)?.unwrap_or(ABSENT)
         }
         Indicator::Points(curve) => points(view, curve)?,
