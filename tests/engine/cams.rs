@@ -374,7 +374,10 @@ fn a_follower_that_lifts_off_is_told_once() {
     let (time, force) = first.unwrap();
     let [warning] = &told[..] else { panic!("{told:?}") };
     let (time, force) = (format!("at t = {time} s"), format!("{force:.3}"));
-    assert_says(warning, &["cam.contact_force", "lift off", &time[..10], &force[..5], "spring", "couplings.cam", "grooved"]);
+    assert_says(
+        warning,
+        &["cam.contact_force", "lift off", &time[..10], &force[..5], "spring", "couplings.cam", "grooved"],
+    );
     // A spring that presses harder than the follower is thrown, or a groove.
     let (told, first) = run(&|m| m["springs"]["spring"]["preload"] = json!(900));
     assert!(told.is_empty() && first.is_none(), "{told:?} {first:?}");

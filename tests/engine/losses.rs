@@ -170,7 +170,8 @@ fn a_train_has_the_product_of_its_efficiencies() {
     text["joints"]["slide"] = json!({ "type": "prismatic", "first": "ground.bed", "second": "table.origin" });
     text["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
         "second_radius": 0.1, "efficiency": 0.9 });
-    text["couplings"]["rack"] = json!({ "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 });
+    text["couplings"]["rack"] =
+        json!({ "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 });
     text["forces"] = json!({ "push": { "at": "table.origin", "force": [-10.0, 0.0] } });
     text["guess"]["three"] = json!(0);
     text["guess"]["slide"] = json!(0);

@@ -286,7 +286,10 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
         let borders = borders.chain([0.0, TAU, 2.0 * TAU]);
         let expected = borders.filter(|u| before[0] < *u && *u < after[0]).count();
         // A dead centre at 0 and a border of a segment there are two events at one place.
-        assert!(count == expected || count + 1 == expected, "{k}: {count} events, {expected} borders, {before:?} {after:?}");
+        assert!(
+            count == expected || count + 1 == expected,
+            "{k}: {count} events, {expected} borders, {before:?} {after:?}"
+        );
         met.push(before[1] * after[1] < 0.0);
     }
     assert!(get(c, &[angle])[0] > 9.0);

@@ -136,22 +136,28 @@ impl Coupling {
     fn keys(&self) -> (&'static [&'static str], &'static [&'static str]) {
         match self.kind {
             CouplingKind::Gears => {
-                (
-                    &["second", "first_teeth", "second_teeth"],
-                    &["carrier", "internal", "pressure_angle", "efficiency"],
-                )
+                (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle", "efficiency"])
             }
             CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
-            CouplingKind::Belt => (
-                &["second", "first_radius", "second_radius"],
-                &["carrier", "crossed", "pretension", "efficiency"],
-            ),
+            CouplingKind::Belt => {
+                (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension", "efficiency"])
+            }
             CouplingKind::EllipticGears => {
                 (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
             }
             CouplingKind::Cam => (
                 &["follower", "contact", "base_radius"],
-                &["joint", "second", "carrier", "roller_radius", "face_angle", "start_angle", "segments", "points", "grooved"],
+                &[
+                    "joint",
+                    "second",
+                    "carrier",
+                    "roller_radius",
+                    "face_angle",
+                    "start_angle",
+                    "segments",
+                    "points",
+                    "grooved",
+                ],
             ),
             CouplingKind::Screw => (&[], &[]),
         }

@@ -4,17 +4,19 @@
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 mod free;
+mod losses;
 
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
-use crate::mechanism::loads::resolved::{DriveCurve, FrictionJoint};
+use crate::mechanism::loads::resolved::DriveCurve;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
 use crate::numerics::table::polynomial_at;
+use losses::solve;
 
 /// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -399,52 +401,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         Ok(())
     }
-}
-
-/// Solve the friction loop at a time t [s] of a step, with arms that are those of power that flows forward in couplings.
-#[inline(always)]
-fn solve<T: Number>(
-    friction: &mut FrictionLoop<T>,
-    state_loads: &StateLoads,
-    t: f64,
-    balance: &Balance<T>,
-) -> Result<(), Locked> {
-    if state_loads.loses { solve_with_losses(friction, state_loads, balance) } else { friction.solve_at(t, balance) }
-}
-
-/// Solve the friction loop where couplings have losses. In each of them power flows forward or back by the sign of its
-/// transmitted force, held or that of the solution: it is taken as without losses first, and where the solution has
-/// the other sign the flow is turned round.
-#[cold]
-#[inline(never)]
-fn solve_with_losses<T: Number>(
-    friction: &mut FrictionLoop<T>,
-    state_loads: &StateLoads,
-    balance: &Balance<T>,
-) -> Result<(), Locked> {
-    let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_coupling);
-    let mut flows_back = 0_u64;
-    for (j, joint) in couplings() {
-        let held = friction.sign[j];
-        let force = if held == 0.0 { balance.free[0][j].value() } else { held };
-        if force * friction.arm[j].value() < 0.0 {
-            friction.arm[j] = friction.arm[j] * T::constant(joint.back);
-            flows_back |= 1 << (j % 64);
-        }
-    }
-    for _ in 0..=2 * state_loads.friction_joints.len() {
-        friction.solve(balance)?;
-        let is_wrong = |(j, _): &(usize, &FrictionJoint)| {
-            let flows = friction.normal_force(*j) * friction.arm[*j].value() < 0.0;
-            friction.sign[*j] == 0.0 && friction.size[*j].value() != 0.0 && flows != (flows_back >> (j % 64) & 1 == 1)
-        };
-        let Some((j, joint)) = couplings().find(is_wrong) else { return Ok(()) };
-        let turns_forward = flows_back >> (j % 64) & 1 == 1;
-        let factor = if turns_forward { 1.0 / joint.back } else { joint.back };
-        friction.arm[j] = friction.arm[j] * T::constant(factor);
-        flows_back ^= 1 << (j % 64);
-    }
-    Err(Locked)
 }
 
 /// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.

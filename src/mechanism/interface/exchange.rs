@@ -48,9 +48,8 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
         all.push((Indicator::Reversal, MetrePerSecond));
     }
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
-    let is_coupling = |joint: usize| {
-        s.loading.friction.as_ref().is_some_and(|friction| friction.friction_joints[joint].is_coupling)
-    };
+    let is_coupling =
+        |joint: usize| s.loading.friction.as_ref().is_some_and(|friction| friction.friction_joints[joint].is_coupling);
     all.extend((0..joints).filter(|joint| !is_coupling(*joint)).flat_map(borders));
     let drives = s.loading.drives.iter().enumerate();
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
@@ -102,17 +101,25 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         }
         Indicator::DriveSign(load) => {
             let name = s.loading.drives[load].name.as_str();
-            ([name, ".loss_indicator"].concat(), ["Force along the motion whose sign decides on the loss of ", name, "", ""])
+            (
+                [name, ".loss_indicator"].concat(),
+                ["Force along the motion whose sign decides on the loss of ", name, "", ""],
+            )
         }
         Indicator::NormalForce(joint) => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
-            ([name, ".normal_indicator"].concat(), ["Normal or transmitted force whose sign decides on the loss in ", name, "", ""])
+            (
+                [name, ".normal_indicator"].concat(),
+                ["Normal or transmitted force whose sign decides on the loss in ", name, "", ""],
+            )
         }
         Indicator::Points(curve) => {
             let (name, suffix, what) = match curve {
                 Curve::Drive(load) => (&s.loading.drives[load].name, ".points_indicator", "points of the curve of "),
-                Curve::Damper(k) => (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damper of "),
+                Curve::Damper(k) => {
+                    (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damper of ")
+                }
                 Curve::Spring(k) => (&s.loading.springs[k].name, ".points_indicator", "points of the curve of "),
                 Curve::Bumper(k) => (&s.loading.stops[k].name, ".points_indicator", "points of the curve of "),
                 Curve::Cam(k) => {

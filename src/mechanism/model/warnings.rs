@@ -2,14 +2,14 @@
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::{Formulation, Model};
-use crate::mechanism::definition::Mechanism;
-use crate::mechanism::linkage::Kind;
-use crate::mechanism::quantity::{Output, ReactionPart};
-use crate::numerics::decimal::Decimal;
 use crate::hydraulics::inputs::clipping;
+use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::linkage::Kind;
+use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::decimal::Decimal;
 
 /// A command of the valve that is clipped, of which a host is told once.
 #[derive(Clone, Copy, Debug, Default)]

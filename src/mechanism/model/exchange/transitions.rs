@@ -112,10 +112,7 @@ pub fn value_of(
 }
 
 /// Value of a switching quantity at a state; none where the loads that the state decides do not have it.
-fn switching(
-    view: &mut View<f64>,
-    switch: impl Fn(&StateLoads) -> Option<usize>,
-) -> Result<Option<f64>, OutputError> {
+fn switching(view: &mut View<f64>, switch: impl Fn(&StateLoads) -> Option<usize>) -> Result<Option<f64>, OutputError> {
     view.forces()?;
     Ok(view.state_loads().and_then(switch).map(|switch| view.switching(switch)))
 }
