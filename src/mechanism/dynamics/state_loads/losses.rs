@@ -29,26 +29,25 @@ fn solve_with_losses<T: Number>(
     balance: &Balance<T>,
 ) -> Result<(), Locked> {
     let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_coupling);
-    let mut flows_back = 0_u64;
     for (j, joint) in couplings() {
         let held = friction.sign[j];
         let force = if held == 0.0 { balance.free[0][j].value() } else { held };
-        if force * friction.arm[j].value() < 0.0 {
+        friction.flows_back[j] = force * friction.arm[j].value() < 0.0;
+        if friction.flows_back[j] {
             friction.arm[j] = friction.arm[j] * T::constant(joint.back);
-            flows_back |= 1 << (j % 64);
         }
     }
     for _ in 0..=2 * state_loads.friction_joints.len() {
         friction.solve(balance)?;
         let is_wrong = |(j, _): &(usize, &FrictionJoint)| {
-            let flows = friction.normal_force(*j) * friction.arm[*j].value() < 0.0;
-            friction.sign[*j] == 0.0 && friction.size[*j].value() != 0.0 && flows != (flows_back >> (j % 64) & 1 == 1)
+            let flows_back = friction.normal_force(*j) * friction.arm[*j].value() < 0.0;
+            let has_sign = friction.sign[*j] == 0.0 && friction.size[*j].value() != 0.0;
+            has_sign && flows_back != friction.flows_back[*j]
         };
         let Some((j, joint)) = couplings().find(is_wrong) else { return Ok(()) };
-        let turns_forward = flows_back >> (j % 64) & 1 == 1;
-        let factor = if turns_forward { 1.0 / joint.back } else { joint.back };
+        let factor = if friction.flows_back[j] { 1.0 / joint.back } else { joint.back };
         friction.arm[j] = friction.arm[j] * T::constant(factor);
-        flows_back ^= 1 << (j % 64);
+        friction.flows_back[j] = !friction.flows_back[j];
     }
     Err(Locked)
 }
