@@ -382,17 +382,23 @@ fn defaults_agree() {
 fn both_refuse_what_is_wrong() {
     let validator = validator();
     let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
+    let mut taken = Vec::new();
     for (group, schema_too) in [("both", true), ("engine", false)] {
         for (path, values) in wrong[group].as_object().unwrap() {
             let (parent, key) = path.rsplit_once('/').unwrap();
             for value in values.as_array().unwrap() {
                 let mut mechanism = full();
                 mechanism.pointer_mut(parent).unwrap()[key] = value.clone();
-                assert!(Model::from_json(&mechanism.to_string()).is_err(), "the engine takes {path} = {value}");
-                assert_eq!(!validator.is_valid(&mechanism), schema_too, "the schema on {path} = {value}");
+                if Model::from_json(&mechanism.to_string()).is_ok() {
+                    taken.push(format!("the engine takes {path} = {value}"));
+                }
+                if validator.is_valid(&mechanism) == schema_too {
+                    taken.push(format!("the schema takes or refuses {path} = {value}"));
+                }
             }
         }
     }
+    assert!(taken.is_empty(), "{taken:#?}");
 }
 
 /// Put a part of a file into a whole one: entries of groups one by one, other keys as they are.
