@@ -35,6 +35,17 @@ pub trait Dynamics<const N: usize>: System<N> {
         f64::INFINITY
     }
 
+    /// Whether the right-hand side is less smooth at some positions.
+    fn has_knots(&self) -> bool {
+        false
+    }
+
+    /// The next position from a sigma on in a direction, 1 or -1, at which the right-hand side is less smooth; None if
+    /// there is none.
+    fn next_knot(&self, _sigma: f64, _direction: f64) -> Option<f64> {
+        None
+    }
+
     /// Number of borders in the space of states at which the right-hand side is less smooth than elsewhere.
     fn borders(&self) -> usize {
         0
@@ -225,6 +236,16 @@ where
             Some(ports) if N == DRIVEN => ports.next_kink(t),
             _ => f64::INFINITY,
         }
+    }
+
+    #[inline(always)]
+    fn has_knots(&self) -> bool {
+        self.whole.has_knots()
+    }
+
+    #[inline(always)]
+    fn next_knot(&self, sigma: f64, direction: f64) -> Option<f64> {
+        if self.whole.has_knots() { self.whole.next_knot(sigma, direction) } else { None }
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::characteristics;
 use super::error::ReductionError;
+use super::knots::knots;
 use super::meetings::{self, MEET};
 use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
@@ -42,6 +43,8 @@ pub struct Reduced {
     pub(super) state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
     /// Those of a model with the same curve, loads and springs, if they are there.
     known_state_loads: [Option<StateLoads>; 2],
+    /// Knots of the motion on this stretch, if the law of a coupling has some.
+    pub(super) knots: Option<Box<[f64]>>,
     /// What is beyond the open ends of the curve, if it has one.
     pub(super) beyond: Option<Box<Beyond>>,
     /// Why the motion ends at the low and at the high end of the curve, where two ends of a load coincide there.
@@ -232,6 +235,7 @@ impl Reduced {
             Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
         };
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
+        let knots = knots(&source.curve);
         Self {
             source,
             markers,
@@ -242,6 +246,7 @@ impl Reduced {
             speed_floor,
             state_loads: Default::default(),
             known_state_loads: [None, None],
+            knots,
             beyond,
             ends_meet: [None, None],
             stretch,

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// Loads sized by the state.
 ///
 /// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
-/// the component normal to the axis, and 0. Those of n joints are stored as all x, then all y. The joints of a group
+/// the component normal to the axis, and 0, and of a coupling the transmitted force, and 0. Those of n joints are stored as all x, then all y. The joints of a group
 /// have equal reactions to friction up to their sign. The sign of a reaction has no effect on friction, so all joints
 /// of a group get the sign of the first.
 #[derive(Clone, Debug)]
@@ -36,6 +36,8 @@ pub struct StateLoads {
     pub curves: Vec<usize>,
     /// Whether friction holds at rest.
     pub sticks: bool,
+    /// Whether a coupling has losses.
+    pub loses: bool,
     /// Whether the right-hand side jumps where sigma_dot changes its sign.
     pub reverses: bool,
     /// Whether drag acts.
@@ -48,7 +50,8 @@ pub struct StateLoads {
     pub kinks: Vec<Kink>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
-    /// The prismatic ones among them, by their indices there.
+    /// The prismatic ones among them and the couplings, by their indices there: their normal or transmitted forces have
+    /// signs.
     pub prismatic: Vec<usize>,
     /// Index of the group of each joint with friction.
     pub groups: Vec<usize>,
@@ -261,9 +264,10 @@ impl StateLoads {
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
-            Some(friction) if friction.enabled => friction.friction_joints.clone(),
-            _ => Vec::new(),
+            Some(friction) => friction.acting().copied().collect(),
+            None => Vec::new(),
         };
+        let loses = friction_joints.iter().any(|joint| joint.is_coupling);
         let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let by_state = |(index, spring): (usize, &Spring)| {
@@ -301,6 +305,7 @@ impl StateLoads {
             efficient,
             curves,
             sticks,
+            loses,
             reverses: sticks || efficient > 0,
             air,
             bumpers,
@@ -460,6 +465,12 @@ impl StateLoads {
                 Freedom::Revolute | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
+            if friction_joint.is_coupling {
+                for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
+                    parts[i] = sign * column[friction_joint.joint].moment;
+                }
+                continue;
+            }
             for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
                 let force = sign * column[friction_joint.joint].force;
                 match normal {
