@@ -70,7 +70,29 @@ fn importers(workspace: &Workspace) -> Result<()> {
     if cfg!(target_os = "linux") {
         script.arg("--host").arg(validation(workspace)?);
     }
+    match fmi_sim(workspace) {
+        Ok(program) => _ = script.env("FMI_SIM", program),
+        Err(error) => {
+            println!("fmi-sim is left out: {error:#} (it needs libclang; Debian: apt-get install libclang-dev)")
+        }
+    }
     command::run(&mut script, "importers.py")
+}
+
+/// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built again.
+fn fmi_sim(workspace: &Workspace) -> Result<PathBuf> {
+    const CRATE: &str = "fmi-sim@0.7.0";
+    let root = workspace.target("importers").join("fmi-sim");
+    let mut cargo = command::cargo(workspace);
+    cargo.args(["install", "--quiet", "--locked", CRATE, "--root"]).arg(&root);
+    // Of the program that runs now, Cargo tells its children where it lies.
+    cargo
+        .arg("--target-dir")
+        .arg(root.join("target"))
+        .env_remove("CARGO_MANIFEST_DIR")
+        .current_dir(std::env::temp_dir());
+    command::run(&mut cargo, "cargo install of fmi-sim")?;
+    Ok(root.join("bin").join(format!("fmi-sim{}", env::consts::EXE_SUFFIX)))
 }
 
 /// Measure the Rust solvers, then the tools with Python and the libraries in C, as far as they are installed, and write
