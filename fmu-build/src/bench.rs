@@ -2,10 +2,12 @@
 //! with other tools.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, package};
-use anyhow::Result;
+use crate::{command, files, package};
+use anyhow::{Context, Result};
 pub use fmu_cli::Bench as Arguments;
+use serde_json::{Value, json};
 use std::env;
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -76,7 +78,25 @@ fn importers(workspace: &Workspace) -> Result<()> {
             println!("fmi-sim is left out: {error:#} (it needs libclang; Debian: apt-get install libclang-dev)")
         }
     }
+    script.env("DELAYED_FMU", delayed(workspace)?);
     command::run(&mut script, "importers.py")
+}
+
+/// The hydraulic actuator packed with the mode for hosts that hand values on one step late: libcosim and ECOS know no
+/// Enumerations of FMI 2.0, so that they cannot set it.
+fn delayed(workspace: &Workspace) -> Result<PathBuf> {
+    const NAME: &str = "HydraulicActuator";
+    let source = workspace.descriptions().join(NAME).join("resources").join("hydraulics.json");
+    let text = fs::read_to_string(&source).with_context(|| format!("{}: cannot be read", source.display()))?;
+    let mut definition: Value = serde_json::from_str(&text)?;
+    definition["coupling"] = json!({ "mode": "delayed" });
+    let out = workspace.target("importers").join("delayed");
+    let folder = out.join(NAME);
+    files::replace(&folder.join("resources").join("hydraulics.json"), definition.to_string().as_bytes())?;
+    let arguments =
+        package::Arguments { paths: vec![folder], out: Some(out.clone()), ..package::Arguments::of_fmi_2() };
+    package::run(workspace, &arguments)?;
+    Ok(out.join(NAME).with_extension("fmu"))
 }
 
 /// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built again.
