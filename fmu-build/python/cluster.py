@@ -22,6 +22,9 @@ import tempfile
 import threading
 import time
 import uuid
+from array import array
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -33,13 +36,21 @@ from fmpy import extract
 from study_runs import FaultError, Plan, RunError, Runner
 
 WAITING = 4
-"""Chunks of each worker that are under way."""
+"""Tasks of each worker that are under way."""
+LASTING = 0.5
+"""Time that a task takes, about [s]: long beside what the scheduler needs for it, short beside a study."""
+MOST_CHUNKS = 64
+"""Chunks of a task at most."""
+MOST_BYTES = 1 << 20
+"""Values of factors in a task, about at most [B]."""
 FAILURES = 20
-"""Workers that a chunk may lose before it is given up."""
+"""Workers that a task may lose before it is given up."""
+LOGGED = 20
+"""Messages between client, scheduler and workers that are kept for a search for errors."""
 FATAL = 2**64 - 1
 """Number of a chunk that stands for an error."""
-
-
+Done = queue.Queue[tuple[list[int], Future] | None]
+"""Batches that are made, by the numbers of their chunks; None after the last one."""
 LOOK = 1.0
 """Time between two looks at the number of workers and at the wish to stop [s]."""
 
@@ -76,25 +87,63 @@ class Study(WorkerPlugin):
         del self.runners.own
 
 
+@dataclass
+class Batch:
+    """Chunks that one task makes, so many as take the time that it shall last."""
+
+    chunks: list[int] = field(default_factory=list)
+    work: list[tuple[int, bytes]] = field(default_factory=list)
+    """Number of runs of each, and values of their factors."""
+
+    def add(self, chunk: int, runs: int, data: bytes) -> None:
+        """Take one more."""
+        self.chunks.append(chunk)
+        self.work.append((runs, data))
+
+    def is_full(self, most: int) -> bool:
+        """Whether it has as many chunks as it shall have, or as many bytes."""
+        return len(self.chunks) >= most or sum(len(data) for _, data in self.work) >= MOST_BYTES
+
+
+class Pace:
+    """Chunks that a task shall have, by the time that those before took."""
+
+    chunks = 1
+
+    def learn(self, seconds: float, chunks: int) -> None:
+        """So many chunks took this time."""
+        self.chunks = max(1, min(MOST_CHUNKS, int(LASTING * chunks / max(seconds, 1e-9))))
+
+
+def make_all(name: str, work: list[tuple[int, bytes]]) -> tuple[float, list[bytes]]:
+    """Make the runs of some chunks; the time that it took [s], and the bytes of each."""
+    began = time.monotonic()
+    made = [make(name, runs, data) for runs, data in work]
+    return time.monotonic() - began, made
+
+
 def make(name: str, runs: int, data: bytes) -> bytes:
     """Make the runs of a chunk; its bytes."""
     study = get_worker().plugins[name]
     factors, columns = study.plan["factors"], study.plan["columns"]
-    numbers, remarks = bytearray(), bytearray()
-    for index in range(runs):
-        point = struct.unpack_from(f"<{factors}d", data, 8 * factors * index)
-        values, failed = [math.nan] * columns, False
+    empty = [math.nan] * columns
+    numbers, remarks = array("d"), bytearray()
+    for index, point in enumerate(struct.iter_unpack(f"<{factors}d", data) if factors else [()] * runs):
+        values, failed = empty.copy(), False
         try:
             remark = study.runner().run(point, values)
         except RunError as error:
-            values, remark, failed = [math.nan] * columns, str(error), True
+            values, remark, failed = empty, str(error), True
             if isinstance(error, FaultError):
                 study.forget_runner()
-        numbers += struct.pack(f"<{factors + columns}d", *point, *values)
+        numbers.extend(point)
+        numbers.extend(values)
         if failed or remark:
             text = remark.encode()
             remarks += struct.pack("<IBI", index, failed, len(text)) + text
-    return bytes(numbers + remarks)
+    if sys.byteorder != "little":
+        numbers.byteswap()
+    return numbers.tobytes() + bytes(remarks)
 
 
 def read(file: BinaryIO, count: int) -> bytes | None:
@@ -103,27 +152,35 @@ def read(file: BinaryIO, count: int) -> bytes | None:
     return data if len(data) == count else None
 
 
-def submit(
-    client: Client, plugin: Study, room: threading.Semaphore, done: queue.Queue[tuple[int, Future] | None]
-) -> None:
-    """Hand all chunks of the standard input to the cluster; `done` has each that is made, and None at the end."""
+def submit(client: Client, plugin: Study, room: threading.Semaphore, pace: Pace, done: Done) -> None:
+    """Hand all chunks of the standard input to the cluster; `done` has each batch that is made, and None at the end."""
     under_way = 0
     finished = threading.Semaphore(0)
     factors = plugin.plan["factors"]
 
-    def put(chunk: int, future: Future) -> None:
-        done.put((chunk, future))
+    def put(chunks: list[int], future: Future) -> None:
+        done.put((chunks, future))
         finished.release()
 
+    def send(batch: Batch) -> None:
+        nonlocal under_way
+        room.acquire()
+        future = client.submit(make_all, plugin.name, batch.work, pure=False)
+        future.add_done_callback(partial(put, batch.chunks))
+        under_way += 1
+
+    batch = Batch()
     while (head := read(sys.stdin.buffer, 12)) is not None:
         chunk, runs = struct.unpack("<QI", head)
         data = read(sys.stdin.buffer, 8 * factors * runs)
         if data is None:
             break
-        room.acquire()
-        future = client.submit(make, plugin.name, runs, data, pure=False)
-        future.add_done_callback(lambda future, chunk=chunk: put(chunk, future))
-        under_way += 1
+        batch.add(chunk, runs, data)
+        if batch.is_full(pace.chunks):
+            send(batch)
+            batch = Batch()
+    if batch.chunks:
+        send(batch)
     for _ in range(under_way):
         finished.acquire()
     done.put(None)
@@ -144,19 +201,20 @@ def main() -> None:
     os.dup2(2, 1)
     # Workers of another machine do not have the module.
     cloudpickle.register_pickle_by_value(study_runs)
-    config.set({"distributed.scheduler.allowed-failures": FAILURES})
+    # The log of messages would keep the values of all factors.
+    config.set({"distributed.scheduler.allowed-failures": FAILURES, "distributed.admin.low-level-log-length": LOGGED})
     cluster = None
     if arguments.scheduler is None:
         cluster = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
     client = Client(cluster if cluster is not None else arguments.scheduler)
     plugin = Study(arguments.fmu.read_bytes(), json.loads(arguments.plan.read_text(encoding="utf-8")))
     client.register_plugin(plugin)
-    done: queue.Queue[tuple[int, Future] | None] = queue.Queue()
-    workers = max(threads_of(client), 1)
+    done: Done = queue.Queue()
+    workers, pace = max(threads_of(client), 1), Pace()
     room = threading.Semaphore(WAITING * workers)
-    threading.Thread(target=submit, args=(client, plugin, room, done), daemon=True).start()
+    threading.Thread(target=submit, args=(client, plugin, room, pace, done), daemon=True).start()
     try:
-        hand_back(client, arguments.plan, (workers, room, done), out)
+        hand_back(client, arguments.plan, (workers, room, pace, done), out)
     finally:
         client.unregister_worker_plugin(plugin.name)
         client.close()
@@ -167,13 +225,10 @@ def main() -> None:
 
 
 def hand_back(
-    client: Client,
-    plan: Path,
-    under_way: tuple[int, threading.Semaphore, queue.Queue[tuple[int, Future] | None]],
-    out: BinaryIO,
+    client: Client, plan: Path, under_way: tuple[int, threading.Semaphore, Pace, Done], out: BinaryIO
 ) -> None:
     """Write the chunks that are made. The program that reads them removes the plan when it wants no more."""
-    workers, room, done = under_way
+    workers, room, pace, done = under_way
     looked = time.monotonic()
     while plan.exists():
         if time.monotonic() > looked + LOOK:
@@ -182,17 +237,19 @@ def hand_back(
                 workers += more
                 room.release(WAITING * more)
         try:
-            made = done.get(timeout=LOOK)
+            batch = done.get(timeout=LOOK)
         except queue.Empty:
             continue
-        if made is None:
+        if batch is None:
             return
-        chunk, future = made
+        chunks, future = batch
         try:
-            data = future.result()
+            seconds, made = future.result()
+            pace.learn(seconds, len(chunks))
         except Exception as error:
-            chunk, data = FATAL, f"chunk {chunk}: {error}".encode()
-        out.write(struct.pack("<QQ", chunk, len(data)) + data)
+            chunks, made = [FATAL], [f"chunk {chunks[0]}: {error}".encode()]
+        for chunk, data in zip(chunks, made, strict=True):
+            out.write(struct.pack("<QQ", chunk, len(data)) + data)
         out.flush()
         future.release()
         room.release()

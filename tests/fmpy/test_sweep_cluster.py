@@ -37,8 +37,12 @@ def finish(process: subprocess.Popen[str]) -> None:
     assert process.returncode == 0, said
 
 
-def workers(root: int) -> list[int]:
-    """Processes of the workers below this one: those that multiprocessing has spawned, without its tracker."""
+WORKER = "spawn_main"
+"""What the command line of a worker has: multiprocessing has spawned it."""
+
+
+def processes(root: int, word: str) -> list[int]:
+    """Processes below this one that have this word in their command line."""
     parents: dict[int, list[int]] = {}
     words: dict[int, str] = {}
     for folder in Path("/proc").iterdir():
@@ -54,7 +58,7 @@ def workers(root: int) -> list[int]:
     while open_:
         process = open_.pop()
         open_ += parents.get(process, [])
-        if "spawn_main" in words.get(process, ""):
+        if word in words.get(process, ""):
             found.append(process)
     return found
 
@@ -107,7 +111,7 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
     limit = time.monotonic() + 600
     while not killed and process.poll() is None and time.monotonic() < limit:
         # A quarter of the chunks is there.
-        if journal.exists() and journal.stat().st_size > 300_000 and (found := workers(process.pid)):
+        if journal.exists() and journal.stat().st_size > 300_000 and (found := processes(process.pid, WORKER)):
             os.kill(found[0], signal.SIGKILL)
             killed = True
         time.sleep(0.01)
@@ -239,3 +243,34 @@ def test_factors_are_set_together_on_a_cluster_too(tmp_path: Path) -> None:
         failed = [row["message"] for row in csv.DictReader(file) if row["failed"] == "1"]
     assert len(failed) == 3
     assert all("bar.length" in message for message in failed), failed
+
+
+FACTORS = ("actuator.force", "load_factor", "airspeed", "wheel.force_x", "wheel.force_y")
+
+
+def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path: Path) -> None:
+    stated = {
+        "mechanism": str(fmu),
+        "factors": {name: {"uniform": [0, 1]} for name in FACTORS},
+        "sampling": {"method": "random", "count": 300_000, "seed": 1},
+        "scenario": {"stop_time": 1e-3},
+        "responses": {"angle": {"final": "crank.angle"}},
+    }
+    study = tmp_path / "many.json"
+    study.write_text(json.dumps(stated), encoding="utf-8")
+    process, taken = start(study, tmp_path / "cluster", "--workers", "2"), []
+    journal = tmp_path / "cluster" / "runs.journal"
+    while process.poll() is None:
+        time.sleep(0.05)
+        try:
+            done = journal.stat().st_size / (300_000 * 8 * (len(FACTORS) + 1))
+            if done > 0.3:
+                client = Path("/proc", str(processes(process.pid, "cluster.py")[0]))
+                taken.append(1024.0 * int((client / "status").read_text().split("VmRSS:")[1].split()[0]))
+        except (OSError, IndexError):
+            # The journal is not there yet, or the study has just ended.
+            continue
+    finish(process)
+    # Kept, the values of the factors alone would be 8 MB, twice: in the client and in the scheduler.
+    assert len(taken) > 5
+    assert max(taken[-3:]) - taken[0] < 8e6, taken
