@@ -52,7 +52,7 @@ PLAIN, PREVIEW, DELAYED = "plain", "preview", "delayed"
 """What is exchanged: force and motion alone; with preview; with preview in the mode for hosts one step late."""
 
 DELAYED_FMU = "DELAYED_FMU"
-"""Environment variable with the path of the hydraulics packed with the mode `delayed`, for hosts without Enumerations."""
+"""Environment variable: path of the hydraulics packed with the mode `delayed`, for hosts without Enumerations."""
 
 Angles = list[float]
 

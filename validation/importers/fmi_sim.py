@@ -8,6 +8,7 @@ The library and all scalars are those of the packed FMU.
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import os
 import re
@@ -46,7 +47,7 @@ def version() -> str:
 
 
 def understood(fmu: Path, folder: Path) -> Path:
-    """A copy in a folder of an FMU of FMI 3.0 whose description has only what fmi-sim reads; one of FMI 2.0 as it is."""
+    """A copy of an FMU of FMI 3.0 in a folder, whose description has what fmi-sim reads; one of FMI 2.0 as it is."""
     with zipfile.ZipFile(fmu) as packed:
         description = ElementTree.fromstring(packed.read("modelDescription.xml"))
         if not description.get("fmiVersion").startswith("3."):
@@ -105,7 +106,7 @@ def section(fmu: Path, angle: float) -> tuple[list[str], bool]:
     0.13 s by quadrature [rad]."""
     events = ("--event-mode-used", "--early-return-allowed", "--output-interval", "1e-3", "-f", "0.14")
     rows = run(fmu, "co-simulation", *events)
-    before = next(row for row, later in zip(rows, rows[1:], strict=False) if row["time"] == later["time"])
+    before = next(row for row, later in itertools.pairwise(rows) if row["time"] == later["time"])
     event = abs(before["time"] - EVENT)
     off = []
     for step in EULER:
@@ -114,9 +115,11 @@ def section(fmu: Path, angle: float) -> tuple[list[str], bool]:
     ratio = off[0] / off[1] / (EULER[0] / EULER[1])
     holds = event <= ALLOWED_EVENT and abs(ratio - 1.0) <= ALLOWED_RATIO and math.isfinite(ratio)
     lines = [
-        f"- event mode with early return: the up stop is met at {before['time']:.16f} s, {event:.0e} s off the quadrature",
-        f"  (at most {ALLOWED_EVENT:.0e} s is allowed); the speed is {before['crank.speed']:.6f} rad/s before it, 0 after;",
-        f"- model exchange by its only solver, Euler's method: {off[0]:.3e} rad off at 0.13 s with steps of {EULER[0]:g} s,",
+        f"- event mode with early return: the up stop is met at {before['time']:.16f} s, {event:.0e} s off the"
+        f" quadrature (at most {ALLOWED_EVENT:.0e} s",
+        f"  is allowed); the speed is {before['crank.speed']:.6f} rad/s before it, 0 after;",
+        f"- model exchange by its only solver, Euler's method: {off[0]:.3e} rad off at 0.13 s with steps of"
+        f" {EULER[0]:g} s,",
         f"  {off[1]:.3e} rad with {EULER[1]:g} s: the first order of that method.",
     ]
     return lines, holds

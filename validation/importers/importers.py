@@ -139,8 +139,8 @@ def ecos(fmu: Path, case: Case) -> Rows:
 
 
 def rust(fmu: Path, case: Case) -> Rows:
-    """fmi-sim. By FMI 2.0 it takes the value before a jump at a communication point, so that its table jumps between the
-    two points around it."""
+    """fmi-sim. By FMI 2.0 it takes the value before a jump at a communication point, so that its table jumps half a
+    step before."""
     options = ["--output-interval", f"{STEP:g}", "-f", f"{STEPS * STEP:g}"]
     for name, value in case.start.items():
         options += ["--init-values", f"{name}={value:g}"]
@@ -189,12 +189,12 @@ def third(fmu: Path) -> Path:
 NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5, a source archive; `pip download` and
   `pip install` end in its setup.py (`No module named 'numpy'`, and with numpy at hand and no build isolation `Please
   upgrade to a newer Cython version`). Later releases are not on it.
-- **OMSimulator**, not by this command: `pip install` of 3.0.0.post198 fetches the program itself from the project's own
-  server while it builds, and fails where that server is out of reach. The example of the README was run by hand with its
-  Python package at v3.0.0-167 over its library at v3.0.0-114, both from its sources: `crank.angle` at 0.13 s is
-  -1.2377117266795328 rad, 9.6e-12 rad off the quadrature, and without `relativeTolerance` 1.1e-6 rad off. Model exchange
-  by FMI 2.0 does not work in that state of it: its fmi4c takes the 12 attributes `derivative` for the number of states,
-  not the two elements of `ModelStructure/Derivatives`, and asks for 12."""
+- **OMSimulator**, not by this command: `pip install` of 3.0.0.post198 fetches the program itself from the project's
+  own server while it builds, and fails where that server is out of reach. The example of the README was run by hand
+  with its Python package at v3.0.0-167 over its library at v3.0.0-114, both from its sources: `crank.angle` at 0.13 s is
+  -1.2377117266795328 rad, 9.6e-12 rad off the quadrature, and without `relativeTolerance` 1.1e-6 rad off. Model
+  exchange by FMI 2.0 does not work in that state of it: its fmi4c takes the 12 attributes `derivative` for the number
+  of states, not the two elements of `ModelStructure/Derivatives`, and asks for 12."""
 
 
 def worker(name: str, case: str, fmu: Path, out: Path) -> None:
@@ -353,10 +353,11 @@ def fmi_sim_section(fmu: Path) -> tuple[list[str], bool]:
     lines, holds = fmi_sim.section(third(fmu), REFERENCE_ANGLE)
     head = [
         "## fmi-sim by FMI 3.0",
-        f"fmi-sim {fmi_sim.version()} refuses the FMU of FMI 3.0 as it is packed: `{fmi_sim.refusal(third(fmu))}`. Its parser, the",
-        "crate fmi-schema, does not know `unit`, `displayUnit` and `nominal` of Float64 variables, which the standard has",
-        "(FMI 3.0.2, 2.4.7), and it reads each vector as one value, which the FMU refuses. It gets a copy whose description",
-        "leaves out these attributes and the vectors; the library is the same. The FMU of FMI 2.0 it takes as it is.",
+        f"fmi-sim {fmi_sim.version()} refuses the FMU of FMI 3.0 as it is packed: `{fmi_sim.refusal(third(fmu))}`.",
+        "Its parser, the crate fmi-schema, does not know `unit`, `displayUnit` and `nominal` of Float64 variables,",
+        "which the standard has (FMI 3.0.2, 2.4.7), and it reads each vector as one value, which the FMU refuses. It",
+        "gets a copy whose description leaves out these attributes and the vectors; the library is the same. The FMU",
+        "of FMI 2.0 it takes as it is.",
         "",
     ]
     return [*head, *lines, ""], holds
