@@ -191,8 +191,8 @@ NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5,
   upgrade to a newer Cython version`). Later releases are not on it.
 - **OMSimulator**, not by this command: `pip install` of 3.0.0.post198 fetches the program itself from the project's
   own server while it builds, and fails where that server is out of reach. The example of the README was run by hand
-  with its Python package at v3.0.0-167 over its library at v3.0.0-114, both from its sources: `crank.angle` at 0.13 s is
-  -1.2377117266795328 rad, 9.6e-12 rad off the quadrature, and without `relativeTolerance` 1.1e-6 rad off. Model
+  with its Python package at v3.0.0-167 over its library at v3.0.0-114, both from its sources: `crank.angle` at 0.13 s
+  is -1.2377117266795328 rad, 9.6e-12 rad off the quadrature, and without `relativeTolerance` 1.1e-6 rad off. Model
   exchange by FMI 2.0 does not work in that state of it: its fmi4c takes the 12 attributes `derivative` for the number
   of states, not the two elements of `ModelStructure/Derivatives`, and asks for 12."""
 
