@@ -48,7 +48,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     stage("FMPy tests", || {
         let mut pytest = Command::new(&python);
         pytest
-            .args(["-m", "pytest", "-q"])
+            // Each file by one of as many processes as there are cores.
+            .args(["-m", "pytest", "-q", "--numprocesses=auto", "--dist=loadfile"])
             .arg(workspace.python_tests())
             .env(FMU_FOLDER, workspace.fmu_folder())
             .current_dir(workspace.root());
