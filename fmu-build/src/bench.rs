@@ -2,10 +2,12 @@
 //! with other tools.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, package};
-use anyhow::Result;
+use crate::{command, files, package};
+use anyhow::{Context, Result};
 pub use fmu_cli::Bench as Arguments;
+use serde_json::{Value, json};
 use std::env;
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -70,7 +72,47 @@ fn importers(workspace: &Workspace) -> Result<()> {
     if cfg!(target_os = "linux") {
         script.arg("--host").arg(validation(workspace)?);
     }
+    match fmi_sim(workspace) {
+        Ok(program) => _ = script.env("FMI_SIM", program),
+        Err(error) => {
+            println!("fmi-sim is left out: {error:#} (it needs libclang; Debian: apt-get install libclang-dev)")
+        }
+    }
+    script.env("DELAYED_FMU", delayed(workspace)?);
     command::run(&mut script, "importers.py")
+}
+
+/// The hydraulic actuator packed with the mode for hosts that hand values on one step late: libcosim and ECOS know no
+/// Enumerations of FMI 2.0, so that they cannot set it.
+fn delayed(workspace: &Workspace) -> Result<PathBuf> {
+    const NAME: &str = "HydraulicActuator";
+    let source = workspace.descriptions().join(NAME).join("resources").join("hydraulics.json");
+    let text = fs::read_to_string(&source).with_context(|| format!("{}: cannot be read", source.display()))?;
+    let mut definition: Value = serde_json::from_str(&text)?;
+    definition["coupling"] = json!({ "mode": "delayed" });
+    let out = workspace.target("importers").join("delayed");
+    let folder = out.join(NAME);
+    files::replace(&folder.join("resources").join("hydraulics.json"), definition.to_string().as_bytes())?;
+    let arguments =
+        package::Arguments { paths: vec![folder], out: Some(out.clone()), ..package::Arguments::of_fmi_2() };
+    package::run(workspace, &arguments)?;
+    Ok(out.join(NAME).with_extension("fmu"))
+}
+
+/// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built again.
+fn fmi_sim(workspace: &Workspace) -> Result<PathBuf> {
+    const CRATE: &str = "fmi-sim@0.7.0";
+    let root = workspace.target("importers").join("fmi-sim");
+    let mut cargo = command::cargo(workspace);
+    cargo.args(["install", "--quiet", "--locked", CRATE, "--root"]).arg(&root);
+    // Of the program that runs now, Cargo tells its children where it lies.
+    cargo
+        .arg("--target-dir")
+        .arg(root.join("target"))
+        .env_remove("CARGO_MANIFEST_DIR")
+        .current_dir(std::env::temp_dir());
+    command::run(&mut cargo, "cargo install of fmi-sim")?;
+    Ok(root.join("bin").join(format!("fmi-sim{}", env::consts::EXE_SUFFIX)))
 }
 
 /// Measure the Rust solvers, then the tools with Python and the libraries in C, as far as they are installed, and write

@@ -15,6 +15,7 @@ use std::mem::MaybeUninit;
 ///
 /// # Safety
 /// A valid `pointer` leads to `count` elements that nobody writes during the call (FMI 2.0.5, 2.1.7).
+#[inline]
 pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
     if count == 0 {
         return Ok(&[]);
@@ -31,6 +32,7 @@ pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Resul
 ///
 /// # Safety
 /// A valid `pointer` leads to memory for `count` elements that nobody else uses during the call (FMI 2.0.5, 2.1.7).
+#[inline]
 pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
     if count == 0 {
         return Ok(&mut []);
@@ -49,17 +51,28 @@ pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
+#[inline]
 fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Refusal> {
-    if pointer.is_null() {
-        return Err(Refusal::error(format!("the array '{name}' of {count} elements is NULL")));
-    }
-    if !pointer.is_aligned() {
-        return Err(Refusal::error(format!("the array '{name}' is not aligned to {} bytes", align_of::<T>())));
-    }
-    if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Refusal::error(format!("the array '{name}' of {count} elements is larger than memory")));
+    if pointer.is_null() || !pointer.is_aligned() || count > most::<T>() {
+        return Err(refuse(name, pointer, count));
     }
     Ok(())
+}
+
+/// Largest number of elements of an array that fits into memory.
+const fn most<T>() -> usize {
+    isize::MAX as usize / size_of::<T>()
+}
+
+#[cold]
+fn refuse<T>(name: &str, pointer: *const T, count: usize) -> Refusal {
+    Refusal::error(if pointer.is_null() {
+        format!("the array '{name}' of {count} elements is NULL")
+    } else if !pointer.is_aligned() {
+        format!("the array '{name}' is not aligned to {} bytes", align_of::<T>())
+    } else {
+        format!("the array '{name}' of {count} elements is larger than memory")
+    })
 }
 
 #[cfg(test)]

@@ -34,11 +34,19 @@ impl Instance {
         name.map(|name| (name, Kind::Real))
     }
 
+    /// Whether these references are scalars of the component, one for each value, so that nothing is to be serialised.
+    #[inline]
+    pub fn are_scalars(&self, references: &[Reference], values: usize) -> bool {
+        let time = self.time_reference();
+        references.len() == values && references.iter().all(|&reference| reference < time)
+    }
+
     /// Do `work` with the scalars that these references lead to, one for each value; the time is one of them. `values` is
     /// the number of values that the host has passed.
     ///
     /// # Errors
     /// Another number of values than of scalars; those of the work.
+    #[inline(never)]
     pub fn serialised(
         &mut self,
         references: &[Reference],

@@ -129,6 +129,9 @@ exported! {
     // SAFETY: both arrays have as many elements as said (2.2.6).
     fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
+        if i.are_scalars(vr, values) {
+            return i.get_real(vr, value);
+        }
         i.serialised(vr, values, |i, vr| i.get_real_or_time(vr, value))
     };
 
@@ -161,6 +164,9 @@ exported! {
     // SAFETY: both arrays have as many elements as said (2.2.6).
     fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize) in SETTABLE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
+        if i.are_scalars(vr, values) {
+            return i.set_real(vr, value);
+        }
         i.without_time(vr, "it cannot be set")?;
         i.serialised(vr, values, |i, vr| i.set_real(vr, value))
     };

@@ -6,6 +6,7 @@
 use crate::gear::Gear;
 use crate::measure::{self, Pages, heading};
 use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
+use crate::versions;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
@@ -73,6 +74,9 @@ pub fn table() -> Result<Option<Pages>, String> {
         let _ = writeln!(rows, "| {} | {count:.0} |", scene.title);
         let _ = writeln!(csv, "{},{RESET},0,{count:.0},", scene.name);
     }
+    let (versions, lines) = versions::table()?;
+    rows += &versions;
+    csv += &lines;
     let words = format!(
         "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
          difference of two runs that differ by 1 to {MOST} repetitions, the more the fewer their doSteps; the state is put \
@@ -85,20 +89,30 @@ pub fn table() -> Result<Option<Pages>, String> {
 /// Instructions of one run of the scene.
 fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
     let further = (FURTHER / steps).clamp(1, MOST);
-    let difference = counted(scene, reads, steps, FEW + further)?.checked_sub(counted(scene, reads, steps, FEW)?);
-    let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
-    Ok(difference as f64 / f64::from(further))
+    let words =
+        |repetitions| [REPEAT, scene, reads].map(str::to_owned).into_iter().chain([steps.to_string(), repetitions]);
+    difference(|repetitions| words(repetitions).collect(), FEW, FEW + further)
 }
 
-fn counted(scene: &str, reads: &str, steps: u32, repetitions: u32) -> Result<u64, String> {
+/// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` of them, whose
+/// arguments `words` gives.
+///
+/// # Errors
+/// A run fails, or valgrind reports no count.
+pub fn difference(words: impl Fn(String) -> Vec<String>, few: u32, more: u32) -> Result<f64, String> {
+    let difference = counted(&words(more.to_string()))?.checked_sub(counted(&words(few.to_string()))?);
+    let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
+    Ok(difference as f64 / f64::from(more - few))
+}
+
+fn counted(words: &[String]) -> Result<u64, String> {
     let program = std::env::current_exe().map_err(|e| e.to_string())?;
     let mut valgrind = Command::new("valgrind");
-    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program);
-    valgrind.args([REPEAT, scene, reads, &steps.to_string(), &repetitions.to_string()]);
+    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program).args(words);
     let output = valgrind.output().map_err(|e| format!("valgrind: {e}"))?;
     let report = String::from_utf8_lossy(&output.stderr);
     let count = report.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
-    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, scene {scene}: {report}"))
+    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, {}: {report}", words.join(" ")))
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.

@@ -17,6 +17,7 @@ mod steps;
 pub mod stress;
 mod stress_report;
 mod untabled;
+mod versions;
 
 use fmu_build::package;
 use fmu_build::workspace::Workspace;
@@ -42,6 +43,9 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
+        }
+        &[versions::CALLS, version, call, repetitions] => {
+            versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }
         _ => Err(
             "arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with names of \

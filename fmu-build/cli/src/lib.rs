@@ -450,7 +450,7 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// `importers`: the landing gear in FMPy, libcosim and ECOS; `studies`: many runs by `sweep`, on Dask, by FMPy and by
+    /// `importers`: the landing gear in FMPy, libcosim, ECOS and fmi-sim; `studies`: many runs by `sweep`, on Dask, by FMPy and by
     /// MuJoCo; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
     /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed

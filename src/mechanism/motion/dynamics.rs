@@ -393,7 +393,7 @@ where
 
     fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
         let (reduced, state_loads) = self.stretch_at(sigma);
-        let table = state_loads.map(|state_loads| (reduced, &state_loads.table));
+        let table = state_loads.map(|state_loads| (reduced, &*state_loads.table));
         let position = |table| self.scratch.panel_force.position(table, sigma);
         (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
     }
