@@ -77,7 +77,7 @@ fn full() -> Value {
             "oval_pin": { "type": "revolute", "first": "ground.oval", "second": "oval.origin" },
             "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" },
             "lifter": {
-                "type": "prismatic", "first": "ground.lifter", "second": "tappet.origin", "axis_angle": 1.5707963267948966
+                "type": "prismatic", "first": "ground.lifter", "second": "tappet.origin", "axis_angle": std::f64::consts::FRAC_PI_2
             }
         },
         "couplings": {
