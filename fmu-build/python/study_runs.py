@@ -17,6 +17,8 @@ from typing import Any
 import fmpy
 from fmpy import fmi2, logging, read_model_description
 
+JUST_AFTER = 64.0 * sys.float_info.epsilon
+"""Time after an event at which its state is looked for first, relative to the time."""
 HALVINGS = 1100
 """Most steps that the search for an event takes."""
 CLOSE = 1e-9
@@ -341,18 +343,17 @@ class Runner:
     def step_to(self, event: Event, step: Step, time: float) -> None:
         """Put the FMU into the state just after an event of this step, which is made and met it at `time` [s]."""
         whole = step.end - step.start
-        later = 0.0
+        later = JUST_AFTER * max(abs(time), sys.float_info.min)
         while True:
             h = (time + later) - step.start
             self.before.restore()
             if h >= whole:
                 self.make(step, step.whole)
                 return
-            if h > 0.0:
-                self.make(step, step.of(h))
-                if event.count() > 0.0:
-                    return
-            later = max(2.0 * later, max(abs(time), sys.float_info.min) * sys.float_info.epsilon)
+            self.make(step, step.of(h))
+            if event.count() > 0.0:
+                return
+            later *= 2.0
 
     def observe(self, values: list[float], time: float, label: str, is_first: bool, is_last: bool) -> None:
         """Read the FMU at an instant [s]."""

@@ -44,14 +44,25 @@ fn full() -> Value {
         "units": { "angle": "rad", "length": "m" },
         "gravity": { "acceleration": 9.81, "up_angle": 1.5, "load_factor": 1 },
         "bodies": {
-            "ground": { "length": 1.0, "points": { "anchor": [0.3, -2.0] } },
+            "ground": {
+                "length": 1.0,
+                "points": {
+                    "anchor": [0.3, -2.0], "shaft": [-0.5, 0.0], "pulley": [0.0, 0.6], "oval": [0.7, 0.7], "bed": [0.0, -0.05],
+                    "lifter": [0.0, -0.3]
+                }
+            },
             "crank": { "length": 0.1, "mass": 1.2, "shape": "uniform_rod", "points": { "eye": [0.05, 0.02] } },
             "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0], "inertia": 0.001 },
             "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod", "axial_stiffness": 1e7 },
             "slider": {
                 "mass": 0.5,
                 "drawn": { "origin": [0.38, 0.0], "angle": 0.0, "points": { "lug": [0.38, 0.05] }, "center": [0.38, 0.01] }
-            }
+            },
+            "wheel": { "mass": 0.1, "inertia": 1e-4 },
+            "pulley": { "mass": 0.1, "inertia": 1e-4 },
+            "oval": { "mass": 0.1, "inertia": 1e-4 },
+            "table": { "mass": 0.2 },
+            "tappet": { "mass": 0.1 }
         },
         "joints": {
             "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
@@ -60,11 +71,43 @@ fn full() -> Value {
             "guide": {
                 "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0, "angle": 0.0,
                 "static_coefficient": 0.1, "kinetic_coefficient": 0.05
+            },
+            "wheel_pin": { "type": "revolute", "first": "ground.shaft", "second": "wheel.origin" },
+            "pulley_pin": { "type": "revolute", "first": "ground.pulley", "second": "pulley.origin" },
+            "oval_pin": { "type": "revolute", "first": "ground.oval", "second": "oval.origin" },
+            "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" },
+            "lifter": {
+                "type": "prismatic", "first": "ground.lifter", "second": "tappet.origin", "axis_angle": 1.5707963267948966
+            }
+        },
+        "couplings": {
+            "mesh": {
+                "type": "gears", "first": "crank.origin", "second": "wheel.origin", "first_teeth": 20, "second_teeth": 40,
+                "pressure_angle": 0.0
+            },
+            "belt": {
+                "type": "belt", "first": "crank.origin", "second": "pulley.origin", "first_radius": 0.05, "second_radius": 0.1
+            },
+            "ovals": {
+                "type": "elliptic_gears", "first": "crank.origin", "second": "oval.origin", "eccentricity": 0.2,
+                "pressure_angle": 0.0
+            },
+            "rack": {
+                "type": "rack", "first": "crank.origin", "joint": "slide", "radius": 0.05, "pressure_angle": 0.0
+            },
+            "cam": {
+                "type": "cam", "first": "crank.origin", "joint": "lifter", "follower": "roller", "contact": "tappet.origin",
+                "base_radius": 0.05, "roller_radius": 0.01,
+                "segments": [
+                    { "law": "cycloidal", "angle": 2.0, "rise": 0.01 }, { "law": "polynomial_345", "angle": 2.0, "rise": -0.01 },
+                    { "law": "dwell" }
+                ]
             }
         },
         "actuators": {
             "cylinder": { "first": "ground.anchor", "second": "crank.end", "force": 1.0, "efficiency": 0.9 },
-            "servo": { "joint": "bearing", "torque": 1.0 }
+            "servo": { "joint": "bearing", "torque": 1.0 },
+            "spindle": { "joint": "guide", "torque": 0.1, "screw": { "lead": 0.01, "inertia": 1e-6 } }
         },
         "forces": { "push": { "at": "slider.origin", "force": [0.0, 0.0], "constant": true } },
         "torques": { "motor": { "on": "crank", "torque": 2.0, "constant": false } },
@@ -94,20 +137,24 @@ fn full() -> Value {
         },
         "locks": { "latch": { "stop": "up", "at": "crank.end", "engage": true } },
         "start": { "body": "crank", "angle": 0.5, "speed": 1.0 },
-        "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 },
+        "guess": {
+            "crank": 0.5, "rod": -0.16, "guide": 0.38, "wheel": 0.0, "pulley": 0.0, "oval": 0.0, "slide": 0.0, "lifter": 0.24
+        },
         "solver": { "tolerance": 1e-9, "method": "reduced", "fem_step": 1e-5, "tables": true },
         "experiment": { "stop_time": 1.0, "step_size": 1e-3 }
     })
 }
 
 /// Where one instance of each definition of the schema stands in the full mechanism.
-const LEVELS: [(&str, &str); 20] = [
+const LEVELS: [(&str, &str); 22] = [
     ("", ""),
     ("units", "/units"),
     ("gravity", "/gravity"),
     ("body", "/bodies/crank"),
     ("drawn", "/bodies/slider/drawn"),
     ("joint", "/joints/guide"),
+    ("coupling", "/couplings/mesh"),
+    ("cam_segment", "/couplings/cam/segments/0"),
     ("actuator", "/actuators/cylinder"),
     ("force", "/forces/push"),
     ("torque", "/torques/motor"),
@@ -210,6 +257,9 @@ fn choices_agree() {
         ("body", "/bodies/crank", "shape"),
         ("joint", "/joints/guide", "type"),
         ("stop", "/stops/up", "limit"),
+        ("coupling", "/couplings/rack", "side"),
+        ("coupling", "/couplings/cam", "follower"),
+        ("cam_segment", "/couplings/cam/segments/0", "law"),
         ("solver", "/solver", "method"),
         ("units", "/units", "angle"),
         ("units", "/units", "length"),
@@ -332,17 +382,23 @@ fn defaults_agree() {
 fn both_refuse_what_is_wrong() {
     let validator = validator();
     let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
+    let mut taken = Vec::new();
     for (group, schema_too) in [("both", true), ("engine", false)] {
         for (path, values) in wrong[group].as_object().unwrap() {
             let (parent, key) = path.rsplit_once('/').unwrap();
             for value in values.as_array().unwrap() {
                 let mut mechanism = full();
                 mechanism.pointer_mut(parent).unwrap()[key] = value.clone();
-                assert!(Model::from_json(&mechanism.to_string()).is_err(), "the engine takes {path} = {value}");
-                assert_eq!(!validator.is_valid(&mechanism), schema_too, "the schema on {path} = {value}");
+                if Model::from_json(&mechanism.to_string()).is_ok() {
+                    taken.push(format!("the engine takes {path} = {value}"));
+                }
+                if validator.is_valid(&mechanism) == schema_too {
+                    taken.push(format!("the schema takes or refuses {path} = {value}"));
+                }
             }
         }
     }
+    assert!(taken.is_empty(), "{taken:#?}");
 }
 
 /// Put a part of a file into a whole one: entries of groups one by one, other keys as they are.

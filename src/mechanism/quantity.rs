@@ -50,6 +50,28 @@ pub enum Indicator {
     Reversal,
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
+    /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the loss.
+    DriveSign(usize),
+    /// The normal force of a prismatic joint with friction, by its index among the joints with friction: its magnitude
+    /// decides on the friction.
+    NormalForce(usize),
+    /// The points of a curve.
+    Points(Curve),
+}
+
+/// A curve whose points an event indicator watches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// Force of a drive over its speed, by the index of its load.
+    Drive(usize),
+    /// Force of a damper over its rate, by the index of its spring.
+    Damper(usize),
+    /// Force of a spring over its length, angle or position, by its index.
+    Spring(usize),
+    /// Push of a bumper over its depth, by the index of its stop.
+    Bumper(usize),
+    /// Lift of a cam over its angle, by the index of its coupling: borders of segments, or points.
+    Cam(usize),
 }
 
 /// A computed quantity. `order` 0, 1 or 2 is that of the time derivative; the other fields are indices.

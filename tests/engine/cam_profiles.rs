@@ -105,3 +105,45 @@ fn losses_of_couplings_are_refused_by_name() {
     let error = Simulation::open(&text).and_then(|mut s| s.initialize()).unwrap_err();
     assert_says(error, &["couplings.mesh.efficiency", "drive", "friction"]);
 }
+
+#[test]
+fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
+    let winch = include_str!("../../modelDescription/GearTrain/resources/mechanism.json");
+    let outlines = |text: &str| {
+        let mechanism = Mechanism::from_json(text).unwrap();
+        Scene::new(&mechanism, &Linkage::new(&mechanism).unwrap()).unwrap().outlines
+    };
+    let named = |text: &str, name: &str| outlines(text).into_iter().filter(|o| o.name == name).collect::<Vec<_>>();
+    // The drum is at x = 0.12 with the radius 0.09, all bodies have the angle 0 but for a turned rail.
+    for (x, side, at) in [(0.21, "right", 0.0), (0.25, "left", -0.22), (0.25, "right", -0.04)] {
+        let text = changed(winch, |m| {
+            m["bodies"]["ground"]["points"]["rail"][0] = json!(x);
+            m["couplings"]["lift"]["side"] = json!(side);
+        });
+        let [wheel, rack] = &named(&text, "lift")[..] else { panic!() };
+        assert!(wheel.points[1..].iter().all(|[x, y]| (x.hypot(*y) - 0.09).abs() < 1e-15));
+        assert!(rack.points.iter().all(|[x, _]| (x - at).abs() < 1e-15), "{side}: {:?}", rack.points);
+    }
+    let [one, two] = &named(winch, "first_stage")[..] else { panic!() };
+    for (wheel, radius) in [(one, 0.03), (two, 0.09)] {
+        assert!(wheel.points[1..].iter().all(|[x, y]| (x.hypot(*y) - radius).abs() < 1e-15));
+    }
+    for crossed in [false, true] {
+        let text = changed(winch, |m| {
+            m["couplings"]["second_stage"] = json!({ "type": "belt", "first": "layshaft.origin", "second": "drum.origin",
+                "first_radius": 0.04, "second_radius": 0.06, "crossed": crossed });
+        });
+        let all = named(&text, "second_stage");
+        assert_eq!(all.len(), 4);
+        for span in &all[2..] {
+            let [[ax, ay], [bx, by]] = span.points[..] else { panic!() };
+            // Tangent to both pulleys: the radii to its ends have their lengths and are across the span.
+            for ([x, y], [cx, cy], radius) in [([ax, ay], [0.12, 0.0], 0.04), ([bx, by], [0.12, 0.18], 0.06)] {
+                assert!(((x - cx).hypot(y - cy) - radius).abs() < 1e-15);
+                assert!(((x - cx) * (bx - ax) + (y - cy) * (by - ay)).abs() < 1e-16);
+            }
+            let side = |x: f64| (x - 0.12).signum();
+            assert_eq!(side(ax) == side(bx), !crossed);
+        }
+    }
+}

@@ -288,6 +288,28 @@ fn a_ratio_that_never_returns_goes_on_for_ever() {
 }
 
 #[test]
+fn an_open_train_ends_where_angles_have_too_few_digits() {
+    let irrational = GEARS.replace("17", "1").replace("43", &2f64.sqrt().to_string());
+    let text = changed(&shafts(&irrational), |m| {
+        m["gravity"]["acceleration"] = json!(0);
+        m["torques"] = json!({});
+        m["start"]["speed"] = json!(1e6);
+    });
+    let mut run = Simulation::open(&text).unwrap();
+    run.initialize().unwrap();
+    let error = loop {
+        if let Err(error) = run.step(10.0) {
+            break error;
+        }
+    };
+    let revolutions = 1e6 * run.time() / TAU;
+    assert!((1e7..1e9).contains(&revolutions), "{revolutions}");
+    let pieces =
+        ["one = ", "revolutions", "rounding of angles", "in mesh", "numbers of teeth", "limit the loads", "stop"];
+    assert_says(error, &pieces);
+}
+
+#[test]
 fn a_stated_phase_counts_and_not_the_guess() {
     let mut run = Run::new(&shafts(&format!(r#"{GEARS}, "phase": 0.25"#))).started();
     let first = run.get("one.angle");

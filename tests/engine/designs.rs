@@ -15,7 +15,7 @@ enum Setting {
 use Setting::{Flag, Real};
 
 /// Settings of the gear, of every role.
-const OF_GEAR: [Setting; 14] = [
+const OF_GEAR: [Setting; 17] = [
     Real("crank.start_angle", 0.5),
     Real("crank.start_speed", -1.0),
     Real("gravity.acceleration", 9.5),
@@ -26,6 +26,9 @@ const OF_GEAR: [Setting; 14] = [
     Real("upstop.angle", -1.1),
     Real("downstop.restitution", 0.4),
     Real("friction.kinetic_coefficient", 0.03),
+    Real("friction.static_coefficient", 0.25),
+    Real("joint2.pin_radius", 0.02),
+    Real("airspeed", 70.0),
     Real("solver.tolerance", 1e-7),
     Flag("friction.enabled", true),
     Flag("upstop.rigid", false),

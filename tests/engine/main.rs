@@ -33,6 +33,7 @@ mod input_derivatives;
 mod interface;
 mod linearisation;
 mod look_ahead;
+mod losses;
 mod mechanism_fuzz;
 mod near_misses;
 mod newton_euler;

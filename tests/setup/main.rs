@@ -127,6 +127,36 @@ fn a_law_leaves_curve_and_tables() {
     assert!(count <= 100, "{count} allocations");
 }
 
+/// Nor do they change the table of the loads that the state decides: pins and coefficients only size what is in it.
+#[test]
+fn a_law_leaves_the_table_of_friction() {
+    let mut mechanism = Mechanism::from_json(GEAR).unwrap();
+    mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
+    let reduced = Reduced::new(&mechanism).unwrap();
+    let table = &reduced.state_loads(false).unwrap().unwrap().table;
+    let mut changed = mechanism.clone();
+    changed.parameters(&mut |p, value| {
+        if ["friction.static_coefficient", "joint1.pin_radius"].contains(&&*p.name.concat()) {
+            *value *= 1.1;
+        }
+    });
+    let renewed = Reduced::renewed(&[&reduced], &changed).unwrap();
+    // One between them on which nobody has asked for it.
+    let again = Reduced::renewed(&[&renewed], &mechanism).unwrap();
+    let new = Reduced::new(&changed).unwrap();
+    let [renewed, again, new] = [&renewed, &again, &new].map(|reduced| reduced.state_loads(false).unwrap().unwrap());
+    assert!(std::ptr::eq(&**table, &*renewed.table) && std::ptr::eq(&**table, &*again.table));
+    assert_eq!(*renewed.table, *new.table);
+    assert_eq!(renewed.friction_joints, new.friction_joints);
+    assert_ne!(renewed.friction_joints, again.friction_joints);
+    // A joint that gets its pin has friction of its own.
+    let mut more = mechanism.clone();
+    more.parameters(&mut |p, value| *value *= f64::from(p.name.concat() != "joint1.pin_radius"));
+    let (kept, built) = (Reduced::renewed(&[&reduced], &more).unwrap(), Reduced::new(&more).unwrap());
+    let [kept, built] = [&kept, &built].map(|reduced| reduced.state_loads(false).unwrap().unwrap());
+    assert_eq!((&*kept.table, &kept.friction_joints), (&*built.table, &built.friction_joints));
+}
+
 /// Another gravity is another sum of tables that there are.
 #[test]
 fn gravity_leaves_curve_and_most_tables() {

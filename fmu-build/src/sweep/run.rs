@@ -11,6 +11,9 @@ use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Snapshot, Stepped};
 use linkage_fmu::numerics::decimal::Decimal;
 
+/// Time after an event at which its state is looked for first, relative to the time: rounding has a step that ends nearer
+/// mostly end before it.
+const JUST_AFTER: f64 = 64.0 * f64::EPSILON;
 /// Most steps that the search for an event takes.
 const MOST_HALVINGS: u32 = 1100;
 
@@ -217,21 +220,18 @@ impl<'a> Runner<'a> {
     /// Put the model into the state just after an event of this step, which is made and met it at `time` [s].
     fn step_to(&mut self, event: Event, step: &Step, time: f64) -> Result<()> {
         let whole = step.end - step.start;
-        let mut later = 0.0;
+        let mut later = JUST_AFTER * time.abs().max(f64::MIN_POSITIVE);
         loop {
             let h = (time + later) - step.start;
             self.back()?;
             if h >= whole {
                 return self.step(step, whole);
             }
-            if h > 0.0 {
-                self.step(step, h)?;
-                if self.count(event)? > 0.0 {
-                    return Ok(());
-                }
+            self.step(step, h)?;
+            if self.count(event)? > 0.0 {
+                return Ok(());
             }
-            // Rounding has the event after the end of the step: go on by the least that counts.
-            later = (2.0 * later).max(time.abs().max(f64::MIN_POSITIVE) * f64::EPSILON);
+            later *= 2.0;
         }
     }
 }

@@ -248,6 +248,56 @@ fn curves_are_exchanged() {
     unsafe { fmi3FreeInstance(c) };
 }
 
+/// A disc cam that turns against the weight of its follower, and a cylinder with losses that pushes the crank of a
+/// slider-crank over its dead centres.
+const BORDERS: &str = r#"{ "name": "Borders",
+    "bodies": { "ground": { "points": { "guide": [0.0, 0.2], "far": [0.9, 0.0] } }, "disc": { "length": 0.1, "mass": 1, "inertia": 0.02 },
+        "stem": { "mass": 0.4, "points": { "tip": [0.0, -0.1] } }, "rod": { "length": 0.3, "mass": 0.1, "inertia": 0.001 },
+        "slider": { "mass": 0.1 } },
+    "joints": { "bearing": { "type": "revolute", "first": "ground.origin", "second": "disc.origin" },
+        "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin", "axis_angle": 1.5707963267948966 },
+        "pin": { "type": "revolute", "first": "disc.end", "second": "rod.origin" },
+        "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+        "slide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" } },
+    "couplings": { "cam": { "type": "cam", "first": "disc.origin", "joint": "guide", "follower": "roller",
+        "contact": "stem.tip", "base_radius": 0.04, "roller_radius": 0.01, "grooved": true, "segments": [
+            { "law": "cycloidal", "angle": 1.5, "rise": 0.02 }, { "law": "dwell", "angle": 1.0 },
+            { "law": "polynomial_345", "angle": 2.0, "rise": -0.02 }, { "law": "dwell" } ] } },
+    "actuators": { "cylinder": { "joint": "slide", "force": 0.5, "efficiency": 0.8 } },
+    "start": { "body": "disc", "angle": 0.2, "speed": 10 }, "guess": { "disc": 0.2, "guide": -0.05, "rod": -0.07, "slide": 0.397 } }"#;
+
+/// The borders of segments of a cam are events, and so are the positions at which the force of a drive with losses changes
+/// its sign along the motion: at the dead centres of the crank.
+#[test]
+fn borders_of_segments_and_changes_of_loss_are_events() {
+    let [angle, loss] = references_of(BORDERS, ["disc.angle", "cylinder.loss_indicator"]);
+    let c = started(BORDERS);
+    let mut run = Simulation::open(BORDERS).unwrap();
+    run.initialize().unwrap();
+    let mut met = Vec::new();
+    for k in 1..=60 {
+        let before = get(c, &[angle, loss]);
+        let count = integrate(c, 0.02, 1e-4).len();
+        run.step(0.02).unwrap();
+        let after = get(c, &[angle, loss]);
+        assert!((after[0] - run.get("disc.angle").unwrap()).abs() < 1e-8, "{k}");
+        use std::f64::consts::{PI, TAU};
+        let borders = [0.0, 1.5, 2.5, 4.5, PI].into_iter().flat_map(|u| [u, u + TAU, u + 2.0 * TAU]);
+        let borders = borders.chain([0.0, TAU, 2.0 * TAU]);
+        let expected = borders.filter(|u| before[0] < *u && *u < after[0]).count();
+        // A dead centre at 0 and a border of a segment there are two events at one place.
+        assert!(
+            count == expected || count + 1 == expected,
+            "{k}: {count} events, {expected} borders, {before:?} {after:?}"
+        );
+        met.push(before[1] * after[1] < 0.0);
+    }
+    assert!(get(c, &[angle])[0] > 9.0);
+    assert!(met.iter().filter(|met| **met).count() >= 2, "the loss changes");
+    // SAFETY: the instance is valid and not used again.
+    unsafe { fmi3FreeInstance(c) };
+}
+
 #[test]
 fn a_saved_state_goes_on_to_the_bit() {
     let c = started(GEAR);

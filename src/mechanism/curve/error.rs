@@ -1,4 +1,5 @@
 //! Errors of tracing.
+use std::f64::consts::TAU;
 use std::fmt;
 
 /// Error of tracing a curve, with the position: coordinates by name and in words.
@@ -21,6 +22,13 @@ pub enum CurveError {
         position: String,
         /// Coordinates.
         at: Vec<f64>,
+    },
+    /// Angles have so many revolutions that their rounding no longer keeps wheels in mesh.
+    Unwound {
+        /// Coordinates by name and in words.
+        position: String,
+        /// Revolutions of the angle that has gone farthest from its guess.
+        revolutions: f64,
     },
     /// No travel is permitted from this position.
     Outside(String),
@@ -65,6 +73,13 @@ impl fmt::Display for CurveError {
                     "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
                 )
             }
+            Self::Unwound { position, revolutions } => write!(
+                f,
+                "an angle has made {revolutions:.1e} revolutions at {position}, where the rounding of angles, {:.0e} rad, no \
+                 longer keeps the wheels of the couplings in mesh: numbers of teeth whose angles all return within 100 \
+                 revolutions have no such limit",
+                revolutions * TAU * f64::EPSILON
+            ),
             Self::Outside(position) => {
                 write!(f, "no travel is permitted from {position}: state a position within the limits, or widen them")
             }

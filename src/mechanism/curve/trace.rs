@@ -28,6 +28,9 @@ const PANELS: usize = 20_000;
 /// linkage; of an angle of a linkage with couplings, in revolutions.
 const FARTHEST: f64 = 100.0;
 
+/// Revolutions of an angle from which on its rounding, of 1e-9 rad, is why no panel leads on.
+const UNWOUND: f64 = 1e6;
+
 /// Distance at which following ends, relative to the one at which it should.
 const OVERSHOOT: f64 = 1.01;
 
@@ -230,8 +233,13 @@ impl<'a> Tracer<'a> {
     /// Distance of a position from the guess: the largest of a prismatic joint's position, in sizes of the linkage, and, if
     /// couplings let bodies turn on and on, of an angle in revolutions.
     fn distance(&self, q: &[f64]) -> f64 {
+        self.distance_slid(q).max(self.revolutions(q))
+    }
+
+    /// Revolutions of the angle farthest from its guess, if couplings let bodies turn on and on.
+    fn revolutions(&self, q: &[f64]) -> f64 {
         let turned = |most: f64, i: usize| most.max((q[i] - self.guess[i]).abs() / TAU);
-        self.distance_slid(q).max((0..self.turning()).fold(0.0, turned))
+        (0..self.turning()).fold(0.0, turned)
     }
 
     /// Largest distance of a prismatic joint's position from its guess, in sizes of the linkage.
@@ -387,6 +395,7 @@ impl<'a> Tracer<'a> {
                 }
             }
         }
+        let revolutions = self.revolutions(&base.q);
         let Self { closure, scratch, .. } = self;
         let position = closure.describe(&base.q);
         // Panels stop short of a position where nothing with mass moves.
@@ -397,6 +406,8 @@ impl<'a> Tracer<'a> {
             && closure.amplification(&closure.normal(&base.tangent), &mut scratch.evaluation.loops) > NEAR_CROSSING
         {
             CurveError::NearCrossing { position, at: base.q.clone(), miss: None }
+        } else if revolutions > UNWOUND {
+            CurveError::Unwound { position, revolutions }
         } else {
             CurveError::Stuck { position, at: base.q.clone() }
         })

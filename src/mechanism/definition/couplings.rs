@@ -49,6 +49,8 @@ pub struct Coupling {
     pub segments: Option<Vec<CamSegment>>,
     /// Cam: points of the lift in place of segments: pairs of angle [rad] and lift [m or rad], angles ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
+    pub grooved: Option<bool>,
     /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
     pub first_teeth: Option<f64>,
     /// Gears: number of teeth of the second wheel [1], > 0.
@@ -71,7 +73,7 @@ pub struct Coupling {
     pub pressure_angle: Option<f64>,
     /// u2 at u1 = 0 [rad, or m for a rack]; as in the guess where absent.
     pub phase: Option<f64>,
-    /// Part of the power that is passed on [1], which is refused: couplings have no losses.
+    /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss where absent.
     pub efficiency: Option<f64>,
 }
 
@@ -127,29 +129,42 @@ impl Coupling {
         list.role = Role::Load;
         list.add("pretension", "Tension of each span without load", Newton, Range::NonNegative, &mut self.pretension);
         list.add("pressure_angle", "Pressure angle", Radian, Range::Pressure, &mut self.pressure_angle);
+        list.add("efficiency", "Efficiency", One, Range::Fraction, &mut self.efficiency);
     }
 
     /// Keys that this kind must have, and the others that it may have.
     fn keys(&self) -> (&'static [&'static str], &'static [&'static str]) {
         match self.kind {
             CouplingKind::Gears => {
-                (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle"])
+                (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle", "efficiency"])
             }
-            CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle"]),
-            CouplingKind::Belt => (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension"]),
+            CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
+            CouplingKind::Belt => {
+                (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension", "efficiency"])
+            }
             CouplingKind::EllipticGears => {
                 (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
             }
             CouplingKind::Cam => (
                 &["follower", "contact", "base_radius"],
-                &["joint", "second", "carrier", "roller_radius", "face_angle", "start_angle", "segments", "points"],
+                &[
+                    "joint",
+                    "second",
+                    "carrier",
+                    "roller_radius",
+                    "face_angle",
+                    "start_angle",
+                    "segments",
+                    "points",
+                    "grooved",
+                ],
             ),
             CouplingKind::Screw => (&[], &[]),
         }
     }
 
     /// Keys that not all kinds have, and whether they are given.
-    fn given(&self) -> [(&'static str, bool); 23] {
+    fn given(&self) -> [(&'static str, bool); 24] {
         [
             ("second", self.second.is_some()),
             ("carrier", self.carrier.is_some()),
@@ -174,6 +189,7 @@ impl Coupling {
             ("start_angle", self.start_angle.is_some()),
             ("segments", self.segments.is_some()),
             ("points", self.points.is_some()),
+            ("grooved", self.grooved.is_some()),
         ]
     }
 
@@ -202,9 +218,9 @@ impl Mechanism {
                            screw of an actuator, or write rack for a wheel that turns in the plane";
             return refused("type", message);
         }
-        if coupling.efficiency.is_some() {
-            let message = "couplings pass on all power, as their losses would follow from the force that they change: remove it, \
-                           and give the efficiency of a drive, or the friction of joints";
+        if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
+            let message = "couplings of variable ratio pass on all power: remove it, and give the efficiency of a drive, or the \
+                           friction of joints";
             return refused("efficiency", message);
         }
         if self.bodies.get(name).is_some() || self.joints.get(name).is_some() {
@@ -213,7 +229,10 @@ impl Mechanism {
             return Err(DefinitionError::key(format_args!("couplings.{name}"), message));
         }
         let (needed, allowed) = coupling.keys();
-        let given = coupling.given().into_iter().chain([("pressure_angle", coupling.pressure_angle.is_some())]);
+        let given = coupling.given().into_iter().chain([
+            ("pressure_angle", coupling.pressure_angle.is_some()),
+            ("efficiency", coupling.efficiency.is_some()),
+        ]);
         for (k, is_given) in given {
             if is_given && !needed.contains(&k) && !allowed.contains(&k) {
                 let phase: &[&str] = if coupling.kind == CouplingKind::Cam { &[] } else { &["phase"] };

@@ -339,6 +339,13 @@ impl Mechanism {
         }
         self.actuators.iter().for_each(|(name, a)| points(format!("actuators.{name}.points"), &a.points, false));
         self.stops.iter().for_each(|(name, stop)| points(format!("stops.{name}.points"), &stop.points, true));
+        for (name, actuator) in self.actuators.iter() {
+            let table = actuator.motion.as_ref().and_then(|motion| motion.points.as_ref());
+            for (i, [time, distance]) in table.into_iter().flatten().enumerate() {
+                let key = format!("actuators.{name}.motion.points[{i}]");
+                all.extend([(format!("{key}[0]"), *time, false), (format!("{key}[1]"), *distance, true)]);
+            }
+        }
         for (name, coupling) in self.couplings.iter() {
             let numbers = coupling.stated_lift(&format!("couplings.{name}")).into_iter();
             all.extend(numbers.map(|(key, value)| (key, value, true)));

@@ -4,6 +4,7 @@
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
 mod free;
+mod losses;
 
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
@@ -15,6 +16,7 @@ use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
 use crate::numerics::table::polynomial_at;
+use losses::solve;
 
 /// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -146,7 +148,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         if let Some(k) = switch.checked_sub(state_loads.efficient) {
             let joint = state_loads.prismatic[k];
             let influence = self.effects.as_flattened()[state_loads.free() + joint];
-            return 2.0 * (self.friction.arm[joint] * influence).value().abs();
+            let back = state_loads.friction_joints[joint].back;
+            return 2.0 * back * (self.friction.arm[joint] * influence).value().abs();
         }
         let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
         1.0 / efficiency - efficiency
@@ -299,7 +302,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             reactions[k] = *reaction + of_load * (bare * inverse - size);
         }
         let balance = balance(state_loads, [effects, reactions, inertial]);
-        self.friction.solve(&balance)?;
+        solve(&mut self.friction, state_loads, 0.0, &balance)?;
         let mut force = bare;
         for j in 0..n {
             force = force - effects[free + j] * self.friction.friction(j);
@@ -322,7 +325,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         self.set_static_arms(state_loads, direction);
         let effects = self.effects.as_flattened();
         let reactions = self.reactions.as_flattened();
-        self.friction.solve(&balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]])).is_err()
+        let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
+        solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
     /// Delivered forces of the drives, with those of their curves: added to the motion. Returns the power lost in them.
@@ -390,7 +394,8 @@ impl<T: Number> StateLoadEvaluator<T> {
             self.friction.arm[j] = self.arms[j].at(v);
         }
         let reactions = self.reactions.as_flattened();
-        self.friction.solve_at(t, &balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]))?;
+        let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
+        solve(&mut self.friction, state_loads, t, &balance)?;
         for (k, &joint) in state_loads.prismatic.iter().enumerate() {
             self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
         }

@@ -49,6 +49,11 @@ impl Switches {
         if sign == 0.0 { value } else { sign }
     }
 
+    /// Value of a quantity in the last evaluation.
+    pub fn seen(&self, switch: usize) -> f64 {
+        self.values[switch]
+    }
+
     /// Value of a quantity in the last evaluation, positive where it has its held sign.
     pub fn value(&self, switch: usize) -> f64 {
         self.values[switch] * self.signs[switch]

@@ -1,9 +1,9 @@
 //! Variables of couplings: the force that each transmits, the pressure angle of a cam.
 use super::builder::Builder;
 use super::needs::{Needs, placed};
-use crate::mechanism::linkage::{Freedom, Kind};
+use crate::mechanism::linkage::{Freedom, Kind, Second};
 use crate::mechanism::quantity::{Output, ReactionPart};
-use crate::variables::Unit::{Newton, Radian};
+use crate::variables::Unit::{Newton, NewtonMetre, Radian};
 
 /// Outputs of the coupling with this joint.
 pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
@@ -22,8 +22,15 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force_y", "Force, y,", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     if !is_cam {
-        let text = "Force along the motion, positive if it drives forward,";
-        return add("transmitted_force", text, ReactionPart::Moment);
+        add("transmitted_force", "Force along the motion, positive if it drives forward,", ReactionPart::Moment);
+        let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
+        let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
+        let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
+        let on = [first, " exerts on ", body(j.second.body), " by the loss in ", n].concat();
+        return match s.linkage.couplings[coupling].second {
+            Second::Angle { .. } => b.output(n, "loss_torque", &["Torque that ", &on], NewtonMetre, output, needs),
+            Second::Position { .. } => b.output(n, "loss_force", &["Force that ", &on], Newton, output, needs),
+        };
     }
     add("contact_force", "Force along the normal of the profile, positive if it presses,", ReactionPart::Moment);
     let text = ["Pressure angle of ", n, ", from the lift to the normal of the profile"];

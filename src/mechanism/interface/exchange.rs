@@ -1,8 +1,9 @@
 //! Variables of model exchange: the continuous states, their derivatives and the event indicators.
 use super::builder::Builder;
 use super::source::Source;
-use crate::mechanism::quantity::{Indicator, Quantity};
-use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, One};
+use crate::mechanism::linkage::Freedom;
+use crate::mechanism::quantity::{Curve, Indicator, Quantity};
+use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, One};
 use crate::variables::{Causality, Unit};
 
 /// Owner of the variables that belong to no part of the mechanism.
@@ -47,7 +48,24 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
         all.push((Indicator::Reversal, MetrePerSecond));
     }
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
-    all.extend((0..joints).flat_map(borders));
+    let is_coupling =
+        |joint: usize| s.loading.friction.as_ref().is_some_and(|friction| friction.friction_joints[joint].is_coupling);
+    all.extend((0..joints).filter(|joint| !is_coupling(*joint)).flat_map(borders));
+    let drives = s.loading.drives.iter().enumerate();
+    let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
+    all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
+    let friction_joints = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
+    let slides = friction_joints.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
+    all.extend(slides.map(|(joint, _)| (Indicator::NormalForce(joint), Newton)));
+    let springs = || s.loading.springs.iter().enumerate();
+    let stops = s.loading.stops.iter().enumerate();
+    let cams = s.linkage.couplings.iter().enumerate().filter(|(_, coupling)| coupling.law.has_knots());
+    let curves = drives.filter(|(_, drive)| drive.curve.is_some()).map(|(load, _)| Curve::Drive(load));
+    let curves = curves.chain(springs().filter(|(_, s)| s.damper.is_some()).map(|(k, _)| Curve::Damper(k)));
+    let curves = curves.chain(springs().filter(|(_, s)| !s.knots().is_empty()).map(|(k, _)| Curve::Spring(k)));
+    let curves = curves.chain(stops.filter(|(_, stop)| stop.curve.is_some()).map(|(k, _)| Curve::Bumper(k)));
+    let curves = curves.chain(cams.map(|(k, _)| Curve::Cam(k)));
+    all.extend(curves.map(|curve| (Indicator::Points(curve), One)));
     all
 }
 
@@ -80,6 +98,36 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let border = if kinetic { "kinetic" } else { "static" };
             let text = ["Slip speed less friction.", border, "_speed in ", name];
             ([name, ".", border, "_indicator"].concat(), text)
+        }
+        Indicator::DriveSign(load) => {
+            let name = s.loading.drives[load].name.as_str();
+            (
+                [name, ".loss_indicator"].concat(),
+                ["Force along the motion whose sign decides on the loss of ", name, "", ""],
+            )
+        }
+        Indicator::NormalForce(joint) => {
+            let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
+            let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
+            (
+                [name, ".normal_indicator"].concat(),
+                ["Normal or transmitted force whose sign decides on the loss in ", name, "", ""],
+            )
+        }
+        Indicator::Points(curve) => {
+            let (name, suffix, what) = match curve {
+                Curve::Drive(load) => (&s.loading.drives[load].name, ".points_indicator", "points of the curve of "),
+                Curve::Damper(k) => {
+                    (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damper of ")
+                }
+                Curve::Spring(k) => (&s.loading.springs[k].name, ".points_indicator", "points of the curve of "),
+                Curve::Bumper(k) => (&s.loading.stops[k].name, ".points_indicator", "points of the curve of "),
+                Curve::Cam(k) => {
+                    let joint = s.linkage.couplings[k].joint;
+                    (&s.linkage.joints[joint].name, ".points_indicator", "borders of segments or points of ")
+                }
+            };
+            ([name, suffix].concat(), ["Function that changes its sign at ", what, name, ""])
         }
     }
 }

@@ -1,8 +1,10 @@
 //! Laws u2 = F(u1) of couplings.
 //!
 //! In: u1. Out: F with two derivatives. It must not know bodies.
+use crate::numerics::alternating::alternating_periodic;
 use crate::numerics::periodic::Periodic;
 use crate::numerics::twofold::Twofold;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Law u2 = F(u1) of a coupling.
@@ -85,6 +87,19 @@ impl Law {
         }
     }
 
+    /// Whether F is not analytic somewhere.
+    pub fn has_knots(&self) -> bool {
+        matches!(self, Self::Lift { .. })
+    }
+
+    /// A continuous function of u1 that changes its sign where F is not analytic, and only there.
+    pub fn alternating(&self, u: f64) -> f64 {
+        match self {
+            Self::Lift { lift, start, .. } => alternating_periodic(lift.knots(), u - start, TAU),
+            _ => 1.0,
+        }
+    }
+
     /// Distance from u1 to the next place beyond `close` at which F is not analytic, in the direction of growing u1 or
     /// against it; infinite if F is analytic everywhere.
     pub fn next_knot(&self, u: f64, ascending: bool, close: f64) -> f64 {
@@ -98,7 +113,6 @@ impl Law {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::TAU;
 
     #[test]
     fn elliptic_gears_hold_their_closed_form_over_many_turns() {

@@ -1,9 +1,11 @@
-//! Outlines of couplings: pitch curves of wheels, profiles of cams, rollers and flat faces, for whoever draws them.
+//! Outlines of couplings: pitch curves of wheels, racks, belts, profiles of cams, rollers and flat faces, for whoever draws
+//! them.
 //!
 //! In: a coupling. Out: lines in the frames of the linkage's bodies. It must not know positions.
 use super::coupling::{Coupling, Kind, Second};
-use super::structure::{Linkage, Point};
-use crate::numerics::plane::{Vec2, turned};
+use super::law::Law;
+use super::structure::{Freedom, Linkage, Point};
+use crate::numerics::plane::{Vec2, perp, turned};
 use std::f64::consts::TAU;
 
 /// Number of points of an outline.
@@ -30,14 +32,65 @@ fn circle(center: Point, radius: f64) -> Outline {
     Outline { body: center.body, points, is_closed: true }
 }
 
+/// A circle with a spoke, so that its rotation is seen.
+fn wheel(center: Point, radius: f64) -> Outline {
+    let Outline { body, points: rim, is_closed } = circle(center, radius);
+    let points = [center.local, rim[0]].into_iter().chain(rim[1..].iter().copied()).chain([rim[0]]).collect();
+    Outline { body, points, is_closed }
+}
+
 impl Linkage {
+    /// The pitch line of a rack, as long as six radii of its wheel, around the point of the rack in its prismatic joint.
+    fn pitch_line(&self, coupling: &Coupling) -> Option<Outline> {
+        /// Half the length of the line, in radii of the wheel.
+        const HALF: f64 = 3.0;
+        let Second::Position { joint, sign, .. } = coupling.second else { return None };
+        let slide = &self.joints[joint];
+        let Freedom::Prismatic(axis) = slide.freedom else { return None };
+        let (on_carrier, on_rack) = if sign > 0.0 { (slide.first, slide.second) } else { (slide.second, slide.first) };
+        // Bodies in a prismatic joint have one angle but for a constant.
+        let offset = |body: usize| self.bodies[body].offset;
+        let within = |body: usize| turned(axis, offset(slide.first.body) - offset(body));
+        let [along, center] = [within(on_carrier.body), self.hinges(coupling.carrier, &self.joints[coupling.joint])[0]];
+        let slope = coupling.law.at(0.0)[1];
+        let aside = (center - on_carrier.local).dot(&perp(along)) - slope;
+        let along = within(on_rack.body);
+        let middle = on_rack.local + aside * perp(along);
+        let points = [-HALF, HALF].map(|part| middle + part * slope.abs() * along).to_vec();
+        Some(Outline { body: on_rack.body, points, is_closed: false })
+    }
+
+    /// The two spans of a belt, fixed to the body that carries the pulleys.
+    fn spans(&self, coupling: &Coupling, [first, second]: [f64; 2], crossed: bool) -> [Outline; 2] {
+        let [one, other] = self.hinges(coupling.carrier, &self.joints[coupling.joint]);
+        let (between, sign) = (other - one, if crossed { -1.0 } else { 1.0 });
+        let angle = ((first - sign * second) / between.norm()).acos();
+        [angle, -angle].map(|angle| {
+            let out = turned(between.normalize(), angle);
+            let points = vec![one + first * out, other + sign * second * out];
+            Outline { body: coupling.carrier, points, is_closed: false }
+        })
+    }
+
     /// Outlines of a coupling.
     pub fn outlines(&self, coupling: &Coupling) -> Vec<Outline> {
         let joint = &self.joints[coupling.joint];
         let (first, second) = (joint.first, joint.second);
         match (&coupling.kind, coupling.second) {
-            (Kind::Rack, _) => vec![circle(first, coupling.law.at(0.0)[1].abs())],
-            (Kind::Belt { radii, .. }, _) => vec![circle(first, radii[0]), circle(second, radii[1])],
+            (Kind::Rack, _) => {
+                let wheel = wheel(first, coupling.law.at(0.0)[1].abs());
+                [wheel].into_iter().chain(self.pitch_line(coupling)).collect()
+            }
+            (&Kind::Belt { radii, crossed }, _) => {
+                let pulleys = [wheel(first, radii[0]), wheel(second, radii[1])];
+                pulleys.into_iter().chain(self.spans(coupling, radii, crossed)).collect()
+            }
+            (Kind::Gears, Second::Angle { .. }) if matches!(coupling.law, Law::Constant { .. }) => {
+                let slope = coupling.law.at(0.0)[1];
+                let distance = self.hinge_distance(coupling.carrier, joint);
+                let radius = |part: f64| distance * (part / (slope - 1.0)).abs();
+                vec![wheel(first, radius(slope)), wheel(second, radius(1.0))]
+            }
             (Kind::Cam(cam), _) => {
                 // In the frame of the linkage's body the cam is turned by the shift.
                 let profile = around(|u1| {

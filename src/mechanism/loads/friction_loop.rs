@@ -48,6 +48,8 @@ pub struct FrictionLoop<T> {
     pub sign: Vec<f64>,
     /// Whether some joint may have a held sign.
     pub has_normal_forces: bool,
+    /// Of losses of couplings: whether power flows back, for which `arm` then is.
+    pub flows_back: Vec<bool>,
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
@@ -91,6 +93,7 @@ impl<T: Number> FrictionLoop<T> {
             size: vec![zero; n],
             sign: vec![0.0; n],
             has_normal_forces: false,
+            flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
             before: vec![zero; unknowns],

@@ -255,11 +255,14 @@ impl Model {
     /// # Errors
     /// Not initialised.
     pub fn completed_step(&mut self) -> Result<bool, ModelError> {
-        if self.due()?.is_some() {
-            return Ok(true);
+        let is_due = self.due()?.is_some();
+        if self.lift_off.watches {
+            self.look_for_lift_off(None);
         }
-        self.remember()?;
-        Ok(false)
+        if !is_due {
+            self.remember()?;
+        }
+        Ok(is_due)
     }
 
     /// Make the transitions that are due, at the time `point` [s] of the host. Returns whether the states have changed.

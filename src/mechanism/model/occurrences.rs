@@ -114,7 +114,7 @@ impl Told {
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
             What::BreaksAway => event("the mechanism breaks away from its friction".to_owned()),
             What::Regime { joint, regime } => {
-                let load = loading.friction.as_ref()?.friction_joints.get(joint)?.joint;
+                let load = loading.friction.as_ref()?.acting().nth(joint)?.joint;
                 let joint = &reduced.linkage().joints[load].name;
                 Some((true, format!("friction in {joint} becomes {}", word(regime))))
             }

@@ -46,7 +46,7 @@ impl Model {
     #[cold]
     pub fn start_warning(&mut self) -> Option<String> {
         let (state, reduced) = (self.state.as_mut()?, self.reduced.as_ref()?);
-        reduced.loading().friction.as_ref().filter(|friction| friction.enabled)?;
+        reduced.loading().friction.as_ref().filter(|friction| friction.acting().next().is_some())?;
         let linkage = reduced.linkage();
         let output = match linkage.bodies.iter().position(|body| body.angle_coordinate.is_some()) {
             Some(body) => Output::Angle { body, order: 2 },

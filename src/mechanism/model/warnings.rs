@@ -3,9 +3,13 @@
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::{Formulation, Model};
 use crate::hydraulics::inputs::clipping;
+use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::linkage::Kind;
+use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::decimal::Decimal;
 
 /// A command of the valve that is clipped, of which a host is told once.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,10 +36,83 @@ impl Clipped {
     }
 }
 
+/// Part of the natural size of a force of the mechanism below which a contact force is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Followers that nothing but their load presses on their cams, of which a host is told once each where one lifts off.
+#[derive(Clone, Debug, Default)]
+pub struct LiftOff {
+    /// Joints of the couplings of these cams, and whether their followers have been told to lift off.
+    cams: Vec<(usize, bool)>,
+    /// Whether a cam is left whose follower has not been told to lift off.
+    pub watches: bool,
+    /// Joint, contact force [N] and time [s] of the follower that is to be told next.
+    pending: Option<(usize, f64, Option<f64>)>,
+}
+
+impl LiftOff {
+    /// The cams of a mechanism that have no groove.
+    pub fn new(mechanism: &Mechanism, reduced: &Reduced) -> Self {
+        let linkage = reduced.linkage();
+        let is_open = |joint: usize| {
+            mechanism.couplings.get(&linkage.joints[joint].name).is_none_or(|cam| cam.grooved != Some(true))
+        };
+        let cams = linkage.couplings.iter().filter(|coupling| matches!(coupling.kind, Kind::Cam(_)));
+        let cams: Vec<_> = cams.map(|coupling| (coupling.joint, false)).filter(|(joint, _)| is_open(*joint)).collect();
+        Self { watches: !cams.is_empty(), cams, pending: None }
+    }
+
+    /// Nothing has been told.
+    pub fn restart(&mut self) {
+        self.cams.iter_mut().for_each(|(_, is_told)| *is_told = false);
+        (self.watches, self.pending) = (!self.cams.is_empty(), None);
+    }
+}
+
 impl Model {
     /// A warning that came up since the last call; None if there is none.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
-        self.clipped.pending.take().map(clipping)
+        let clipped = self.clipped.pending.take().map(clipping);
+        clipped.or_else(|| self.lift_off.pending.take().map(|lifted| self.lifting(lifted)))
+    }
+
+    /// Look for a follower that lifts off in the present state, at the time `time` [s] of the host if it tells one. What
+    /// has no value is not told.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn look_for_lift_off(&mut self, time: Option<f64>) {
+        let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return };
+        let lift_off = &mut self.lift_off;
+        if lift_off.pending.is_some() {
+            return;
+        }
+        let (scale, size, kinetic) = (reduced.scale(), reduced.linkage().size, motion.state.kinetic());
+        for (joint, is_told) in lift_off.cams.iter_mut().filter(|(_, is_told)| !is_told) {
+            let output = Output::Reaction { joint: *joint, part: ReactionPart::Moment };
+            let Ok(force) = motion.output(reduced, &self.inputs, output) else { continue };
+            // Forces of the size of the loads along the curve, and of the kinetic energy over the size of the mechanism.
+            let natural = |acceleration: f64| (acceleration.abs() * scale + kinetic) / size;
+            let acceleration = motion.read(reduced, &self.inputs, |view| view.forces()).map(|forces| forces.free);
+            if force < -ROUNDING * acceleration.map_or(0.0, natural) {
+                *is_told = true;
+                lift_off.pending = Some((*joint, force, time));
+                break;
+            }
+        }
+        lift_off.watches = lift_off.cams.iter().any(|(_, is_told)| !is_told);
+    }
+
+    /// The words for a follower that lifts off.
+    #[cold]
+    fn lifting(&self, (joint, force, time): (usize, f64, Option<f64>)) -> String {
+        let name = self.original.reduced.linkage().joints[joint].name.as_str();
+        let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
+        format!(
+            "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here \
+             on; press it on by a stiffer or more compressed spring, make the cam slower or its law smoother, or give \
+             couplings.{name} \"grooved\": true for a cam that holds its follower in both directions",
+            Decimal::rounded(force)
+        )
     }
 }

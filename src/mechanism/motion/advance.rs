@@ -288,7 +288,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         match event {
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
-            Event::Border(_) => {}
+            Event::Border(_) | Event::Knot(_) => {}
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;

@@ -79,7 +79,7 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     fn advance(&mut self, y: &mut [f64; 2], span: f64, progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, lookahead, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
-        if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps {
+        if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps && !dynamics.has_knots() {
             let most = progress.work.most.saturating_sub(progress.work.extra);
             let mut t = progress.t;
             let whole = integrator.advance_from(*dynamics, &mut t, y, span, tolerance, most);
@@ -142,7 +142,13 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
         let (mut t, mut y) = (0.0, *start);
         let mut found = None;
         while start[1] != 0.0 && found.is_none() && integrator.attempts() < effort {
-            let Ok(step) = integrator.step(self.dynamics, t, &y, f64::INFINITY, TOLERANCE) else { break };
+            let Ok(mut step) = integrator.step(self.dynamics, t, &y, f64::INFINITY, TOLERANCE) else { break };
+            let way = (step.end[0] - step.start[0]).signum();
+            let knot = self.dynamics.next_knot(step.start[0], way).filter(|knot| (step.end[0] - knot) * way > 0.0);
+            if let Some(knot) = knot {
+                let Some(shorter) = self.arrive_at(&mut integrator, &step, knot) else { break };
+                step = shorter;
+            }
             let [low, high] = [step.start[0].min(step.end[0]), step.start[0].max(step.end[0])];
             let bulge = step.bulge(0);
             let (low, high) = (low - bulge, high + bulge);

@@ -35,6 +35,17 @@ pub trait Dynamics<const N: usize>: System<N> {
         f64::INFINITY
     }
 
+    /// Whether the right-hand side is less smooth at some positions.
+    fn has_knots(&self) -> bool {
+        false
+    }
+
+    /// The next position from a sigma on in a direction, 1 or -1, at which the right-hand side is less smooth; None if
+    /// there is none.
+    fn next_knot(&self, _sigma: f64, _direction: f64) -> Option<f64> {
+        None
+    }
+
     /// Number of borders in the space of states at which the right-hand side is less smooth than elsewhere.
     fn borders(&self) -> usize {
         0
@@ -228,6 +239,16 @@ where
     }
 
     #[inline(always)]
+    fn has_knots(&self) -> bool {
+        self.whole.has_knots()
+    }
+
+    #[inline(always)]
+    fn next_knot(&self, sigma: f64, direction: f64) -> Option<f64> {
+        if self.whole.has_knots() { self.whole.next_knot(sigma, direction) } else { None }
+    }
+
+    #[inline(always)]
     fn borders(&self) -> usize {
         let own = self.state_loads.map_or(0, StateLoads::borders);
         if N == DRIVEN { own + BORDERS } else { own }
@@ -372,7 +393,7 @@ where
 
     fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
         let (reduced, state_loads) = self.stretch_at(sigma);
-        let table = state_loads.map(|state_loads| (reduced, &state_loads.table));
+        let table = state_loads.map(|state_loads| (reduced, &*state_loads.table));
         let position = |table| self.scratch.panel_force.position(table, sigma);
         (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
     }

@@ -10,6 +10,7 @@ use crate::integrator::{Dense, Direction, Integrator, Step};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::reduced::AT_KNOT;
 use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::passage::{Bounded, first_rise_of_quartic};
@@ -41,6 +42,8 @@ pub enum Event {
     Switch(usize),
     /// A border in the space of states is passed at which the right-hand side is less smooth.
     Border(usize),
+    /// This sigma is passed, at which the right-hand side is less smooth.
+    Knot(f64),
     /// The interpolant has no finite value, or leads over positions in which friction locks: the step is taken again,
     /// shorter.
     Undefined,
@@ -49,6 +52,7 @@ pub enum Event {
 impl Event {
     /// Written or read; [`Self::Undefined`] is not one to keep.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        let mut sigma = 0.0;
         let (mut kind, mut index, mut place) = match *self {
             Self::Stop(place) => (0, 0, place),
             Self::Bumper(bumper) => (1, bumper, Place::default()),
@@ -56,13 +60,17 @@ impl Event {
             Self::Regime(joint) => (3, joint, Place::default()),
             Self::Border(border) => (4, border, Place::default()),
             Self::Switch(switch) => (5, switch, Place::default()),
+            Self::Knot(knot) => {
+                sigma = knot;
+                (6, 0, Place::default())
+            }
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 6)?;
-        if kind == 0 {
-            place.record(record)?;
-        } else {
-            record.place("index of an event", &mut index, usize::MAX)?;
+        record.choice("event", &mut kind, 7)?;
+        match kind {
+            0 => place.record(record)?,
+            6 => record.finite("position of an event", &mut sigma)?,
+            _ => record.place("index of an event", &mut index, usize::MAX)?,
         }
         *self = match kind {
             0 => Self::Stop(place),
@@ -70,6 +78,7 @@ impl Event {
             2 => Self::Reversal,
             3 => Self::Regime(index),
             4 => Self::Border(index),
+            6 => Self::Knot(sigma),
             _ => Self::Switch(index),
         };
         Ok(())
@@ -115,7 +124,8 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     for switch in (0..dynamics.switches().min(64)).filter(|&switch| !is_held(switch)) {
         switching |= u64::from(may_switch(dynamics, switch, step, tolerance)) << switch;
     }
-    if !(reverses || is_near || changing.is_some() || is_passed || switching != 0) {
+    let knot = passed_knot(dynamics, step);
+    if !(reverses || is_near || changing.is_some() || is_passed || knot.is_some() || switching != 0) {
         return None;
     }
     let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
@@ -146,6 +156,9 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
                 offer(Some(border_passage(dynamics, dense, border)), Event::Border(border));
             }
         }
+    }
+    if let Some((knot, direction)) = knot {
+        offer(dense.first_passage(0, knot, towards(direction), false), Event::Knot(knot));
     }
     for side in 0..2 {
         let Some(position) = ends.rigid(side).filter(|&position| near.place(position, side)) else { continue };
@@ -184,6 +197,19 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
     }
     Some(found)
+}
+
+/// The first knot that a step passes, or may pass before it turns back, and the direction in which it does.
+#[inline(always)]
+fn passed_knot<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> Option<(f64, f64)> {
+    if !dynamics.has_knots() {
+        return None;
+    }
+    let way = if step.start[1] == 0.0 { step.end[0] - step.start[0] } else { step.start[1] };
+    let (direction, turns) = (way.signum(), step.end[1] * way < 0.0);
+    let knot = dynamics.next_knot(step.start[0], direction)?;
+    let bulge = if turns { step.bulge(0) } else { 0.0 };
+    ((step.end[0] - knot) * direction + bulge > AT_KNOT * dynamics.length()).then_some((knot, direction))
 }
 
 /// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it rests.
@@ -249,6 +275,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
         Event::Border(border) => dynamics.beyond_border(border, z),
+        Event::Knot(sigma) => z[0] - sigma,
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }

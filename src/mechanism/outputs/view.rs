@@ -215,6 +215,11 @@ impl<'a, N: Reading> View<'a, N> {
         self.reduced.state_loads(self.cache.scratch.air).ok().flatten()
     }
 
+    /// Value of a switching quantity, as last evaluated.
+    pub fn switching(&self, switch: usize) -> f64 {
+        self.cache.scratch.evaluator.switches.seen(switch)
+    }
+
     /// Delivered force of a sized load, after the loss of its drive if it has one; as last evaluated.
     pub fn delivered(&self, load: usize) -> N {
         let index = self.state_loads().and_then(|s| s.drives.iter().position(|l| *l == load));

@@ -5,6 +5,7 @@
 //! states or inputs.
 mod characteristics;
 mod error;
+mod knots;
 mod meetings;
 mod model;
 mod reactions;
@@ -19,6 +20,7 @@ mod tables;
 mod weight;
 
 pub use error::ReductionError;
+pub use knots::AT_KNOT;
 pub use model::{Built, Reduced};
 pub use reactions::PanelTable;
 pub use source::Components;

@@ -3,6 +3,7 @@
 //! In: a definition. Out: the reduced model, with the tables that every start needs. It must not know states or inputs.
 use super::characteristics;
 use super::error::ReductionError;
+use super::knots::knots;
 use super::meetings::{self, MEET};
 use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
@@ -40,6 +41,10 @@ pub struct Reduced {
     pub(crate) speed_floor: f64,
     /// State loads without and with moving air.
     pub(super) state_loads: [OnceLock<Result<Option<StateLoads>, Unresolved>>; 2],
+    /// Those of a model with the same curve, loads and springs, if they are there.
+    known_state_loads: [Option<StateLoads>; 2],
+    /// Knots of the motion on this stretch, if the law of a coupling has some.
+    pub(super) knots: Option<Box<[f64]>>,
     /// What is beyond the open ends of the curve, if it has one.
     pub(super) beyond: Option<Box<Beyond>>,
     /// Why the motion ends at the low and at the high end of the curve, where two ends of a load coincide there.
@@ -157,11 +162,20 @@ impl Reduced {
             (Some(like), ..) => {
                 let source = Source { loading: Arc::new(loading), ..like.source.clone() };
                 let (grid, fine, tables) = (like.grid.clone(), like.fine.clone(), Arc::clone(&like.tables));
-                Ok(Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver)))
+                let own = Self::assembled(source, markers, [grid, fine], tables, Origin::Guess(&mechanism.solver));
+                Ok(Self { known_state_loads: like.latest_state_loads(), ..own })
             }
             (None, None, Some(like)) => Self::on(Arc::clone(&like.source.curve), loading, markers, mechanism),
             (None, None, None) => Self::traced(Resolved { linkage, loading, markers }, mechanism),
         }
+    }
+
+    /// The state loads without and with moving air, as far as they are known.
+    fn latest_state_loads(&self) -> [Option<StateLoads>; 2] {
+        std::array::from_fn(|air| match self.state_loads[air].get() {
+            Some(Ok(Some(own))) => Some(own.clone()),
+            _ => self.known_state_loads[air].clone(),
+        })
     }
 
     /// Whether this linkage moves along the same curve between the same stops.
@@ -221,9 +235,22 @@ impl Reduced {
             Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
         };
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
-        let state_loads = Default::default();
-        let ends_meet = [None, None];
-        Self { source, markers, grid, fine, tables, exact, speed_floor, state_loads, beyond, ends_meet, stretch }
+        let knots = knots(&source.curve);
+        Self {
+            source,
+            markers,
+            grid,
+            fine,
+            tables,
+            exact,
+            speed_floor,
+            state_loads: Default::default(),
+            known_state_loads: [None, None],
+            knots,
+            beyond,
+            ends_meet: [None, None],
+            stretch,
+        }
     }
 
     /// The reduced model with the tables that every start needs.
@@ -382,7 +409,8 @@ impl Reduced {
     /// # Errors
     /// [`Unresolved`].
     pub fn state_loads(&self, air: bool) -> Result<Option<&StateLoads>, &Unresolved> {
-        let build = || StateLoads::build(&self.source, &self.fine, air);
+        let build =
+            || StateLoads::build(&self.source, &self.fine, air, self.known_state_loads[usize::from(air)].as_ref());
         self.state_loads[usize::from(air)].get_or_init(build).as_ref().map(Option::as_ref)
     }
 

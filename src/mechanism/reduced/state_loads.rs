@@ -17,11 +17,12 @@ use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Loads sized by the state.
 ///
 /// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
-/// the component normal to the axis, and 0. Those of n joints are stored as all x, then all y. The joints of a group
+/// the component normal to the axis, and 0, and of a coupling the transmitted force, and 0. Those of n joints are stored as all x, then all y. The joints of a group
 /// have equal reactions to friction up to their sign. The sign of a reaction has no effect on friction, so all joints
 /// of a group get the sign of the first.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct StateLoads {
     pub curves: Vec<usize>,
     /// Whether friction holds at rest.
     pub sticks: bool,
+    /// Whether a coupling has losses.
+    pub loses: bool,
     /// Whether the right-hand side jumps where sigma_dot changes its sign.
     pub reverses: bool,
     /// Whether drag acts.
@@ -47,7 +50,8 @@ pub struct StateLoads {
     pub kinks: Vec<Kink>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
-    /// The prismatic ones among them, by their indices there.
+    /// The prismatic ones among them and the couplings, by their indices there: their normal or transmitted forces have
+    /// signs.
     pub prismatic: Vec<usize>,
     /// Index of the group of each joint with friction.
     pub groups: Vec<usize>,
@@ -58,14 +62,17 @@ pub struct StateLoads {
     /// Loads sized by the state, in the order of their influences: of surfaces, bumpers, friction.
     pub loads: Vec<usize>,
     /// Components of [`Self::bundle`], then effects of applied loads.
-    pub table: Table,
+    pub table: Arc<Table>,
     /// Influences of `loads`; reactions of the joints with friction to sigma_dot^2, to sigma_ddot, to friction without
     /// motion, to each of the other `loads`; directions of surfaces; displacements of bumpers.
-    pub bundle: Bundle,
+    pub bundle: Arc<Bundle>,
     /// Effects of each applied load on all components of the reactions of the joints with friction.
-    pub caused_by_applied: Vec<Bundle>,
+    pub caused_by_applied: Arc<[Bundle]>,
     /// Number of components of the influence table: effects on the motion or on one component of a reaction.
     given: usize,
+    /// Name of the section in which the table may be kept: it tells all on which the table depends besides curve, loads
+    /// and springs.
+    pub(super) section: String,
 }
 
 /// A point of a curve that sizes a load of the state: the third derivative of the force jumps there.
@@ -237,8 +244,14 @@ impl StateLoads {
         self.bundled() + row * self.given + k
     }
 
-    /// Tabulate the state loads on a grid; None if there are none.
-    pub(super) fn build(source: &Source, grid: &Grid, air: bool) -> Result<Option<Self>, Unresolved> {
+    /// Tabulate the state loads on a grid; None if there are none. Those of a model with the same curve, loads and springs
+    /// have the same tables if they have the same section.
+    pub(super) fn build(
+        source: &Source,
+        grid: &Grid,
+        air: bool,
+        known: Option<&Self>,
+    ) -> Result<Option<Self>, Unresolved> {
         let (loading, linkage) = (&source.loading, source.linkage());
         let drives = loading.drives.iter().enumerate();
         let mut drives: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
@@ -251,9 +264,10 @@ impl StateLoads {
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
-            Some(friction) if friction.enabled => friction.friction_joints.clone(),
-            _ => Vec::new(),
+            Some(friction) => friction.acting().copied().collect(),
+            None => Vec::new(),
         };
+        let loses = friction_joints.iter().any(|joint| joint.is_coupling);
         let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let by_state = |(index, spring): (usize, &Spring)| {
@@ -291,6 +305,7 @@ impl StateLoads {
             efficient,
             curves,
             sticks,
+            loses,
             reverses: sticks || efficient > 0,
             air,
             bumpers,
@@ -302,34 +317,40 @@ impl StateLoads {
             leaders,
             signs,
             loads,
-            table: Table::default(),
-            bundle: Bundle::default(),
-            caused_by_applied: Vec::new(),
+            table: Arc::default(),
+            bundle: Arc::default(),
+            caused_by_applied: Arc::default(),
             given: source.components.count,
+            section: String::new(),
         };
         state_loads.find_kinks(source);
+        state_loads.section = state_loads.section_of(source);
+        if let Some(Self { table, bundle, caused_by_applied, .. }) =
+            known.filter(|known| known.section == state_loads.section)
+        {
+            let (table, bundle, caused_by_applied) = (table.clone(), bundle.clone(), caused_by_applied.clone());
+            return Ok(Some(Self { table, bundle, caused_by_applied, ..state_loads }));
+        }
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
         let mut fill = |c: &Configuration, values: &mut [f64]| state_loads.fill(source, c, &mut scratch, values);
-        let name = Self::section(source, &state_loads);
-        let smooth = source.tabulate(Some(&name), grid, std::slice::from_ref(&sizes), &mut fill).swap_remove(0);
+        let name = Some(&*state_loads.section);
+        let smooth = source.tabulate(name, grid, std::slice::from_ref(&sizes), &mut fill).swap_remove(0);
         // Where branches cross, reactions may be unbounded, and friction with them.
-        state_loads.table = smooth.or_else(|_| source.tabulate_with_gaps(grid, sizes, &mut fill))?;
-        state_loads.bundle = Bundle::new(&state_loads.table, 0..state_loads.bundled());
+        state_loads.table = Arc::new(smooth.or_else(|_| source.tabulate_with_gaps(grid, sizes, &mut fill))?);
+        state_loads.bundle = Arc::new(Bundle::new(&state_loads.table, 0..state_loads.bundled()));
         let own = &state_loads;
         let of_applied = |k: usize| Bundle::new(&own.table, (1..own.rows()).map(move |row| own.given(row, k)));
         state_loads.caused_by_applied = (0..state_loads.given).map(of_applied).collect();
         Ok(Some(state_loads))
     }
 
-    /// Name of the section in which their table may be kept: it tells all on which the table depends besides curve, loads
-    /// and springs.
-    pub(super) fn section(source: &Source, own: &Self) -> String {
-        let surfaces = source.loading.air.iter().filter(|_| own.air).flat_map(|air| &air.surfaces);
+    fn section_of(&self, source: &Source) -> String {
+        let surfaces = source.loading.air.iter().filter(|_| self.air).flat_map(|air| &air.surfaces);
         let lines = surfaces.flat_map(|surface| surface.line.map_or([0; 2], |line| [line.x, line.y].map(f64::to_bits)));
-        let joints = own.friction_joints.iter().map(|joint| joint.joint as u64);
+        let joints = self.friction_joints.iter().map(|joint| joint.joint as u64);
         let bytes: Vec<u8> = lines.chain(joints).flat_map(u64::to_le_bytes).collect();
-        format!("state loads {:?} {:?} {:016x}", own.drives, own.loads, fnv1a(&bytes))
+        format!("state loads {:?} {:?} {:016x}", self.drives, self.loads, fnv1a(&bytes))
     }
 
     /// Natural sizes of all components.
@@ -444,6 +465,12 @@ impl StateLoads {
                 Freedom::Revolute | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
+            if friction_joint.is_coupling {
+                for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
+                    parts[i] = sign * column[friction_joint.joint].moment;
+                }
+                continue;
+            }
             for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
                 let force = sign * column[friction_joint.joint].force;
                 match normal {

@@ -4,7 +4,6 @@
 //! section that is absent, or that is not of the definition's shape, is made anew. It must not know where files are.
 use super::model::{Origin, Reduced};
 use super::resolved::Resolved;
-use super::state_loads::StateLoads;
 use crate::codec::record::{Damaged, Record};
 use crate::codec::sections::Sections;
 use crate::mechanism::closure::Closure;
@@ -170,7 +169,7 @@ impl Reduced {
     fn add_state_loads(&self, all: &mut Sink) {
         for air in [false, true] {
             if let Ok(Some(loads)) = self.state_loads(air) {
-                all.add(&StateLoads::section(&self.source, loads), section([Ok(&loads.table)].into_iter()));
+                all.add(&loads.section, section([Ok(&*loads.table)].into_iter()));
             }
         }
     }

@@ -1,11 +1,11 @@
-//! One picture of a mechanism: bodies, joints, drives, springs, paths of markers, the time.
+//! One picture of a mechanism: bodies, wheels and cams, joints, drives, springs, paths of markers, the time.
 //!
 //! In: the scene and the poses of a film. Out: pixels.
 
 use super::Still;
 use super::canvas::{Canvas, Point, Size, between, distance, hull};
 use anyhow::Result;
-use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, On, Pose, Scene, Surface};
+use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, DrawnOutline, On, Pose, Scene, Surface};
 use plotters::style::text_anchor::HPos;
 use plotters::style::{RGBColor, WHITE};
 
@@ -90,7 +90,8 @@ impl<'a> Drawing<'a> {
         let edges = scene.surfaces.iter().filter_map(edges).flatten();
         // Points of the ground are drawn where something is fixed to them.
         let moving = of_bodies.chain(markers).filter(|on| on.frame > 0);
-        let points: Vec<On> = moving.chain(of_joints).chain(ends).copied().chain(edges).collect();
+        let outlines = scene.outlines.iter().flat_map(points_of);
+        let points: Vec<On> = moving.chain(of_joints).chain(ends).copied().chain(edges).chain(outlines).collect();
         let mut least = [f64::INFINITY; 2];
         let mut most = [f64::NEG_INFINITY; 2];
         for still in stills {
@@ -174,6 +175,11 @@ fn edges(surface: &Surface) -> Option<[On; 2]> {
     Some([On { frame, at: [u - x, v - y] }, On { frame, at: [u + x, v + y] }])
 }
 
+/// Points of an outline.
+fn points_of(outline: &DrawnOutline) -> impl Iterator<Item = On> + '_ {
+    outline.points.iter().map(|&at| On { frame: outline.frame, at })
+}
+
 /// Frame of a body of the definition.
 fn frame(body: &DrawnBody) -> usize {
     body.center.frame
@@ -199,6 +205,12 @@ impl Picture<'_, '_> {
         }
         for body in scene.bodies.iter().filter(|body| frame(body) > 0) {
             self.body(body)?;
+        }
+        for outline in &scene.outlines {
+            let colour = if outline.frame == 0 { GROUND } else { colour(outline.frame) };
+            let first = points_of(outline).take(usize::from(outline.is_closed));
+            let points: Vec<Point> = points_of(outline).chain(first).map(|on| self.at(on)).collect();
+            self.canvas.polyline(&points, 1.6, colour)?;
         }
         for surface in &scene.surfaces {
             if let Some([a, b]) = edges(surface) {

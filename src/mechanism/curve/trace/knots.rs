@@ -70,6 +70,16 @@ impl Tracer<'_> {
 impl Curve {
     /// Values of sigma within the range at which the law of a coupling is not analytic, ascending.
     pub fn law_knots(&self) -> Vec<f64> {
+        self.starts_at_knots(|start| self.range.0 < start)
+    }
+
+    /// [`Self::law_knots`], and the start of the range if the law is not analytic there.
+    pub fn law_knots_from_start(&self) -> Vec<f64> {
+        self.starts_at_knots(|start| self.range.0 <= start)
+    }
+
+    /// Starts of panels before the end of the range at which the law of a coupling is not analytic.
+    fn starts_at_knots(&self, is_within: impl Fn(f64) -> bool) -> Vec<f64> {
         let linkage = self.linkage();
         let is_knot = |q: &[f64]| {
             linkage.couplings.iter().any(|coupling| {
@@ -78,7 +88,7 @@ impl Curve {
                 coupling.law.next_knot(angle - 10.0 * CLOSE, true, 0.0) < 20.0 * CLOSE
             })
         };
-        let inside = |panel: &&Panel| self.range.0 < panel.start && panel.start < self.range.1;
+        let inside = |panel: &&Panel| is_within(panel.start) && panel.start < self.range.1;
         self.panels.iter().filter(inside).filter(|panel| is_knot(&panel.base)).map(|panel| panel.start).collect()
     }
 }

@@ -38,7 +38,7 @@ impl Loading {
         let joints = mechanism.joints.len();
         for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
             let Some(angle) = defined.pressure_angle.filter(|angle| *angle > 0.0) else { continue };
-            if self.friction.is_some() {
+            if mechanism.friction.is_some() {
                 let message = "the friction of joints does not know the force that pushes teeth apart: set pressure_angle to 0, \
                                for teeth that push along the motion, or leave out friction";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));

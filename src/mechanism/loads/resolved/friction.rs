@@ -3,28 +3,45 @@
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
 use super::{Loading, joint_load};
 use crate::mechanism::definition::{DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
-use crate::mechanism::linkage::{Freedom, Linkage};
+use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
+use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::decimal::Decimal;
 
-/// Friction in the joints.
+/// Friction in the joints, and the losses of couplings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFriction {
-    /// Whether friction acts.
+    /// Whether friction acts; losses of couplings do in any case.
     pub enabled: bool,
-    /// Joints with friction.
+    /// Joints with friction, then couplings with losses.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
-/// A joint with friction.
+impl JointFriction {
+    /// The joints whose friction acts, and the couplings with losses.
+    pub fn acting(&self) -> impl Iterator<Item = &FrictionJoint> + Clone {
+        self.friction_joints.iter().filter(|joint| self.enabled || joint.is_coupling)
+    }
+}
+
+/// A joint with friction, or a coupling with losses.
+///
+/// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its second
+/// body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta - 1) |F_t| where
+/// it flows back, against the motion. F_t is the force on the first body; the second gives or gets eta F_t, or F_t / eta.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
     /// Index of the joint.
     pub joint: usize,
     /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
     pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force.
+    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of the
+    /// second wheel of a coupling, or 1.
     pub radius: f64,
+    /// Whether this is the loss of a coupling.
+    pub is_coupling: bool,
+    /// Coefficient where power flows back over that where it flows forward; 1 for a joint.
+    pub back: f64,
     /// Coefficient of friction over slip speed.
     pub law: Law,
 }
@@ -38,15 +55,75 @@ impl FrictionJoint {
 
 impl Loading {
     pub(super) fn add_friction(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
-        let Some(f) = &mechanism.friction else { return Ok(()) };
-        let Friction { enabled, law, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
+        let mut friction_joints = Vec::new();
+        if let Some(friction) = &mechanism.friction {
+            self.add_joints(mechanism, linkage, friction, &mut friction_joints)?;
+        }
+        self.add_losses(mechanism, linkage, &mut friction_joints)?;
+        let enabled = mechanism.friction.as_ref().is_some_and(|friction| friction.enabled.unwrap_or(false));
+        if mechanism.friction.is_some() || !friction_joints.is_empty() {
+            self.friction = Some(JointFriction { enabled, friction_joints });
+        }
+        Ok(())
+    }
+
+    /// Add the losses of couplings, behind the friction of joints.
+    fn add_losses(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
+            let Some(efficiency) = defined.efficiency else { continue };
+            if mechanism.friction.as_ref().is_some_and(|friction| friction.law != FrictionLaw::Stick) {
+                let message = "the loss of a coupling holds at rest, and the friction of joints is viscous there: write \
+                               \"law\": \"stick\" in friction, or remove one of both";
+                return Err(DefinitionError::key(format_args!("couplings.{name}.efficiency"), message));
+            }
+            let joint = &linkage.joints[coupling.joint];
+            let (load, radius) = match (coupling.second, &coupling.kind) {
+                (Second::Position { joint, .. }, _) => (Load::Slide { joint }, 1.0),
+                (Second::Angle { .. }, kind) => {
+                    let [_, slope, _] = coupling.law.at(0.0);
+                    let radius = match kind {
+                        Kind::Belt { radii, .. } => radii[1],
+                        _ => linkage.hinge_distance(coupling.carrier, joint) / (slope - 1.0).abs(),
+                    };
+                    (Load::Couple { first: coupling.carrier, second: joint.second.body }, radius)
+                }
+            };
+            let coefficient = 1.0 - efficiency;
+            let law = Law {
+                sticks: true,
+                static_coefficient: coefficient,
+                kinetic_coefficient: coefficient,
+                static_speed: 0.0,
+                kinetic_speed: 0.0,
+            };
+            let (joint, index) = (coupling.joint, self.loads.len());
+            let back = 1.0 / efficiency;
+            friction_joints.push(FrictionJoint { joint, load: index, radius, is_coupling: true, back, law });
+            self.loads.push(load);
+        }
+        Ok(())
+    }
+
+    /// Add the joints with friction.
+    fn add_joints(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        f: &Friction,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        let Friction { enabled: _, law, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
         let sticks = law == FrictionLaw::Stick;
         if kinetic_speed <= static_speed && !(sticks && kinetic_speed == 0.0 && static_speed == 0.0) {
             let or = if sticks { ", or 0 with it" } else { "" };
             let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
             return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
         }
-        let mut friction_joints = Vec::new();
         for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_), _) => 1.0,
@@ -63,10 +140,10 @@ impl Loading {
             if sticks && law.static_coefficient < law.kinetic_coefficient {
                 return Err(static_below_kinetic(name, defined, &law));
             }
-            friction_joints.push(FrictionJoint { joint, load: self.loads.len(), radius, law });
+            let (load, is_coupling, back) = (self.loads.len(), false, 1.0);
+            friction_joints.push(FrictionJoint { joint, load, radius, is_coupling, back, law });
             self.loads.push(joint_load(linkage, joint));
         }
-        self.friction = Some(JointFriction { enabled: enabled.unwrap_or(false), friction_joints });
         Ok(())
     }
 }

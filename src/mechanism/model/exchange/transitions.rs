@@ -5,8 +5,11 @@
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::state::State;
-use crate::mechanism::outputs::{OutputError, View};
-use crate::mechanism::quantity::Indicator;
+use crate::mechanism::outputs::{Kinematics, OutputError, View};
+use crate::mechanism::quantity::{Curve, Indicator};
+use crate::mechanism::reduced::StateLoads;
+use crate::numerics::alternating::alternating;
+use crate::numerics::monotone::Monotone;
 
 /// Part of the mechanism's length [1] by which an indicator of a place is shifted, so that it is not 0 after its event.
 const PLACE_SHIFT: f64 = 1e-12;
@@ -94,6 +97,56 @@ pub fn value_of(
             }
             _ => ABSENT,
         },
+        Indicator::DriveSign(load) => {
+            let switch = |s: &StateLoads| s.drives[..s.efficient].iter().position(|drive| *drive == load);
+            switching(view, switch)?.unwrap_or(ABSENT)
+        }
+        Indicator::NormalForce(joint) => {
+            let own = loading.friction.as_ref().map(|friction| friction.friction_joints[joint].joint);
+            let is_own = |s: &StateLoads, other: usize| Some(s.friction_joints[other].joint) == own;
+            let switch = |s: &StateLoads| Some(s.efficient + s.prismatic.iter().position(|other| is_own(s, *other))?);
+            switching(view, switch)?.unwrap_or(ABSENT)
+        }
+        Indicator::Points(curve) => points(view, curve)?,
+    })
+}
+
+/// Value of a switching quantity at a state; none where the loads that the state decides do not have it.
+fn switching(view: &mut View<f64>, switch: impl Fn(&StateLoads) -> Option<usize>) -> Result<Option<f64>, OutputError> {
+    view.forces()?;
+    Ok(view.state_loads().and_then(switch).map(|switch| view.switching(switch)))
+}
+
+/// A function of the state that changes its sign at the points of a curve.
+fn points(view: &mut View<f64>, curve: Curve) -> Result<f64, OutputError> {
+    let loading = view.reduced.loading();
+    fn knots(curve: Option<&Monotone>) -> &[f64] {
+        curve.map_or(&[], Monotone::knots)
+    }
+    Ok(match curve {
+        Curve::Drive(load) => {
+            let curve = loading.drives[load].curve.as_ref().map(|curve| &curve.force);
+            alternating(knots(curve), view.displacement(load, 1)?)
+        }
+        Curve::Damper(k) => {
+            let spring = &loading.springs[k];
+            alternating(knots(spring.damper.as_ref()), view.displacement(spring.load, 1)?)
+        }
+        Curve::Spring(k) => {
+            let spring = &loading.springs[k];
+            alternating(spring.knots(), view.displacement(spring.load, 0)?)
+        }
+        Curve::Bumper(k) => {
+            // The contact itself has an indicator of its own.
+            let (stop, all) = (&loading.stops[k], knots(loading.stops[k].curve.as_ref()));
+            alternating(all.get(1..).unwrap_or_default(), stop.beyond(view.displacement(stop.load, 0)?))
+        }
+        Curve::Cam(k) => {
+            let linkage = view.reduced.linkage();
+            let coupling = &linkage.couplings[k];
+            let first = view.angle(linkage.joints[coupling.joint].first.body, 0)?;
+            coupling.law.alternating(first - view.angle(coupling.carrier, 0)? + coupling.shift)
+        }
     })
 }
 

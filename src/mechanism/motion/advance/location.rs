@@ -5,6 +5,7 @@ use super::Advance;
 use crate::integrator::{Dense, Step};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
+use crate::mechanism::reduced::AT_KNOT;
 
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether states may be taken from the interpolant of a step.
@@ -17,8 +18,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         dense.is_within(self.tolerance, &scale)
     }
 
-    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned; the place of
-    /// a stop to the last digit.
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the place
+    /// of a stop to the last digit, near a knot, whose kink the interpolant has within it.
     #[inline(always)]
     pub(super) fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(
@@ -31,12 +32,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         let mut shorter = self.integrator.retake(self.dynamics, step, found.part * step.h);
         self.progress.work.extra += 1;
-        if let Event::Stop(place) = found.event {
+        let place = match found.event {
+            Event::Stop(place) => Some((self.ends.position(place), 0.0)),
+            // Of a kink the square of the distance matters.
+            Event::Knot(sigma) => Some((Some(sigma), 0.5 * AT_KNOT * self.dynamics.length())),
+            _ => None,
+        };
+        if let Some((position, near)) = place {
             for _ in 1..6 {
-                let miss = self.ends.position(place).map_or(0.0, |position| position - shorter.end[0]);
+                let miss = position.map_or(0.0, |position| position - shorter.end[0]);
                 let correction = miss / shorter.end[1];
                 let is_small = correction.abs() <= 1e-15 * (step.t + step.h)
-                    || miss.abs() <= 4.0 * f64::EPSILON * shorter.end[0].abs();
+                    || miss.abs() <= near.max(4.0 * f64::EPSILON * shorter.end[0].abs());
                 let next = shorter.h + correction;
                 if is_small || !(next > 0.0 && next <= step.h && correction.abs() < 0.1 * step.h) {
                     break;

@@ -1,0 +1,222 @@
+//! Couplings with an efficiency against closed forms: power in both directions, holding, trains, reversals of the flow.
+
+use crate::support::{Run, assert_says};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+use std::f64::consts::PI;
+
+const ETA: f64 = 0.8;
+const I: f64 = -17.0 / 43.0;
+const J1: f64 = 0.02;
+const J2: f64 = 0.5;
+
+/// Two shafts 0.3 m apart with gears of the efficiency 0.8, under these torques.
+fn shafts(motor: f64, load: f64) -> Value {
+    json!({ "name": "Losses",
+        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "mass": 2, "inertia": J1 }, "two": { "mass": 5, "inertia": J2 } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
+            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" } },
+        "couplings": { "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17,
+            "second_teeth": 43, "efficiency": ETA } },
+        "torques": { "motor": { "on": "one", "torque": motor }, "load": { "on": "two", "torque": load } },
+        "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 } })
+}
+
+#[track_caller]
+fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((value - expected).abs() <= tolerance, "{what}: {value} instead of {expected}");
+}
+
+/// Acceleration of the first shaft where power flows to the second, and where it flows back.
+fn forward_and_back(motor: f64, load: f64) -> [f64; 2] {
+    [ETA, 1.0 / ETA].map(|eta| (motor + I * load / eta) / (J1 + I * I * J2 / eta))
+}
+
+/// Acceleration in a direction of motion: power flows to the second shaft if the torque X2 on that shaft drives it.
+fn accelerates(motor: f64, load: f64, direction: f64) -> f64 {
+    let [forward, back] = forward_and_back(motor, load);
+    let drives = |a: f64| (J2 * I * a - load) * I * direction;
+    match (drives(forward) >= 0.0, drives(back) >= 0.0) {
+        (true, true) => forward,
+        (false, false) => back,
+        other => panic!("{motor} {load} {direction}: {other:?}"),
+    }
+}
+
+#[test]
+fn two_shafts_accelerate_by_the_power_that_arrives() {
+    for (motor, load, speed) in
+        [(3.0, -1.0, 0.0), (0.1, -5.0, 0.0), (3.0, -1.0, -80.0), (-2.0, 4.0, 300.0), (0.0, 1.0, 60.0), (-3.0, 0.0, 0.0)]
+    {
+        let mut text = shafts(motor, load);
+        text["start"]["speed"] = json!(speed);
+        let mut run = Run::new(&text.to_string()).started();
+        let direction = if speed == 0.0 { (motor + I * load).signum() } else { f64::signum(speed) };
+        let a = accelerates(motor, load, direction);
+        let size = 10.0 * (1.0 + a.abs());
+        assert_near(run.get("one.acceleration"), a, 1e-13 * size, "acceleration");
+        // The force on the teeth is that on the first shaft; the second has it with the loss.
+        let arm = 0.3 * 43.0 / 60.0;
+        let transmitted = (motor - J1 * a) / (I * arm);
+        assert_near(run.get("mesh.transmitted_force"), transmitted, 1e-12 * size, "transmitted force");
+        let loss = J2 * I * a - load - transmitted * arm;
+        assert_near(run.get("mesh.loss_torque"), loss, 1e-12 * size, "loss");
+        let pressed = transmitted.abs() * (PI / 9.0).tan();
+        assert_near(run.get("b.force"), transmitted.hypot(pressed), 1e-12 * size, "bearing");
+        let (mut t, mut power) = (0.0, 0.0);
+        while t < 0.3 {
+            run.step(0.01);
+            t += 0.01;
+            power = run.get("mesh.loss_torque") * run.get("two.speed");
+            let drift = run.get("energy.drift");
+            assert!(drift.abs() < 1e-9 * run.get("energy.kinetic").max(1.0), "{drift}");
+        }
+        assert_near(run.get("one.speed"), speed + a * t, 1e-9 * size, "speed");
+        assert!(power < 0.0, "the loss takes power: {power}");
+        // In either direction the loss is a fifth of the power that goes in.
+        let [first, second] = [-(J1 * a - motor) * run.get("one.speed"), (J2 * I * a - load) * run.get("two.speed")];
+        let [goes_in, comes_out] = if first > 0.0 { [first, second] } else { [-second, -first] };
+        assert_near(comes_out, ETA * goes_in, 1e-9 * goes_in.abs(), "efficiency");
+        assert_near(-power, (1.0 - ETA) * goes_in, 1e-9 * goes_in.abs(), "power lost");
+    }
+}
+
+#[test]
+fn gears_hold_what_neither_side_overcomes() {
+    // Forward from M eta > -i L on, backward from M < -i L eta on.
+    for (part, moves) in [(0.75, 1.0), (0.82, 0.0), (1.0, 0.0), (1.2, 0.0), (1.3, -1.0)] {
+        let load = -3.0 * part / I;
+        let mut run = Run::new(&shafts(3.0, load).to_string()).started();
+        assert_eq!(run.0.boolean("friction.sticking").unwrap(), moves == 0.0, "{part}");
+        let start = run.get("one.angle");
+        for _ in 0..20 {
+            run.step(0.05);
+        }
+        let speed = run.get("one.speed");
+        if moves == 0.0 {
+            assert_eq!((run.get("one.angle"), speed), (start, 0.0), "held to the bit");
+        } else {
+            let a = accelerates(3.0, load, moves);
+            assert!(a * moves > 0.0);
+            assert_near(speed, a, 1e-8 * a.abs(), "speed after 1 s");
+        }
+    }
+}
+
+#[test]
+fn the_flow_turns_round_in_a_swing() {
+    // A spring on the second shaft: its energy goes into the first shaft and comes back, each way with a loss.
+    let mut text = shafts(0.0, 0.0);
+    text["springs"] = json!({ "coil": { "joint": "b", "stiffness": 40, "free_angle": 1.1 } });
+    text["start"]["speed"] = json!(20);
+    text["solver"] = json!({ "tolerance": 1e-11 });
+    let mut run = Run::new(&text.to_string()).started();
+    let rate = |[x, v]: [f64; 2], direction: f64| [v, accelerates(0.0, -40.0 * I * (x - 0.4), direction)];
+    let rk4 = |y: [f64; 2], direction: f64, h: f64| -> [f64; 2] {
+        let add = |k: [f64; 2], part: f64| [y[0] + part * h * k[0], y[1] + part * h * k[1]];
+        let k1 = rate(y, direction);
+        let k2 = rate(add(k1, 0.5), direction);
+        let k3 = rate(add(k2, 0.5), direction);
+        let k4 = rate(add(k3, 1.0), direction);
+        std::array::from_fn(|n| y[n] + h / 6.0 * (k1[n] + 2.0 * k2[n] + 2.0 * k3[n] + k4[n]))
+    };
+    let (mut y, steps) = ([0.4, 20.0], 200);
+    let (mut reversals, mut direction) = (0, 1.0);
+    for k in 1..=120 {
+        run.step(0.01);
+        let h = 0.01 / f64::from(steps);
+        for _ in 0..steps {
+            let end = rk4(y, direction, h);
+            if end[1] * direction >= 0.0 {
+                y = end;
+                continue;
+            }
+            // A step that ends at the reversal, and the rest of it.
+            let (mut low, mut high) = (0.0, h);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let turned = rk4(y, direction, middle)[1] * direction < 0.0;
+                (low, high) = if turned { (low, middle) } else { (middle, high) };
+            }
+            y = [rk4(y, direction, low)[0], 0.0];
+            (direction, reversals) = (-direction, reversals + 1);
+            y = rk4(y, direction, h - low);
+        }
+        // The reference passes over changes of the flow, where the acceleration has a kink, by steps of 5e-5 s.
+        assert_near(run.get("one.angle"), y[0], 1e-8, &format!("angle at step {k}"));
+        assert_near(run.get("one.speed"), y[1], 1e-6, &format!("speed at step {k}"));
+        let drift = run.get("energy.drift");
+        assert!(drift.abs() < 1e-9, "{drift}");
+    }
+    assert!(reversals >= 3, "{reversals}");
+    // Exact derivatives.
+    for name in ["mesh.loss_torque", "mesh.transmitted_force", "two.acceleration"] {
+        let (rate, value) = (run.derivative(name), run.get(name));
+        let mut later = run.clone();
+        later.step(1e-6);
+        let difference = (later.get(name) - value) / 1e-6;
+        assert!((rate - difference).abs() < 1e-4 * rate.abs().max(1.0), "{name}: {rate} {difference}");
+    }
+}
+
+#[test]
+fn a_train_has_the_product_of_its_efficiencies() {
+    let mut text = shafts(3.0, 0.0);
+    text["bodies"]["ground"]["points"]["third"] = json!([0.3, 0.4]);
+    text["bodies"]["three"] = json!({ "mass": 3, "inertia": 0.7 });
+    text["bodies"]["table"] = json!({ "mass": 40 });
+    text["bodies"]["ground"]["points"]["bed"] = json!([0.3, 0.3]);
+    text["joints"]["c"] = json!({ "type": "revolute", "first": "ground.third", "second": "three.origin" });
+    text["joints"]["slide"] = json!({ "type": "prismatic", "first": "ground.bed", "second": "table.origin" });
+    text["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
+        "second_radius": 0.1, "efficiency": 0.9 });
+    text["couplings"]["rack"] =
+        json!({ "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 });
+    text["forces"] = json!({ "push": { "at": "table.origin", "force": [-10.0, 0.0] } });
+    text["guess"]["three"] = json!(0);
+    text["guess"]["slide"] = json!(0);
+    for direction in [1.0, -1.0] {
+        let mut text = text.clone();
+        // Driven by the motor, and by the load.
+        text["torques"]["motor"]["torque"] = json!(if direction > 0.0 { 3.0 } else { 0.01 });
+        text["forces"]["push"]["force"][0] = json!(if direction > 0.0 { 10.0 } else { 200.0 });
+        let mut run = Run::new(&text.to_string()).started();
+        let (motor, push) = if direction > 0.0 { (3.0, 10.0) } else { (0.01, 200.0) };
+        let (i2, i3) = (0.5 * I, 0.1 * 0.5 * I);
+        let [e1, e2, e3] = [ETA, 0.9, 0.7].map(|eta: f64| eta.powf(direction));
+        let inertia = J1 + I * I * J2 / e1 + i2 * i2 * 0.7 / (e1 * e2) + i3 * i3 * 40.0 / (e1 * e2 * e3);
+        let a = (motor + i3 * push / (e1 * e2 * e3)) / inertia;
+        assert_near(run.get("one.acceleration"), a, 1e-12 * (1.0 + a.abs()), "acceleration");
+        // On the table: mass times acceleration is the push and the force of the rack with its loss.
+        let on_table = run.get("rack.transmitted_force") + run.get("rack.loss_force") + push;
+        assert_near(on_table, 40.0 * i3 * a, 1e-11 * (1.0 + on_table.abs()), "table");
+        for _ in 0..10 {
+            run.step(0.02);
+        }
+        assert_near(run.get("one.speed"), 0.2 * a, 1e-8 * (1.0 + a.abs()), "speed");
+        assert!(run.get("energy.drift").abs() < 1e-9 * run.get("energy.kinetic").max(1.0));
+    }
+}
+
+#[test]
+fn an_efficiency_is_a_parameter_and_refused_where_it_is_none() {
+    let mut run = Run::new(&shafts(3.0, -1.0).to_string());
+    run.set("mesh.efficiency", 1.0);
+    let mut run = run.started();
+    let a = (3.0 - I) / (J1 + I * I * J2);
+    assert_near(run.get("one.acceleration"), a, 1e-12 * a.abs(), "without loss");
+    let refused = |change: &dyn Fn(&mut Value), pieces: &[&str]| {
+        let mut text = shafts(3.0, -1.0);
+        change(&mut text);
+        assert_says(Simulation::open(&text.to_string()).unwrap_err(), pieces);
+    };
+    refused(&|m| m["couplings"]["mesh"]["efficiency"] = json!(1.2), &["couplings.mesh.efficiency", "1.2"]);
+    refused(&|m| m["couplings"]["mesh"]["efficiency"] = json!(0), &["couplings.mesh.efficiency"]);
+    refused(
+        &|m| {
+            m["friction"] = json!({ "static_coefficient": 0.2, "kinetic_coefficient": 0.1 });
+            m["couplings"]["mesh"]["pressure_angle"] = json!(0);
+        },
+        &["couplings.mesh.efficiency", "stick"],
+    );
+}
