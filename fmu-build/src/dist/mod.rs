@@ -90,7 +90,8 @@ fn build(workspace: &Workspace, stage: &Path, glibc: Option<&str>) -> Result<Pat
     let python = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;
     let out = stage.join("out");
     let mut maturin = Command::new(python);
-    maturin.args(["-m", "maturin", "build", "--release", "--locked", "--out"]).arg(&out).current_dir(stage);
+    maturin.args(["-m", "maturin", "build", "--release", "--locked", "--compression-level", "9", "--out"]);
+    maturin.arg(&out).current_dir(stage);
     // Of the program that runs now, Cargo tells its children where it lies.
     maturin.env_remove("CARGO_MANIFEST_DIR");
     if let Some(glibc) = glibc {
