@@ -45,7 +45,7 @@ macro_rules! exported_exchange {
                 let terminate = output("terminateSimulation", terminate, 1)?;
                 enter[0].write(i.completed_integrator_step()?.into());
                 terminate[0].write(false.into());
-                Ok(())
+                i.warning()
             };
 
             /// The time at which values are asked for [s].

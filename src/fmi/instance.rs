@@ -438,12 +438,12 @@ impl Instance {
                 if events && let Some(growth) = self.component.take_growth() {
                     self.logger.event(|| format!("at t = {end} s {growth}"));
                 }
-                self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
+                self.warning()
             }
             Paused::AtEvent(time) => {
                 self.clock.time = if time < h { point + time } else { end };
                 self.awaits_event = true;
-                self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
+                self.warning()
             }
             Paused::AtStep(time) => {
                 self.clock.time = if time < h { point + time } else { end };
@@ -460,5 +460,10 @@ impl Instance {
                 Err(refused.into())
             }
         }
+    }
+
+    /// What the component warns of after a step, if anything.
+    pub fn warning(&mut self) -> Result<(), Refusal> {
+        self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
     }
 }

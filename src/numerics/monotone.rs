@@ -121,7 +121,12 @@ impl Monotone {
         if x >= last {
             return beyond(self.ends[1], x - last, self.whole);
         }
-        self.pieces[self.knots.partition_point(|knot| *knot <= x) - 1].at(x)
+        self.piece(x).at(x)
+    }
+
+    /// The piece that holds x; of NaN the first one, which gives NaN.
+    fn piece(&self, x: f64) -> &Piece {
+        &self.pieces[self.knots.partition_point(|knot| *knot <= x).saturating_sub(1)]
     }
 
     /// Value, slope and curvature at x.
@@ -135,7 +140,7 @@ impl Monotone {
         if x < self.knots[0] || x >= self.knots[self.knots.len() - 1] {
             return 0.0;
         }
-        self.pieces[self.knots.partition_point(|knot| *knot <= x) - 1].third(x)
+        self.piece(x).third(x)
     }
 
     /// Integral from the first point to x.

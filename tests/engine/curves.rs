@@ -483,3 +483,29 @@ fn lengths_of_points_have_the_unit_of_the_file() {
     let mut run = Run::new(&text.to_string()).started();
     assert!((run.get("s.force") - 5.0).abs() < 1e-12, "{}", run.get("s.force"));
 }
+
+/// Far from the guess panels are wide: all points of a curve may lie between two nodes of one, and each is a border.
+#[test]
+fn a_spring_far_from_the_guess_has_its_curve() {
+    for (at, guess) in [(3000.0, 0.0), (400.0, 0.0), (1000.0, 0.0), (0.0, 500.0), (0.0, 700.0), (0.0, 1e4), (0.0, 1e6)]
+    {
+        let points = [[-0.3, -50.0], [-0.1, -1.0], [0.0, 0.0], [0.05, 0.0], [0.1, 30.0], [0.3, 31.0]];
+        let text = json!({
+            "name": "Slide",
+            "bodies": { "ground": {}, "block": { "mass": 2 } },
+            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
+            "springs": { "k": { "joint": "s", "points": points.map(|[s, force]| [at + s, force]) } },
+            "start": { "joint": "s", "position": at + 0.3 },
+            "guess": { "s": guess },
+        });
+        let mut run = Run::new(&text.to_string());
+        run.initialize();
+        let acceleration = run.get("s.acceleration");
+        assert!((acceleration + 15.5).abs() < 1e-5, "{at}, {guess}: {acceleration} m/s2");
+        for _ in 0..20 {
+            run.step(0.05);
+            let drift = run.get("energy.drift");
+            assert!(drift.abs() < 1e-5, "{at}, {guess}: {drift} J");
+        }
+    }
+}

@@ -44,6 +44,9 @@ SLOWER = (0.9, 1.0)
 TURNED = (-2.1, -1.4)
 """Range in which the crank of such a run must turn in all [rad]."""
 
+LOOK = 0.005
+"""Time between two looks at the memory of a process [s]."""
+
 Points = np.ndarray
 
 
@@ -114,11 +117,15 @@ class Native:
         shutil.rmtree(out, ignore_errors=True)
         command = [str(self.program), "sweep", str(path), "--out", str(out), *self.options]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
+        # The usage that is told of a process at its end counts this one's memory, of which it is a copy at first.
+        state = Path("/proc", str(process.pid), "status")
+        self.memory = 0
+        while process.poll() is None:
+            found = [line for line in state.read_text().splitlines() if line.startswith("VmHWM:")]
+            self.memory = int(found[0].split()[1]) if found else self.memory
+            time.sleep(LOOK)
         if process.returncode != 0:
             raise RuntimeError(f"{' '.join(command)} ended with {process.returncode}")
-        self.memory = usage.ru_maxrss
         shutil.rmtree(out, ignore_errors=True)
 
 

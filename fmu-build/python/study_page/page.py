@@ -9,7 +9,7 @@ from bokeh.models import ColorBar, ColumnDataSource, Div, HoverTool, LinearColor
 from bokeh.models.ui import UIElement
 from bokeh.plotting import figure
 from bokeh.resources import INLINE
-from results import Results
+from results import Results, bins
 
 BLUE, ORANGE, RED, GREY = "#2f6db3", "#d9822b", "#b3392f", "#c4c9cf"
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
@@ -100,7 +100,7 @@ def distributions(results: Results) -> UIElement:
     plots = []
     for name, values in results.responses.items():
         values = values[np.isfinite(values)]
-        heights, edges = np.histogram(values, bins="auto" if len(values) < 2000 else 50)
+        heights, edges = np.histogram(values, bins=bins(values))
         own = plot(name, "runs", 420, 300)
         source = ColumnDataSource({"n": heights, "left": edges[:-1], "right": edges[1:]})
         bars = own.quad(

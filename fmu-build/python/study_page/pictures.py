@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from results import Results
+from results import Results, bins
 
 BLUE, ORANGE, RED = "#2f6db3", "#d9822b", "#b3392f"
 SIDE = 2.6
@@ -76,7 +76,8 @@ def scatter_matrix(results: Results) -> Figure:
         for j, axes in enumerate(row):
             x, y = columns[names[j]][index], columns[names[i]][index]
             if i == j:
-                axes.hist(x[np.isfinite(x)], bins=24, color=BLUE)
+                known = x[np.isfinite(x)]
+                axes.hist(known, bins=24 if bins(known) != 1 else 1, color=BLUE)
             else:
                 axes.plot(x, y, ".", color=BLUE, markersize=2, alpha=0.5, rasterized=True)
             labelled(axes, names[j], names[i], j == 0, i == len(names) - 1)
@@ -93,7 +94,7 @@ def distributions(results: Results) -> Figure:
         axes.set_visible(False)
     for axes, (name, values) in zip(grid.flat, results.responses.items(), strict=False):
         values = values[np.isfinite(values)]
-        axes.hist(values, bins="auto" if len(values) < 2000 else 50, color=BLUE)
+        axes.hist(values, bins=bins(values), color=BLUE)
         for value, style in zip(np.quantile(values, (0.01, 0.5, 0.99)), (":", "-", ":"), strict=True):
             axes.axvline(value, color=ORANGE, linestyle=style, linewidth=1.2)
         axes.set_title(f"mean {values.mean():.6g}, deviation {values.std():.3g}", fontsize=8)

@@ -27,6 +27,13 @@ RESAMPLES = 200
 """For the intervals of Sobol's indices."""
 
 
+def bins(values: NDArray[np.float64]) -> int | str:
+    """Bins of a histogram of these values: one, as wide as they differ, where they differ by rounding alone."""
+    if np.ptp(values) <= 1e-12 * np.abs(values).max():
+        return 1
+    return "auto" if len(values) < 2000 else 50
+
+
 @dataclass(frozen=True)
 class Effect:
     """A response over a factor: mean and standard deviation of the runs at each level."""

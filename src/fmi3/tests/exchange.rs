@@ -298,6 +298,31 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
     unsafe { fmi3FreeInstance(c) };
 }
 
+/// A follower that lifts off is a warning of the completed step at which it first does, with the flags of that step.
+#[test]
+fn a_lift_off_is_told_at_a_completed_step() {
+    let text = include_str!("../../../modelDescription/ValveTrain/resources/mechanism.json");
+    let text = text.replace("\"speed\": -40", "\"speed\": -130").leak();
+    let c = started(text);
+    let (h, mut warnings) = (1e-4, 0);
+    for k in 1..=500 {
+        let end = rk4(c, states(c), h);
+        let (mut enter, mut terminate) = (7, 7);
+        // SAFETY: the instance is valid, each pointer leads to one value.
+        let status = unsafe {
+            assert_eq!(fmi3SetTime(c, f64::from(k) * h), Status::Ok);
+            assert_eq!(set(c, end), Status::Ok);
+            fmi3CompletedIntegratorStep(c, 1, &mut enter, &mut terminate)
+        };
+        assert_eq!((enter > 1, terminate), (false, 0));
+        warnings += u32::from(status == Status::Warning);
+        assert!(status == Status::Ok || status == Status::Warning, "{k}: {status:?}");
+    }
+    assert_eq!(warnings, 1);
+    // SAFETY: the instance is valid and not used again.
+    unsafe { fmi3FreeInstance(c) };
+}
+
 #[test]
 fn a_saved_state_goes_on_to_the_bit() {
     let c = started(GEAR);

@@ -8,9 +8,12 @@ use super::structure::{Freedom, Joint, Linkage, Point};
 use crate::mechanism::definition::{self, CouplingKind, DefinitionError, Mechanism, Side};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::Vec2;
+use std::ops::RangeInclusive;
 
 /// Largest distance of two points that are one, in sizes of the linkage.
 const SAME: f64 = 1e-9;
+/// Ratios of teeth that a pair of gears may have.
+const RATIOS: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// A coupling of the definition, with its name.
 struct Named<'m> {
@@ -217,6 +220,16 @@ impl Linkage {
                 let teeth = [defined.first_teeth, defined.second_teeth].map(|teeth| teeth.unwrap_or(1.0));
                 let sign = if defined.internal == Some(true) { 1.0 } else { -1.0 };
                 let ratio = sign * teeth[0] / teeth[1];
+                if !RATIOS.contains(&ratio.abs()) {
+                    let message = format!(
+                        "with first_teeth = {} the ratio would be {}, which must be from {} to {}: change a number of teeth",
+                        Decimal(teeth[0]),
+                        Decimal::rounded(ratio.abs()),
+                        Decimal(*RATIOS.start()),
+                        Decimal(*RATIOS.end())
+                    );
+                    return named.refused("second_teeth", message);
+                }
                 (Law::Constant { ratio, phase }, distance / (ratio - 1.0).abs(), Kind::Gears)
             }
         };

@@ -12,12 +12,16 @@ use crate::numerics::table::{ACCURACY, Table};
 
 /// Parts of a panel of the grid in which a displacement is searched for the points of a spring's curve.
 const PARTS: usize = 4;
-/// Distance to which the position of such a point is found, and least width of a panel beside it, in panels of the grid.
+/// Distance to which the position of such a point is found, in panels of the grid.
 const CLOSE: f64 = 1e-12;
+/// Least width of a panel beside it, in panels of the grid or, where that is less, in distances to the next point.
 const NARROW: f64 = 0.05;
+/// Least distance to the next point that counts there, in panels of the grid.
+const LEAST: f64 = 1e-9;
 
 /// Borders of the panels of tables: the curve's, and the places where a spring passes a point of its curve, where its
-/// third derivative jumps. A place that is missed costs narrower panels and no accuracy.
+/// third derivative jumps. A place that is missed costs narrower panels and no accuracy, unless all of a characteristic
+/// lies between two nodes of a panel: far from the guess panels are wide beside it.
 /// The characteristic of a spring that winds up over each revolution is in no table: it is another one in each.
 pub(super) fn grid(curve: &Curve, loading: &Loading) -> Vec<f64> {
     let mut borders = curve.grid(ACCURACY);
@@ -27,7 +31,7 @@ pub(super) fn grid(curve: &Curve, loading: &Loading) -> Vec<f64> {
             passages(curve, loading, spring, &borders, &mut passed);
         }
     }
-    for at in passed {
+    for Passage { at, gap } in passed {
         let next = borders.partition_point(|border| *border < at);
         if next == 0 || next == borders.len() {
             continue;
@@ -37,7 +41,7 @@ pub(super) fn grid(curve: &Curve, loading: &Loading) -> Vec<f64> {
         if curve.crossings.iter().any(|crossing| low < *crossing && *crossing < high) {
             continue;
         }
-        let margin = NARROW * (high - low);
+        let margin = NARROW * (high - low).min(gap.max(LEAST * (high - low)));
         if at - low >= margin && high - at >= margin {
             borders.insert(next, at);
         } else if next - 1 > 0 && at - low < margin && at != low {
@@ -49,14 +53,22 @@ pub(super) fn grid(curve: &Curve, loading: &Loading) -> Vec<f64> {
     borders
 }
 
-/// Values of sigma at which the displacement of a spring passes a point of its curve.
-fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], out: &mut Vec<f64>) {
+/// A value of sigma at which the displacement of a spring passes a point of its curve.
+struct Passage {
+    at: f64,
+    /// Distance to the nearest other one of the spring.
+    gap: f64,
+}
+
+/// All of them, in their order.
+fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], out: &mut Vec<Passage>) {
     let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
     let load = &loading.loads[spring.load];
     let mut displacement = |sigma: f64| {
         curve.configure(sigma, &mut scratch, &mut c);
         load.displacement(curve.linkage(), &c)[0]
     };
+    let mut found_at = Vec::new();
     let mut before = (borders[0], displacement(borders[0]));
     for panel in borders.windows(2) {
         let width = panel[1] - panel[0];
@@ -69,11 +81,17 @@ fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], 
                 let from_knot = |s: f64| sign * (s - knot);
                 let ends = [before, after].map(|(sigma, s)| (sigma, from_knot(s)));
                 let found = false_position(|sigma| from_knot(displacement(sigma)), ends[0], ends[1], CLOSE * width);
-                out.push(found);
+                found_at.push(found);
             }
             before = after;
         }
     }
+    found_at.sort_by(f64::total_cmp);
+    out.extend(found_at.iter().enumerate().map(|(k, &at)| {
+        let before = k.checked_sub(1).map_or(f64::INFINITY, |before| at - found_at[before]);
+        let after = found_at.get(k + 1).map_or(f64::INFINITY, |after| after - at);
+        Passage { at, gap: before.min(after) }
+    }));
 }
 
 /// Refuse a gas spring that has no volume somewhere on the curve; `displacement`: the table of the displacement of a load.
