@@ -10,13 +10,23 @@ use std::f64::consts::PI;
 
 /// Density of MuJoCo's geoms where none is stated [kg/m3].
 const DENSITY: f64 = 1000.0;
+/// Attributes that are never below 0: of masses, moments of inertia about an axis, densities and sizes.
+const SIZES: [&str; 7] = ["mass", "diaginertia", "density", "size", "ixx", "iyy", "izz"];
+/// Most bodies of which each hangs on the one before.
+const DEEPEST: usize = 1000;
 
 /// Numbers of an attribute.
 fn numbers(node: Node, name: &str) -> Result<Option<Vec<f64>>> {
     let Some(text) = node.attribute(name) else { return Ok(None) };
     let parse = |word: &str| word.parse::<f64>().ok().filter(|value| value.is_finite());
     let all: Option<Vec<f64>> = text.split_whitespace().map(parse).collect();
-    all.map(Some).with_context(|| format!("{}: {name} = \"{}\" has what is no number", at(node), text.escape_debug()))
+    let told = || format!("{}: {name} = \"{}\"", at(node), text.escape_debug());
+    let all = all.with_context(|| format!("{} has what is no number", told()))?;
+    let is_size = SIZES.contains(&name) || name == "value" && node.has_tag_name("mass");
+    if is_size && all.iter().any(|value| *value < 0.0) {
+        bail!("{}: must not be below 0", told());
+    }
+    Ok(Some(all))
 }
 
 fn fixed<const N: usize>(node: Node, name: &str) -> Result<Option<[f64; N]>> {
@@ -172,6 +182,9 @@ impl Mjcf {
         }
         let solid = &mut self.space.solids[own];
         (solid.mass, solid.center, solid.inertia) = together(&masses);
+        if node.ancestors().nth(DEEPEST).is_some() {
+            bail!("{}: hangs on {DEEPEST} others, one on the other; at most {DEEPEST} are taken", at(node));
+        }
         for inner in elements(node).filter(|inner| inner.has_tag_name("body")) {
             let index = self.space.solids.len();
             let name = inner.attribute("name").map_or_else(|| format!("body_{index}"), str::to_owned);

@@ -189,6 +189,15 @@ fn mjcf() {
         assert_says(&refusal(Form::Mjcf, &MJCF.replace(from, to)), words);
     }
     assert_says(&refusal(Form::Mjcf, "<mujoco"), &["no XML"]);
+    for (geom, told) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
+        let text = format!(
+            "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" {geom}/></body></worldbody></mujoco>"
+        );
+        assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be below 0"]);
+    }
+    let (open, close) = ("<body>".repeat(20_000), "</body>".repeat(20_000));
+    let deep = format!("<mujoco><worldbody>{open}{close}</worldbody></mujoco>");
+    assert_says(&refusal(Form::Mjcf, &deep), &["at most 1000 are taken"]);
 }
 
 /// A pendulum with a bob fixed to it, turned by its origins.
@@ -229,4 +238,7 @@ fn urdf() {
     assert_says(&refusal(Form::Urdf, &copied), &["mimic", "swing"]);
     assert_says(&refusal(Form::Urdf, &URDF.replace("revolute", "floating")), &["floating", "swing"]);
     assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["URDF begins with <robot>"]);
+    let negative = URDF.replacen("<mass value=\"", "<mass value=\"-", 1);
+    assert_ne!(negative, URDF);
+    assert_says(&refusal(Form::Urdf, &negative), &["<mass>", "must not be below 0"]);
 }
