@@ -22,9 +22,9 @@ use std::sync::Arc;
 /// Loads sized by the state.
 ///
 /// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
-/// the component normal to the axis, and 0, and of a coupling the transmitted force, and 0. Those of n joints are stored as all x, then all y. The joints of a group
-/// have equal reactions to friction up to their sign. The sign of a reaction has no effect on friction, so all joints
-/// of a group get the sign of the first.
+/// the component normal to the axis, and 0; of a coupling the transmitted force, and 0. Those of n joints are stored as
+/// all x, then all y. The joints of a group have equal reactions to friction up to their sign. The sign of a reaction has
+/// no effect on friction, so all joints of a group get the sign of the first.
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
