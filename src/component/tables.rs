@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub const TABLES: &str = "tables.bin";
 
 /// Version of what is kept in the file. It changes with anything that changes a table.
-const LAYOUT: &str = "3";
+const LAYOUT: &str = "4";
 
 /// Key of a file of tables: of the engine's version, the layout and the definition's text.
 fn key(text: &str) -> u128 {

@@ -2,12 +2,14 @@
 //!
 //! In: rises one after another, or points of one period. Out: the function with two derivatives, and the knots between
 //! which it is analytic. It must not know what the function means.
-use super::monotone::Monotone;
+use super::monotone::monotone;
+use super::piecewise::Piecewise;
 use super::rise::Rise;
+use super::spline::periodic_spline;
 use std::f64::consts::TAU;
 
-/// Number of points before and behind one period that decide the curve within it: curvatures follow from the slopes at
-/// both neighbours, these from theirs.
+/// Number of points before and behind one period that decide the monotone curve within it: curvatures follow from the
+/// slopes at both neighbours, these from theirs.
 const BEYOND: usize = 3;
 
 /// A part of the period.
@@ -33,8 +35,8 @@ pub struct Periodic {
 enum Parts {
     /// Segments, each with the value at its start, one for each knot.
     Segments(Vec<(f64, Segment)>),
-    /// A curve through the points of one period and some around it.
-    Points(Monotone),
+    /// A curve through the points of one period, from its first point to that of the next period at least.
+    Points(Piecewise),
 }
 
 impl Periodic {
@@ -52,19 +54,34 @@ impl Periodic {
         (!parts.is_empty()).then_some(Self { knots, parts: Parts::Segments(parts) })
     }
 
-    /// The curve through points [u, value] of one period: at least two, u ascending by less than 2 pi in all. None for
-    /// other points.
-    pub fn of_points(points: &[[f64; 2]]) -> Option<Self> {
+    /// The quintic spline through points [u, value] of one period: at least two, u ascending by less than 2 pi in all.
+    /// None for other points.
+    pub fn spline(points: &[[f64; 2]]) -> Option<Self> {
+        Self::of_curve(points, 0, periodic_spline)
+    }
+
+    /// A curve through such points that is monotone wherever they are. None for other points.
+    pub fn monotone(points: &[[f64; 2]]) -> Option<Self> {
+        Self::of_curve(points, BEYOND, monotone)
+    }
+
+    /// The curve that `through` puts through one period, from a point to the same of the next period, and so many points
+    /// around.
+    fn of_curve(
+        points: &[[f64; 2]],
+        beyond: usize,
+        through: impl Fn(&[[f64; 2]]) -> Option<Piecewise>,
+    ) -> Option<Self> {
         let (first, last) = (points.first()?, points.last()?);
         if points.len() < 2 || last[0] - first[0] >= TAU {
             return None;
         }
-        let count = points.len() as isize;
-        let around = (-(BEYOND as isize)..=count + BEYOND as isize).map(|k| {
+        let (count, beyond) = (points.len() as isize, beyond as isize);
+        let around = (-beyond..=count + beyond).map(|k| {
             let [u, value] = points[k.rem_euclid(count) as usize];
             [u + TAU * k.div_euclid(count) as f64, value]
         });
-        let curve = Monotone::new(&around.collect::<Vec<_>>())?;
+        let curve = through(&around.collect::<Vec<_>>())?;
         Some(Self { knots: points.iter().map(|point| point[0]).collect(), parts: Parts::Points(curve) })
     }
 
@@ -114,7 +131,9 @@ mod tests {
             rise(TAU - 3.4, -0.02, Rise::Polynomial4567),
         ];
         let points = [[0.3, 0.0], [1.0, 0.01], [2.0, 0.04], [3.0, 0.04], [5.0, 0.02]];
-        [Periodic::of_segments(&segments), Periodic::of_points(&points)].into_iter().flatten().collect()
+        [Periodic::of_segments(&segments), Periodic::spline(&points), Periodic::monotone(&points)]
+            .map(Option::unwrap)
+            .into()
     }
 
     #[test]
@@ -164,7 +183,8 @@ mod tests {
     #[test]
     fn points_of_more_than_a_period_are_refused() {
         for points in [&[[0.0, 1.0]][..], &[[0.0, 1.0], [TAU, 1.0]], &[[1.0, 0.0], [0.5, 1.0]]] {
-            assert_eq!(Periodic::of_points(points), None);
+            assert_eq!(Periodic::spline(points), None);
+            assert_eq!(Periodic::monotone(points), None);
         }
     }
 }

@@ -94,7 +94,7 @@ fn segments(law: &str, rise: f64) -> Value {
 }
 
 /// Lift and its first two derivatives, as VDI 2143 has them.
-fn lift(law: &str, rise: f64, u: f64) -> [f64; 3] {
+pub fn lift(law: &str, rise: f64, u: f64) -> [f64; 3] {
     let u = u.rem_euclid(TAU);
     let unit = |x: f64| match law {
         "cycloidal" => [x - (TAU * x).sin() / TAU, 1.0 - (TAU * x).cos(), TAU * (TAU * x).sin()],

@@ -3,7 +3,8 @@
 
 use crate::support::{CURVES, FOUR_BAR, Run, assert_says, changed, reals, values};
 use linkage_fmu::mechanism::Model;
-use linkage_fmu::numerics::monotone::Monotone;
+use linkage_fmu::numerics::monotone::monotone;
+use linkage_fmu::numerics::piecewise::Piecewise;
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::Causality;
 use serde_json::{Value, json};
@@ -75,7 +76,7 @@ fn points_of_a_damper_on_a_line_are_its_damping() {
 
 #[test]
 fn a_damper_with_a_curve_moves_and_dissipates_as_its_law_says() {
-    let law = Monotone::new(&DAMPER).unwrap();
+    let law = monotone(&DAMPER).unwrap();
     let rate = |_: f64, [x, v, _]: [f64; 3]| {
         let force = law.at(v)[0];
         [v, -(force + 300.0 * (x - 0.1)) / MASS, force * v]
@@ -125,7 +126,7 @@ fn a_motor_on_a_line_of_torque_over_speed_has_its_closed_form() {
 #[test]
 fn a_command_that_ramps_scales_the_curve_within_the_step() {
     let points = [[-5.0, 14.0], [0.0, 12.0], [8.0, 10.0], [20.0, 0.0], [30.0, -5.0]];
-    let law = Monotone::new(&points).unwrap();
+    let law = monotone(&points).unwrap();
     let mut text = body(false, [0.0, 0.0]);
     text["actuators"] = json!({ "ram": { "joint": "way", "force": 2, "command": 0, "points": points } });
     let mut run = Run::new(&text.to_string()).started();
@@ -264,7 +265,7 @@ const BUFFER: [[f64; 2]; 5] = [[0.0, 0.0], [0.02, 15.0], [0.05, 90.0], [0.06, 90
 
 #[test]
 fn a_progressive_bumper_gives_back_what_it_takes() {
-    let law = Monotone::new(&BUFFER).unwrap();
+    let law = monotone(&BUFFER).unwrap();
     for (is_rotary, limit, sign) in [(false, "upper", 1.0), (false, "lower", -1.0), (true, "upper", 1.0)] {
         for speed in [0.4, 1.7, 4.0] {
             let mut text = body(is_rotary, [0.0, sign * speed]);
@@ -299,7 +300,7 @@ fn a_progressive_bumper_gives_back_what_it_takes() {
 
 #[test]
 fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
-    let law = Monotone::new(&BUFFER).unwrap();
+    let law = monotone(&BUFFER).unwrap();
     let mut text = body(false, [0.3, 2.0]);
     text["stops"] = json!({ "buffer": { "joint": "way", "limit": "upper", "position": 0.3, "rigid": false, "damping": 25,
                                         "stiffness": 40, "points": BUFFER } });
@@ -307,7 +308,7 @@ fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
     let (mut y, h) = ([0.0, 2.0], 1e-5);
     let mut pushes = true;
     let rate = |pushes: bool| {
-        move |_: f64, [x, v]: [f64; 2], law: &Monotone| {
+        move |_: f64, [x, v]: [f64; 2], law: &Piecewise| {
             let push = if pushes { law.at(x)[0] + 40.0 * x + 25.0 * v } else { 0.0 };
             [v, -push / MASS]
         }
@@ -331,7 +332,7 @@ const COIL: [[f64; 2]; 6] = [[-10.0, -9.0], [-3.0, -1.0], [4.0, 2.0], [12.0, 2.0
 
 #[test]
 fn a_torsional_curve_winds_up_over_several_turns() {
-    let law = Monotone::new(&COIL).unwrap();
+    let law = monotone(&COIL).unwrap();
     let mut text = body(true, [1.0, 11.0]);
     text["springs"] = json!({ "coil": { "joint": "way", "preload": 0.5, "stiffness": 0.1, "points": COIL } });
     let mut run = Run::new(&text.to_string()).started();
@@ -359,7 +360,7 @@ fn a_four_bar_with_a_coil_keeps_its_energy_over_turns_both_ways() {
         m["solver"] = json!({ "tolerance": 1e-11 });
         m["start"]["speed"] = json!(60);
     });
-    let law = Monotone::new(&COIL).unwrap();
+    let law = monotone(&COIL).unwrap();
     let mut run = Run::new(&text).started();
     let (mut worst, mut most) = (0.0_f64, 0.0_f64);
     let (at_rest, stored) = (law.integral(0.0), |angle: f64| law.integral(angle));
@@ -392,7 +393,7 @@ fn a_wound_spring_has_its_equilibrium_turns_away() {
     text["start"] = json!("equilibrium");
     let mut run = Run::new(&text.to_string()).started();
     let angle = run.get("part.angle");
-    let law = Monotone::new(&[[0.0, -3.0], [10.0, -1.0], [16.0, 0.5], [30.0, 9.0]]).unwrap();
+    let law = monotone(&[[0.0, -3.0], [10.0, -1.0], [16.0, 0.5], [30.0, 9.0]]).unwrap();
     assert!(angle > 10.0 && angle < 16.0 && law.at(angle)[0].abs() < 1e-9, "{angle}");
 }
 

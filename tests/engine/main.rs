@@ -31,6 +31,7 @@ mod hydraulic_pair;
 mod impacts;
 mod input_derivatives;
 mod interface;
+mod interpolation;
 mod linearisation;
 mod look_ahead;
 mod losses;

@@ -1,5 +1,6 @@
 //! Disc cams: motion law of the follower, with the checks that need no geometry.
 use super::couplings::Coupling;
+use super::interpolation::Interpolation;
 use crate::format::DefinitionError;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::periodic::{Periodic, Segment};
@@ -75,7 +76,7 @@ impl Coupling {
     pub fn lift(&self, key: &str) -> Result<Periodic, DefinitionError> {
         match (&self.segments, &self.points) {
             (Some(segments), None) => of_segments(segments, key),
-            (None, Some(points)) => of_points(points, key),
+            (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
             (Some(_), Some(_)) => {
                 refused(format!("{key}.points"), "the lift is given by segments already: remove one of both")
             }
@@ -130,6 +131,9 @@ impl Coupling {
                 return refused(at("carrier"), "the joint of the follower says what carries the cam: remove it");
             }
             _ => {}
+        }
+        if self.interpolation.is_some() && self.points.is_none() {
+            return refused(at("interpolation"), "segments have laws of their own: remove it, or give points");
         }
         if self.phase.is_some() {
             return refused(at("phase"), "the base circle says where the follower is without lift: remove it");
@@ -207,9 +211,9 @@ fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, Definitio
     Periodic::of_segments(&all).map_or_else(|| refused(format!("{key}.segments"), "there are none: add some"), Ok)
 }
 
-fn of_points(points: &[[f64; 2]], key: &str) -> Result<Periodic, DefinitionError> {
+fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Result<Periodic, DefinitionError> {
     let is_finite = points.iter().flatten().all(|value| value.is_finite());
-    match Periodic::of_points(points).filter(|_| is_finite && points.len() >= FEWEST) {
+    match interpolation.periodic(points).filter(|_| is_finite && points.len() >= FEWEST) {
         Some(lift) => Ok(lift),
         None => refused(
             format!("{key}.points"),

@@ -10,10 +10,11 @@ use super::validate::{Check, refused};
 use crate::format::Range;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
-use crate::numerics::monotone::Monotone;
+use crate::numerics::monotone::monotone;
+use crate::numerics::piecewise::Piecewise;
 
 /// The function through points under this key; `abscissa`: what their first numbers are.
-fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Monotone, super::DefinitionError> {
+fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise, super::DefinitionError> {
     for (i, value) in points.iter().enumerate().flat_map(|(i, point)| point.iter().map(move |value| (i, *value))) {
         Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
     }
@@ -29,7 +30,7 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Monotone, 
             format_args!("{abscissa} = {after} does not follow {abscissa} = {before}: sort the points by {abscissa}"),
         );
     }
-    match Monotone::new(points) {
+    match monotone(points) {
         Some(function) => Ok(function),
         None => {
             refused(key, "two points are so near to each other that the slope between them is infinite: remove one")
@@ -134,7 +135,7 @@ impl Mechanism {
         }
         for (name, stop) in self.stops.iter() {
             let Some(points) = stop.points.as_deref() else { continue };
-            let (Some([_, [_, slope]]), [.., last]) = (Monotone::new(points).map(|f| f.ends()), points) else {
+            let (Some([_, [_, slope]]), [.., last]) = (monotone(points).map(|f| f.ends()), points) else {
                 continue;
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
@@ -171,7 +172,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
 }
 
 fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
-    let (Some(function), [[first, _], .., [last, _]]) = (Monotone::new(points), points) else { return };
+    let (Some(function), [[first, _], .., [last, _]]) = (monotone(points), points) else { return };
     if points.iter().all(|[_, force]| *force == 0.0) {
         all.push(Finding::warning(key, "have no force, so it never drives", "give the points forces, or remove them"));
         return;

@@ -1,5 +1,6 @@
 //! Couplings: gears, racks, belts and cams between two bodies, with the checks that need no geometry.
 use super::cams::{CamSegment, Follower};
+use super::interpolation::Interpolation;
 use super::{Mechanism, Role, Visit};
 use crate::format::{DefinitionError, Faults, Owner, Range};
 use crate::mechanism::definition::bodies::JointKind;
@@ -49,6 +50,8 @@ pub struct Coupling {
     pub segments: Option<Vec<CamSegment>>,
     /// Cam: points of the lift in place of segments: pairs of angle [rad] and lift [m or rad], angles ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Cam: curve through the points; a spline where absent.
+    pub interpolation: Option<Interpolation>,
     /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
     pub grooved: Option<bool>,
     /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
@@ -156,6 +159,7 @@ impl Coupling {
                     "start_angle",
                     "segments",
                     "points",
+                    "interpolation",
                     "grooved",
                 ],
             ),
@@ -164,7 +168,7 @@ impl Coupling {
     }
 
     /// Keys that not all kinds have, and whether they are given.
-    fn given(&self) -> [(&'static str, bool); 24] {
+    fn given(&self) -> [(&'static str, bool); 25] {
         [
             ("second", self.second.is_some()),
             ("carrier", self.carrier.is_some()),
@@ -189,6 +193,7 @@ impl Coupling {
             ("start_angle", self.start_angle.is_some()),
             ("segments", self.segments.is_some()),
             ("points", self.points.is_some()),
+            ("interpolation", self.interpolation.is_some()),
             ("grooved", self.grooved.is_some()),
         ]
     }

@@ -1,9 +1,10 @@
 //! The prescribed motion of a drive, as the file states it.
+use super::interpolation::Interpolation;
 use super::loads::Actuator;
 use super::mechanism::Mechanism;
 use super::{Role, Visit};
 use crate::format::{DefinitionError, Faults, Owner, Range};
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -32,6 +33,8 @@ pub struct PrescribedMotion {
     pub acceleration: Option<f64>,
     /// Points of a table: pairs of time [s] and distance [m or rad], times ascending.
     pub points: Option<Vec<[f64; 2]>>,
+    /// Curve of a table through its points; a spline where absent.
+    pub interpolation: Option<Interpolation>,
 }
 
 fn enabled() -> bool {
@@ -59,6 +62,11 @@ pub enum ProfileKind {
 }
 
 impl PrescribedMotion {
+    /// The curve of a table; None without points, and for points of no function.
+    pub fn curve(&self) -> Option<Piecewise> {
+        self.interpolation.unwrap_or_default().curve(self.points.as_ref()?)
+    }
+
     /// Faults of the motion of a drive, under the key of that motion.
     pub(super) fn check(&self, key: &str, faults: &mut Faults) {
         use ProfileKind::{Cycloidal, Polynomial345, Polynomial4567, Table, Trapezoid};
@@ -70,6 +78,7 @@ impl PrescribedMotion {
             ("speed", self.speed.is_some()),
             ("acceleration", self.acceleration.is_some()),
             ("points", self.points.is_some()),
+            ("interpolation", self.interpolation.is_some()),
         ];
         let (what, wanted): (&str, &[&str]) = match self.profile {
             None => ("without a profile", &["position"]),
@@ -79,7 +88,11 @@ impl PrescribedMotion {
         };
         for (name, is_stated) in stated {
             let path = format_args!("{key}.{name}");
-            let is_optional = name == "start_time" && self.profile.is_some();
+            let is_optional = match name {
+                "start_time" => self.profile.is_some(),
+                "interpolation" => self.profile == Some(Table),
+                _ => false,
+            };
             match (is_stated, wanted.contains(&name)) {
                 (false, true) => faults.keep::<()>(refused(key, format_args!("{what} asks for {name}: add this key"))),
                 (true, false) if !is_optional => {
@@ -93,7 +106,7 @@ impl PrescribedMotion {
             faults.keep(Range::Finite.check(format_args!("{key}.position"), position));
         }
         let Some(points) = &self.points else { return };
-        if points.iter().flatten().any(|value| !value.is_finite()) || Monotone::new(points).is_none() {
+        if points.iter().flatten().any(|value| !value.is_finite()) || self.curve().is_none() {
             let message = "give 2 or more points [time, distance] of finite numbers with ascending times";
             faults.keep::<()>(refused(format_args!("{key}.points"), message));
         }

@@ -16,7 +16,8 @@ use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
 use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
-use crate::numerics::monotone::Monotone;
+use crate::numerics::monotone::monotone;
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::plane::Vec2;
 use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
@@ -85,7 +86,7 @@ impl MotionDrive {
             ProfileKind::Cycloidal => rise(Rise::Cycloidal),
             ProfileKind::Polynomial345 => rise(Rise::Polynomial345),
             ProfileKind::Polynomial4567 => rise(Rise::Polynomial4567),
-            ProfileKind::Table => Monotone::new(motion.points.as_ref()?).map(Shape::Table),
+            ProfileKind::Table => motion.curve().map(Shape::Table),
         });
         let profile = shape.map(|shape| Profile { start_time: number(motion.start_time), shape });
         let first_input = profile.is_none().then_some(first_input);
@@ -139,7 +140,7 @@ pub struct DriveCurve {
     /// Index of the load that it sizes, which is like that of the drive; the input of the same index is the command [1].
     pub load: usize,
     /// Force [N or N.m] over speed [m/s or rad/s] for the command 1.
-    pub force: Monotone,
+    pub force: Piecewise,
 }
 
 /// The joints between each two bodies, so that nobody searches all joints.
@@ -221,7 +222,7 @@ fn characteristic(spring: &definition::Spring) -> Option<Characteristic> {
     let gas = spring.gas.map(|definition::Gas { pressure, area, volume, exponent, ambient }| {
         Characteristic::Gas(Gas { pressure, area, volume, exponent, ambient })
     });
-    gas.or_else(|| Monotone::new(spring.points.as_ref()?).map(Characteristic::Points))
+    gas.or_else(|| monotone(spring.points.as_ref()?).map(Characteristic::Points))
 }
 
 impl Loading {
@@ -253,7 +254,7 @@ impl Loading {
             drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, curve: None });
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
-            if let Some(force) = a.points.as_ref().and_then(|points| Monotone::new(points)) {
+            if let Some(force) = a.points.as_ref().and_then(|points| monotone(points)) {
                 drives[drive].curve = Some(DriveCurve { load: sized.len(), force });
                 sized.push((format!("{name}.command"), sized[drive].1.clone()));
             }
@@ -305,7 +306,7 @@ impl Loading {
                 free: s.free_length.or(s.free_angle).unwrap_or(0.0),
                 preload: s.preload.unwrap_or(0.0),
                 characteristic: characteristic(s),
-                damper: s.damping_points.as_ref().and_then(|points| Monotone::new(points)),
+                damper: s.damping_points.as_ref().and_then(|points| monotone(points)),
                 state_load: None,
             });
             loads.push(load);
@@ -374,7 +375,7 @@ impl Loading {
                 restitution: s.restitution,
                 stiffness: s.stiffness,
                 damping: s.damping,
-                curve: s.points.as_ref().and_then(|points| Monotone::new(points)),
+                curve: s.points.as_ref().and_then(|points| monotone(points)),
             });
             self.loads.push(load);
         }

@@ -12,7 +12,7 @@ use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::bundle::Bundle;
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::f64::consts::TAU;
@@ -144,8 +144,8 @@ impl StateLoads {
     /// Points of the curves that size the loads of drives, bumpers and springs.
     fn find_kinks(&mut self, source: &Source) {
         let loading = &source.loading;
-        let mut add = |of: Argument, curve: Option<&Monotone>, first: usize| {
-            let knots = curve.map_or(&[][..], Monotone::knots);
+        let mut add = |of: Argument, curve: Option<&Piecewise>, first: usize| {
+            let knots = curve.map_or(&[][..], Piecewise::knots);
             let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
             self.kinks.extend(knots.iter().skip(first).map(|&value| Kink { of, value, near }));
         };

@@ -5,12 +5,12 @@
 //! ```text
 //! trapezoid        acceleration a, speed v, deceleration a; without the middle part where D < v^2 / a
 //! cycloidal, polynomial 345, polynomial 4567: the rises of `numerics/rise.rs`
-//! table            the twice continuously differentiable curve of `numerics/monotone.rs`
+//! table            a curve of `numerics/piecewise.rs`
 //! ```
 //!
 //! Source of the trapezoid: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: a time. Out: distance, speed,
 //! acceleration, jerk. It must not know what moves.
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::rise::Rise;
 
 /// Part of the time of a profile within which a time counts as that of a kink, so that sums of steps get there.
@@ -42,7 +42,7 @@ pub enum Shape {
     /// A rise by the distance [m or rad] in the duration [s].
     Rise { law: Rise, distance: f64, duration: f64 },
     /// Through points.
-    Table(Monotone),
+    Table(Piecewise),
 }
 
 impl Shape {
@@ -135,12 +135,12 @@ impl Profile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::monotone::monotone;
 
     fn all() -> Vec<Profile> {
         let (distance, duration) = (-0.7, 0.8);
         let rise = |law| Shape::Rise { law, distance, duration };
-        let table =
-            Monotone::new(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
+        let table = monotone(&[[0.0, 0.0], [0.1, 0.0], [0.3, -0.4], [0.5, -0.2], [0.8, -0.7], [1.0, -0.7]]).unwrap();
         let shapes = [
             Shape::trapezoid(distance, 1.5, 8.0),
             Shape::trapezoid(distance, 3.0, 8.0),
@@ -225,7 +225,7 @@ mod tests {
         assert_eq!(late.next_kink([1e9, 0.0], 0.01), 0.5);
         // What the sum of the steps has lost counts.
         assert_eq!(late.at([1e9, 1e-9], 0.1), early.at([1e-9, 0.0], 0.1));
-        let table = Shape::Table(Monotone::new(&[[0.0, 0.0], [1.0, 2.0]]).unwrap());
+        let table = Shape::Table(monotone(&[[0.0, 0.0], [1.0, 2.0]]).unwrap());
         let profile = Profile { start_time: 0.5, shape: table };
         assert_eq!(profile.at([0.0; 2], 0.2), [0.0; 4]);
         assert_eq!(profile.next_kink([0.0; 2], 0.2), 0.5);

@@ -4,7 +4,7 @@
 //! the linkage.
 use super::gas::Gas;
 use crate::numerics::dual::Number;
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 
 /// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot + damper(S_dot).
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Spring {
     /// Further force as a function of S.
     pub characteristic: Option<Characteristic>,
     /// Further force as a function of S_dot.
-    pub damper: Option<Monotone>,
+    pub damper: Option<Piecewise>,
     /// Index of a second load like its own, of the part of the force that the state sizes; none where no part may be.
     pub state_load: Option<usize>,
 }
@@ -33,7 +33,7 @@ pub struct Spring {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Characteristic {
     /// Through points of S [m or rad] and force [N or N.m].
-    Points(Monotone),
+    Points(Piecewise),
     /// Of a gas that S expands from the free length on.
     Gas(Gas),
 }

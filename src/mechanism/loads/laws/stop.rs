@@ -5,7 +5,7 @@
 use crate::mechanism::definition::Limit;
 use crate::numerics::dual::Number;
 use crate::numerics::enclosure::Enclosure;
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 
 /// A stop at one end of the travel of S.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Stop {
     /// Damping of the bumper [N.s/m or N.m.s/rad].
     pub damping: f64,
     /// Further push of the bumper as a function of the distance beyond the stop, 0 at 0 and nowhere falling.
-    pub curve: Option<Monotone>,
+    pub curve: Option<Piecewise>,
 }
 
 impl Stop {

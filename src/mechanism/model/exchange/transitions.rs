@@ -9,7 +9,7 @@ use crate::mechanism::outputs::{Kinematics, OutputError, View};
 use crate::mechanism::quantity::{Curve, Indicator};
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::alternating::alternating;
-use crate::numerics::monotone::Monotone;
+use crate::numerics::piecewise::Piecewise;
 
 /// Part of the mechanism's length [1] by which an indicator of a place is shifted, so that it is not 0 after its event.
 const PLACE_SHIFT: f64 = 1e-12;
@@ -120,8 +120,8 @@ fn switching(view: &mut View<f64>, switch: impl Fn(&StateLoads) -> Option<usize>
 /// A function of the state that changes its sign at the points of a curve.
 fn points(view: &mut View<f64>, curve: Curve) -> Result<f64, OutputError> {
     let loading = view.reduced.loading();
-    fn knots(curve: Option<&Monotone>) -> &[f64] {
-        curve.map_or(&[], Monotone::knots)
+    fn knots(curve: Option<&Piecewise>) -> &[f64] {
+        curve.map_or(&[], Piecewise::knots)
     }
     Ok(match curve {
         Curve::Drive(load) => {

@@ -1,0 +1,121 @@
+//! Curves through the points of a table whose second derivative is an acceleration: the lift of a cam, the motion of a drive.
+//!
+//! In: points and the kind of curve that the definition states. Out: the curve, and a warning where it goes beyond its
+//! points. It must not know geometry.
+use super::mechanism::Mechanism;
+use crate::inspection::Finding;
+use crate::numerics::decimal::Decimal;
+use crate::numerics::monotone::monotone;
+use crate::numerics::periodic::Periodic;
+use crate::numerics::piecewise::Piecewise;
+use crate::numerics::spline::spline;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Part of the points' range by which a curve may go beyond it: at 12 points a revolution a sine does by 0.9 of a hundred.
+const BEYOND: f64 = 0.02;
+/// Number of samples between two points.
+const SAMPLES: usize = 16;
+
+/// Curve through the points of a table.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Interpolation {
+    /// Quintic spline: its acceleration tends to that of a smooth law through the points, and it may go beyond them.
+    #[default]
+    Spline,
+    /// Curve that rises or falls only where the points do, at the price of its acceleration beside an extreme.
+    Monotone,
+}
+
+impl Interpolation {
+    /// The curve through points; None for points of no function.
+    pub fn curve(self, points: &[[f64; 2]]) -> Option<Piecewise> {
+        match self {
+            Self::Spline => spline(points),
+            Self::Monotone => monotone(points),
+        }
+    }
+
+    /// The curve through points of one revolution; None for points of no periodic function.
+    pub fn periodic(self, points: &[[f64; 2]]) -> Option<Periodic> {
+        match self {
+            Self::Spline => Periodic::spline(points),
+            Self::Monotone => Periodic::monotone(points),
+        }
+    }
+}
+
+impl Mechanism {
+    /// Warnings about cams and motions whose spline goes beyond the points of its table.
+    pub(super) fn warn_of_tables(&self, all: &mut Vec<Finding>) {
+        for (name, coupling) in self.couplings.iter() {
+            let (Some(points), Ok(lift)) = (&coupling.points, coupling.lift(name)) else { continue };
+            let [[first, value], ..] = points[..] else { continue };
+            let closed = [&points[..], &[[first + TAU, value]]].concat();
+            warn_of_table(&format!("couplings.{name}"), "angle", &closed, |u| lift.at(u)[0], all);
+        }
+        for (name, drive) in self.actuators.iter() {
+            let Some(motion) = &drive.motion else { continue };
+            let (Some(points), Some(curve)) = (&motion.points, motion.curve()) else { continue };
+            warn_of_table(&format!("actuators.{name}.motion"), "time", points, |t| curve.at(t)[0], all);
+        }
+    }
+}
+
+fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
+    let (low, high) = points
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [_, value]| (low.min(*value), high.max(*value)));
+    let samples = points
+        .windows(2)
+        .flat_map(|pair| (1..SAMPLES).map(move |k| pair[0][0] + (pair[1][0] - pair[0][0]) * k as f64 / SAMPLES as f64));
+    let beyond = |value: f64| (value - high).max(low - value);
+    let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
+    let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
+    let message = format!(
+        "make a spline that goes beyond them: {} at the {of} {}, where the points lie from {} to {}",
+        Decimal::rounded(value),
+        Decimal::rounded(x),
+        Decimal(low),
+        Decimal(high)
+    );
+    let remedy = "add points there, three of one value for a rest, or \"interpolation\": \"monotone\"";
+    all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn warnings(motion: Value) -> Vec<String> {
+        let text = json!({
+            "name": "Part", "bodies": { "ground": {}, "part": { "mass": 1 } },
+            "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "part.origin" } },
+            "actuators": { "servo": { "joint": "way", "motion": motion } },
+            "start": { "joint": "way", "position": 0 }, "guess": { "way": 0 },
+        });
+        Mechanism::from_json(&text.to_string()).unwrap().warnings().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn a_spline_beyond_its_points_is_warned_of() {
+        let steep = json!([[0, 0], [1, 0], [1.1, 1], [2, 1], [2.1, 1]]);
+        for (motion, pieces) in [
+            (json!({ "profile": "table", "points": [[0, 0], [0.5, 0.4], [1, 1]] }), &[][..]),
+            (
+                json!({ "profile": "table", "points": [[0, 0], [1, 0], [1.1, 0.9], [1.2, 1], [2, 0.9], [3, 1]] }),
+                &["servo.motion.points", "8.9", "at the time 2.5", "from 0 to 1", "monotone"],
+            ),
+            (json!({ "profile": "table", "points": steep, "interpolation": "monotone" }), &[]),
+            // Rests by two points at one end and by three at the other.
+            (json!({ "profile": "table", "points": steep }), &[]),
+        ] {
+            let told = warnings(motion.clone());
+            assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{motion}: {told:?}");
+            assert!(pieces.iter().all(|piece| told[0].contains(piece)), "{told:?} lacks one of {pieces:?}");
+        }
+    }
+}

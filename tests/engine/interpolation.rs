@@ -1,0 +1,130 @@
+//! Tables of cams and of prescribed motions against the laws whose points they are: acceleration and force tend to those
+//! of the law, rests rest, and a curve that is asked to be monotone is.
+use crate::cams::{ROLLER, lift, parsed, translating};
+use crate::support::{Run, assert_says, changed};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+/// The cam with the points of its law in place of the law.
+fn tabulated(law: &str, count: u32, keys: &Value) -> String {
+    let points: Vec<_> =
+        (0..count).map(|k| TAU * f64::from(k) / f64::from(count)).map(|u| json!([u, lift(law, 0.02, u)[0]])).collect();
+    changed(&translating(law, parsed(ROLLER)), |m| {
+        let cam = m["couplings"]["cam"].as_object_mut().unwrap();
+        cam.remove("segments");
+        cam.insert("points".into(), points.into());
+        cam.extend(keys.as_object().unwrap().clone());
+    })
+}
+
+/// Largest error of a table's acceleration of the follower at a constant speed of the cam, in parts of the law's largest.
+fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
+    let run = |text: &str, angle: f64| {
+        let mut run = Run::new(&changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();
+        // Beyond what the cam's own acceleration adds: s'' w^2.
+        let slope = run.get("guide.speed") / run.get("disc.speed");
+        run.get("guide.acceleration") - slope * run.get("disc.acceleration")
+    };
+    let text = tabulated(law, count, keys);
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for k in 0..180 {
+        let angle = TAU * (f64::from(k) + 0.37) / 180.0;
+        let exact = lift(law, 0.02, angle)[2] * 40.0 * 40.0;
+        worst = worst.max((run(&text, angle) - exact).abs());
+        largest = largest.max(exact.abs());
+    }
+    worst / largest
+}
+
+#[test]
+fn the_acceleration_of_a_cam_by_points_tends_to_that_of_its_law() {
+    // Beside the borders of the segments the third derivative of a cycloid jumps, the fourth one of a polynomial 4567.
+    for (law, finest, order) in [("polynomial_4567", 5e-4, 1.5), ("cycloidal", 2e-2, 0.8)] {
+        let errors = [60, 120, 240].map(|count| error_of_table(law, count, &json!({})));
+        println!("{law}: {errors:?}");
+        assert!(errors[2] < finest, "{law}: {errors:?}");
+        assert!(errors[0] > errors[2] * f64::powf(4.0, order), "{law}: {errors:?}");
+    }
+    // A monotone curve does not.
+    let error = error_of_table("polynomial_4567", 240, &json!({ "interpolation": "monotone" }));
+    println!("monotone: {error}");
+    assert!(error > 0.1, "{error}");
+}
+
+/// A mass of 2 kg on a horizontal slide, moved as the drive prescribes.
+fn servo_text(motion: &Value) -> String {
+    json!({
+            "name": "Servo", "bodies": { "ground": {}, "load": { "mass": 2 } },
+            "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "load.origin" } },
+            "actuators": { "servo": { "joint": "slide", "motion": motion } },
+            "guess": { "slide": 0 }, "start": { "joint": "slide", "position": 0 },
+    })
+    .to_string()
+}
+
+fn servo(motion: &Value) -> Run {
+    Run::new(&servo_text(motion)).started()
+}
+
+#[test]
+fn the_force_of_a_motion_by_points_tends_to_that_of_its_law() {
+    // Distance and acceleration of a polynomial 4567 over 0.8 s after a rest of 0.1 s, and before another.
+    let law = |t: f64| {
+        let u = ((t - 0.1) / 0.8).clamp(0.0, 1.0);
+        let s = u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
+        [0.3 * s, 0.3 / 0.64 * 420.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u)]
+    };
+    let errors = [20, 40, 80].map(|count: i32| {
+        let points: Vec<_> = (0..=count).map(|k| f64::from(k) / f64::from(count)).map(|t| [t, law(t)[0]]).collect();
+        let mut run = servo(&json!({ "profile": "table", "points": points }));
+        let mut worst = 0.0_f64;
+        for k in 1..=100 {
+            run.step(0.01);
+            worst = worst.max((run.get("servo.acting_force") - 2.0 * law(0.01 * f64::from(k))[1]).abs());
+        }
+        worst
+    });
+    println!("{errors:?}");
+    // Of 7 N.
+    assert!(errors[2] < 1e-5, "{errors:?}");
+    assert!(errors[0] > 100.0 * errors[2], "{errors:?}");
+}
+
+#[test]
+fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
+    let points = json!([[0, 0], [0.2, 0], [0.3, 1], [0.5, 1], [0.9, 1], [1.0, 0.4], [1.6, 0.2]]);
+    let mut run = servo(&json!({ "profile": "table", "points": points }));
+    let mut least = f64::INFINITY;
+    for k in 1..=150 {
+        run.step(0.01);
+        let t = 0.01 * f64::from(k);
+        let [position, speed, force] =
+            ["slide.position", "slide.speed", "servo.acting_force"].map(|name| run.get(name));
+        for (from, to, value) in [(0.0, 0.2, 0.0), (0.3, 0.9, 1.0)] {
+            if from + 1e-9 < t && t < to - 1e-9 {
+                assert!((position - value).abs() < 1e-14 && speed.abs() < 1e-11 && force.abs() < 1e-9, "{t}: {force}");
+            }
+        }
+        least = least.min(position);
+    }
+    assert!(least < -0.01, "the spline goes beyond its points: {least}");
+    let mut run = servo(&json!({ "profile": "table", "points": points, "interpolation": "monotone" }));
+    for _ in 1..=150 {
+        run.step(0.01);
+        let position = run.get("slide.position");
+        assert!((-1e-15..=1.0 + 1e-15).contains(&position), "{position}");
+    }
+}
+
+#[test]
+fn a_curve_without_points_is_refused() {
+    let text = changed(&translating("cycloidal", parsed(ROLLER)), |m| {
+        m["couplings"]["cam"]["interpolation"] = json!("spline")
+    });
+    assert_says(Simulation::open(&text).unwrap_err(), &["couplings.cam.interpolation", "segments", "points"]);
+    for (value, pieces) in [("spline", ["motion.interpolation", "this profile"]), ("cubic", ["cubic", "monotone"])] {
+        let text = servo_text(&json!({ "profile": "cycloidal", "duration": 1, "distance": 1, "interpolation": value }));
+        assert_says(Simulation::open(&text).unwrap_err(), &pieces);
+    }
+}
