@@ -60,7 +60,7 @@ pub struct Forces<N> {
 pub struct Computed {
     /// Evaluations of the acceleration with friction, drag and the forces of stops.
     pub effects: u64,
-    /// Reactions of a joint.
+    /// Sums of the reactions of a group of joints.
     pub reactions: u64,
 }
 

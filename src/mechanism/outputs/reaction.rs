@@ -23,6 +23,10 @@ impl<'a, N: Reading> View<'a, N> {
     /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it transmits
     /// along the motion [N].
     pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
+        self.find_sums(joint / ROW)?;
+        if let Some(value) = self.cache.reactions[joint] {
+            return Ok(value);
+        }
         let mut value = self.reaction_along(joint)?;
         for mesh in 0..self.reduced.loading().meshes.len() {
             self.add_separation(mesh, joint, &mut value)?;
@@ -30,7 +34,6 @@ impl<'a, N: Reading> View<'a, N> {
         let value = value.map(finite);
         self.cache.reactions[joint] = Some(value);
         self.cache.has_reactions = true;
-        self.cache.computed.reactions += 1;
         Ok(value)
     }
 
@@ -53,11 +56,8 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// [`Self::find_reaction`] without the forces that push teeth apart.
     fn reaction_along(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
-        self.find_shares()?;
         let (group, own) = (joint / ROW, joint % ROW);
-        if !self.cache.groups[group].are_known {
-            self.find_group(group);
-        }
+        self.find_sums(group)?;
         let (reduced, sigma, at) = (self.reduced, self.sigma(), self.state.sigma);
         let GroupReactions { given, state, .. } = &self.loads.reactions[group];
         let is_sized = !self.cache.shares.acts || state.is_resolved[own];
@@ -145,6 +145,35 @@ impl<'a, N: Reading> View<'a, N> {
         let shares = &mut self.cache.shares;
         shares.acts = !shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant());
         Ok(())
+    }
+
+    /// Find the sums of a group of joints for this state, and the reactions of these joints if they are no more than that.
+    #[inline]
+    fn find_sums(&mut self, group: usize) -> Result<(), OutputError> {
+        if self.cache.groups[group].are_known {
+            return Ok(());
+        }
+        self.find_shares()?;
+        self.find_group(group);
+        self.cache.computed.reactions += 1;
+        if !N::CARRIES && self.forces()?.held.is_none() && self.reduced.loading().meshes.is_empty() {
+            self.finish(group);
+        }
+        Ok(())
+    }
+
+    /// The reactions of the joints of a group that have tables, where nothing but the sums makes them.
+    fn finish(&mut self, group: usize) {
+        let (joints, acts) = (self.joints(group), self.cache.shares.acts);
+        let GroupReactions { given: with, state: with_state, .. } = &self.loads.reactions[group];
+        let OutputCache { groups, reactions, .. } = &mut *self.cache;
+        let GroupValues { given, state, .. } = &groups[group];
+        for (own, reaction) in reactions[joints].iter_mut().enumerate() {
+            if with.is_resolved[own] && (!acts || with_state.is_resolved[own]) {
+                let zero = N::constant(0.0);
+                *reaction = Some(std::array::from_fn(|part| finite(zero + given[part][own] + state[part][own])));
+            }
+        }
     }
 
     /// Find the reactions of the joints of a group, of those that have tables at sigma, as sums over their terms.
