@@ -173,6 +173,16 @@ impl Piecewise {
         &self.knots
     }
 
+    /// Abscissae of the points at which the function ceases to rise or to fall, and of those beside them.
+    pub fn turning_knots(&self) -> Vec<f64> {
+        let values: Vec<f64> = self.pieces.iter().map(|piece| piece.coefficients[0]).chain([self.ends[1][0]]).collect();
+        let ways: Vec<f64> =
+            values.windows(2).map(|pair| (pair[1] - pair[0]).signum() * f64::from(pair[1] != pair[0])).collect();
+        let turns = |k: usize| k > 0 && k < ways.len() && ways[k - 1] != ways[k];
+        let is_near = |k: usize| turns(k) || turns(k + 1) || k.checked_sub(1).is_some_and(turns);
+        (0..self.knots.len()).filter(|&k| is_near(k)).map(|k| self.knots[k]).collect()
+    }
+
     /// Largest size of the values at the points.
     pub fn largest(&self) -> f64 {
         let values = self.pieces.iter().map(|piece| piece.coefficients[0]);

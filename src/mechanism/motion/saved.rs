@@ -427,7 +427,7 @@ impl SavedState {
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);
                     (is_one, format!("index of an event = {border}: {what}"))
                 }
-                Event::Knot(_) => (reduced.has_knots(), "event ahead: no coupling has a knot".into()),
+                Event::Knot(_) => (reduced.has_knots(), "event ahead: no coupling and no spring has a knot".into()),
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),
                     format!("index of an event = {switch}: there is no such change of sign"),

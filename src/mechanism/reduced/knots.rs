@@ -1,22 +1,57 @@
 //! Knots of the motion: positions at which the law of a coupling is only twice continuously differentiable, such as the
-//! borders of the segments of a cam. A step that passes one ends there.
+//! borders of the segments of a cam, and those at which the curve of a spring turns, as in a detent, which a step could pass
+//! over unseen. A step that passes a knot ends there.
 //!
 //! In: the reduced model, a sigma, a direction. Out: the next knot. It must not know states or inputs.
 use super::model::Reduced;
-use crate::mechanism::curve::Curve;
+use crate::mechanism::curve::{Configuration, Curve, Scratch};
+use crate::mechanism::loads::laws::spring::Spring;
+use crate::mechanism::loads::resolved::Loading;
 
 /// Distance from a knot up to which a position is at it, relative to the scale of sigma: the acceleration has a kink of
 /// its second derivative there, of which the square of this part is left.
 pub const AT_KNOT: f64 = 1e-9;
 
-/// Values of sigma at which the law of a coupling is not analytic; none for a curve whose couplings have none.
-pub(super) fn knots(curve: &Curve) -> Option<Box<[f64]>> {
+/// Distance up to which a border of the tables is at a point of a spring's curve, in parts of the change of its displacement
+/// over the panel beside it.
+const AT_POINT: f64 = 1e-9;
+
+/// Values of sigma at which the law of a coupling is not analytic, and those of `borders` at which the curve of a spring turns,
+/// ascending; none for a mechanism that has neither.
+pub(super) fn knots(curve: &Curve, loading: &Loading, borders: &[f64]) -> Option<Box<[f64]>> {
     let has_knots = curve.linkage().couplings.iter().any(|coupling| coupling.law.has_knots());
-    has_knots.then(|| curve.law_knots_from_start().into())
+    let mut all = if has_knots { curve.law_knots_from_start() } else { Vec::new() };
+    let mut turns = false;
+    for spring in &loading.springs {
+        let points = spring.turning_knots();
+        if !points.is_empty() && loading.loads[spring.load].growth(curve) == 0.0 {
+            turns = true;
+            turning(curve, loading, spring, (&points, borders), &mut all);
+        }
+    }
+    if turns {
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+    }
+    (has_knots || turns).then(|| all.into())
+}
+
+/// Those of `borders` at which the displacement of a spring is one of these.
+fn turning(curve: &Curve, loading: &Loading, spring: &Spring, (points, borders): (&[f64], &[f64]), out: &mut Vec<f64>) {
+    let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
+    let load = &loading.loads[spring.load];
+    for (k, &border) in borders.iter().enumerate().filter(|(_, border)| **border < curve.range.1) {
+        curve.configure(border, &mut scratch, &mut c);
+        let [s, slope, _] = load.displacement(curve.linkage(), &c);
+        let near = AT_POINT * slope.abs() * (borders[k + 1] - border);
+        if points.iter().any(|point| (s - point).abs() <= near) {
+            out.push(border);
+        }
+    }
 }
 
 impl Reduced {
-    /// Whether the law of a coupling has knots.
+    /// Whether the motion has knots.
     #[inline(always)]
     pub fn has_knots(&self) -> bool {
         self.knots.is_some()

@@ -235,7 +235,7 @@ impl Reduced {
             Origin::Whole(whole, stretch) => (whole.exact, whole.speed_floor, stretch),
         };
         let beyond = if stretch == 0 { Beyond::of(&source.curve) } else { None };
-        let knots = knots(&source.curve);
+        let knots = knots(&source.curve, &source.loading, &grid.borders);
         Self {
             source,
             markers,

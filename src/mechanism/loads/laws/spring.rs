@@ -163,4 +163,13 @@ impl Spring {
             _ => &[],
         }
     }
+
+    /// Those at and beside which the force of the points ceases to rise or to fall, as in a detent: what lies between them
+    /// may be narrow and weak.
+    pub fn turning_knots(&self) -> Vec<f64> {
+        match &self.characteristic {
+            Some(Characteristic::Points(points)) => points.turning_knots(),
+            _ => Vec::new(),
+        }
+    }
 }
