@@ -4,7 +4,7 @@
 //! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
 //! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
-//! each `match` of this file. Its model has methods of the same names, whose errors convert to [`Refused`].
+//! each `match` of this module. Its model has methods of the same names, whose errors convert to [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {
@@ -18,140 +18,25 @@ macro_rules! each {
 mod derivative;
 mod exchange;
 mod linearise;
+mod refusal;
 mod snapshot;
+mod step;
 mod tables;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
 use crate::format::{About, Experiment};
-use crate::hydraulics::{self, HydraulicsError};
+use crate::hydraulics;
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
-use crate::mechanism::Line;
+use crate::mechanism;
 pub use crate::mechanism::Pauses;
-use crate::mechanism::{self, ModelError, Reached};
 use crate::variables::{Interface, Reference, Terminal, Vector};
+pub use refusal::{NoValue, Refused};
 pub use snapshot::Snapshot;
-use std::fmt;
 use std::sync::Arc;
+pub use step::{Interrupted, Paused, Stepped};
 pub use tables::TABLES;
-
-/// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
-/// remedy.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Refused(pub String);
-
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Refused {}
-
-impl From<ModelError> for Refused {
-    #[cold]
-    fn from(error: ModelError) -> Self {
-        Self(error.to_string())
-    }
-}
-
-impl From<HydraulicsError> for Refused {
-    #[cold]
-    fn from(error: HydraulicsError) -> Self {
-        Self(error.to_string())
-    }
-}
-
-/// How far a step has come.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Stepped {
-    /// To its end.
-    Whole,
-    /// To a state before its end, in which the model is now.
-    Part(Interrupted),
-    /// Nowhere: the step could not be computed, and the model is in the state before it.
-    Failed(Refused),
-}
-
-/// Where a step has ended that may pause.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Paused {
-    /// At its end.
-    AtEnd,
-    /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
-    AtEvent(f64),
-    /// At the end of an internal step, so long after its beginning [s].
-    AtStep(f64),
-    /// At a state before its end, as the step met a bound.
-    Part(Interrupted),
-    /// Nowhere, as [`Stepped::Failed`].
-    Failed(Refused),
-}
-
-impl From<Stepped> for Paused {
-    fn from(stepped: Stepped) -> Self {
-        match stepped {
-            Stepped::Whole => Self::AtEnd,
-            Stepped::Part(interrupted) => Self::Part(interrupted),
-            Stepped::Failed(refused) => Self::Failed(refused),
-        }
-    }
-}
-
-/// Why a question of a host's solver has no answer; the model is unchanged.
-#[derive(Clone, Debug, PartialEq)]
-pub enum NoValue {
-    /// There is no value at this trial state: a shorter step of the solver avoids it.
-    AtState(String),
-    /// Whatever the state.
-    Refused(Refused),
-}
-
-impl From<mechanism::NoValue> for NoValue {
-    #[cold]
-    fn from(no_value: mechanism::NoValue) -> Self {
-        match no_value {
-            mechanism::NoValue::AtState(why) => Self::AtState(why),
-            mechanism::NoValue::Refused(error) => Self::Refused(error.into()),
-        }
-    }
-}
-
-/// A step that met `solver.max_steps`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Interrupted {
-    /// Time from the beginning of the step to the state reached [s], less than the step.
-    pub time: f64,
-    /// What took so many steps, how far they came, and the remedy.
-    pub why: String,
-}
-
-/// How far a step of a mechanism has come that did not come to its end.
-///
-/// # Errors
-/// The step was refused before it began.
-#[cold]
-fn stepped(error: ModelError) -> Result<Stepped, Refused> {
-    match error {
-        ModelError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
-        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
-        error => Err(error.into()),
-    }
-}
-
-/// How far a step of a hydraulic actuator has come that did not come to its end.
-///
-/// # Errors
-/// The step was refused before it began.
-#[cold]
-fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
-    match error {
-        HydraulicsError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
-        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
-        error => Err(error.into()),
-    }
-}
 
 /// A model of any kind.
 #[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
@@ -378,69 +263,6 @@ impl Component {
         fn initialize(self: &mut Self) -> ();
     }
 
-    /// [`Self::step_from`] at the model's own time since the start.
-    ///
-    /// # Errors
-    /// As [`Self::step_from`].
-    pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
-        self.step_from(None, h)
-    }
-
-    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
-    ///
-    /// # Errors
-    /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads
-    /// overflow.
-    #[inline]
-    pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<Stepped, Refused> {
-        match self {
-            Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
-            Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
-        }
-    }
-
-    /// Whether a step may come to an event: a stop is met or lets go.
-    pub fn has_events(&self) -> bool {
-        match self {
-            Self::Mechanism(model) => model.has_events(),
-            Self::Hydraulic(_) => false,
-        }
-    }
-
-    /// Whether a step tells its internal steps.
-    pub fn has_internal_steps(&self) -> bool {
-        matches!(self, Self::Mechanism(_))
-    }
-
-    /// [`Self::step_from`], but only to where it pauses first. At an event the state is that before the event.
-    ///
-    /// # Errors
-    /// As [`Self::step_from`].
-    #[inline]
-    pub fn step_to_pause(&mut self, point: f64, h: f64, pauses: Pauses) -> Result<Paused, Refused> {
-        match self {
-            Self::Mechanism(model) => match model.step_to_pause(Some(point), h, pauses) {
-                Ok(Reached::End) => Ok(Paused::AtEnd),
-                Ok(Reached::Event(time)) => Ok(Paused::AtEvent(time)),
-                Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
-                Err(error) => stepped(error).map(Paused::from),
-            },
-            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
-        }
-    }
-
-    /// Handle the event to which a step has led, at the time `point` [s] of the host: the state is then that after it.
-    /// Returns whether the state has jumped. Without an event nothing changes.
-    ///
-    /// # Errors
-    /// The state after the event cannot be computed; nothing has changed.
-    pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
-        match self {
-            Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
-            Self::Hydraulic(_) => Ok(false),
-        }
-    }
-
     /// What the steps and values since the last call give reason to warn of; None mostly.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
@@ -456,32 +278,6 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.start_warning(),
             Self::Hydraulic(_) => None,
-        }
-    }
-
-    /// That the model has grown with its motion, told once; None mostly.
-    #[inline]
-    pub fn take_growth(&mut self) -> Option<String> {
-        match self {
-            Self::Mechanism(model) => model.take_growth(),
-            Self::Hydraulic(_) => None,
-        }
-    }
-
-    /// Keep events in steps, or details, for [`Self::take_occurrences`], or do not.
-    #[inline]
-    pub fn listen(&mut self, events: bool, details: bool) {
-        if let Self::Mechanism(model) = self {
-            model.listen(events, details);
-        }
-    }
-
-    /// What happened in the last step, which began at the time `point` [s], in words; nothing mostly.
-    #[inline]
-    pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
-        match self {
-            Self::Mechanism(model) => model.take_occurrences(point),
-            Self::Hydraulic(_) => Vec::new(),
         }
     }
 

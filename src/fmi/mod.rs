@@ -9,6 +9,7 @@
 
 pub(crate) mod array;
 pub(crate) mod clock;
+mod derivatives;
 pub(crate) mod event_mode;
 pub(crate) mod exchange;
 mod exported;
@@ -21,6 +22,7 @@ pub(crate) mod resources;
 pub(crate) mod saved;
 pub(crate) mod state_handle;
 pub(crate) mod undefined;
+mod values;
 pub(crate) mod vectors;
 pub(crate) mod version;
 

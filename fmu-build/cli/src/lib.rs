@@ -3,8 +3,10 @@
 //! In: words. Out: a task with its arguments, or help. It must not know the engine, so that it is built in seconds: the
 //! first command of a newcomer asks for help.
 pub mod installed;
+mod libraries;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use libraries::{Dist, Fmi, Library, Naming, PLATFORMS, Package, Platform, Test, glibc, library};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -52,110 +54,6 @@ pub enum Task {
     Test(Test),
     /// Run the benchmarks of the validation package
     Bench(Bench),
-}
-
-/// Arguments of `package`.
-#[derive(Args, Clone, Default)]
-pub struct Package {
-    /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
-    #[arg(value_name = "PATH", conflicts_with = "all")]
-    pub paths: Vec<PathBuf>,
-    /// Every folder of modelDescription/, and the system of the landing gear and its hydraulic actuator
-    #[arg(long)]
-    pub all: bool,
-    /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
-    #[arg(long, conflicts_with_all = ["paths", "all"])]
-    pub ssp: bool,
-    /// Folder for the FMUs [default: target/fmu in the repository]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
-    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
-    pub binaries: Vec<Library>,
-    /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
-    #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
-    pub fmi: Fmi,
-    /// What the description says of the names of variables: that they are structured by dots, as importers show in trees,
-    /// or flat, as importers need that take no structure; the names are the same
-    #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
-    pub naming: Naming,
-    /// Platforms whose libraries are built and packed [default: this machine's own]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
-    pub platforms: Vec<Platform>,
-    /// Pack what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
-    #[arg(long, requires = "platforms")]
-    pub available: bool,
-    /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
-    #[arg(long, requires = "platforms")]
-    pub compatible: bool,
-    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI when it
-    /// is first needed
-    #[arg(long, value_name = "VERSION", value_parser = glibc)]
-    pub glibc: Option<String>,
-    /// Leave out documentation/animation.html, which plays the default run
-    #[arg(long)]
-    pub no_animation: bool,
-    /// Leave out the tables of the mechanism: a smaller FMU, whose instances make them
-    #[arg(long)]
-    pub no_tables: bool,
-    /// Leave out the reference results of the default run
-    #[arg(long)]
-    pub no_results: bool,
-}
-
-impl Package {
-    /// No argument but the version of FMI, which is 2.0: for those who run the FMU as one.
-    pub fn of_fmi_2() -> Self {
-        Self { fmi: Fmi::Two, ..Self::default() }
-    }
-}
-
-/// Platforms that libraries are built for, by the names of FMI 3.0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Platform {
-    /// Linux on Intel and AMD, in FMI 2.0 linux64
-    #[value(name = "x86_64-linux", alias = "linux64")]
-    X86Linux,
-    /// Windows on Intel and AMD, in FMI 2.0 win64
-    #[value(name = "x86_64-windows", alias = "win64")]
-    X86Windows,
-    /// Linux on ARM with 64 bits, in FMI 2.0 aarch64-linux
-    #[value(name = "aarch64-linux")]
-    ArmLinux,
-}
-
-/// Versions of FMI that `package` makes FMUs of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Fmi {
-    /// FMI 2.0
-    #[value(name = "2")]
-    Two,
-    /// FMI 3.0
-    #[value(name = "3")]
-    Three,
-    /// FMI 2.0 and FMI 3.0, a file of each
-    #[default]
-    Both,
-}
-
-/// Conventions of FMI for names of variables (FMI 2.0.5, 2.2.9).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Naming {
-    /// Any text
-    Flat,
-    /// Parts between dots
-    #[default]
-    Structured,
-}
-
-impl Naming {
-    /// Word in the description of an FMU.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Structured => "structured",
-        }
-    }
 }
 
 /// Arguments of `check`.
@@ -398,47 +296,6 @@ pub struct Chain {
     pub out: Option<PathBuf>,
 }
 
-/// Arguments of `dist`.
-#[derive(Args, Default)]
-pub struct Dist {
-    /// Platforms whose libraries go into the wheel; the wheel itself is for this machine's [default: this machine's own]
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
-    pub platforms: Vec<Platform>,
-    /// Take what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
-    #[arg(long, requires = "platforms")]
-    pub available: bool,
-    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
-    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
-    pub binaries: Vec<Library>,
-    /// Oldest glibc on which the program and the libraries for Linux are to run, 2.17 or later: zig links them [default: the
-    /// one that this machine's linker asks for]
-    #[arg(long, value_name = "VERSION", value_parser = glibc)]
-    pub glibc: Option<String>,
-    /// Folder for the wheel [default: target/dist in the repository]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Install the wheel in a new virtual environment and run its commands there without Rust
-    #[arg(long)]
-    pub test: bool,
-}
-
-/// Arguments of `test`.
-#[derive(Args, Default)]
-pub struct Test {
-    /// Instead: run the libraries for other platforms by Wine and QEMU, and compare their results with this machine's
-    #[arg(long)]
-    pub platforms: bool,
-    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given repeatedly
-    #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
-    pub binaries: Vec<Library>,
-    /// Write what --platforms finds to validation/results/platforms.md
-    #[arg(long, requires = "platforms")]
-    pub write: bool,
-    /// Instead: build the library in two folders and compare the bytes
-    #[arg(long, conflicts_with = "platforms")]
-    pub reproducible: bool,
-}
-
 /// Arguments of `report`.
 #[derive(Args)]
 pub struct Report {
@@ -459,44 +316,4 @@ pub struct Bench {
     /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
-}
-
-/// Oldest glibc that Rust's standard library knows.
-const OLDEST_GLIBC: u32 = 17;
-
-/// A version of glibc, such as 2.17.
-///
-/// # Errors
-/// Another form, or one that is older than Rust's standard library asks for.
-pub fn glibc(text: &str) -> Result<String, String> {
-    match text.strip_prefix("2.").and_then(|minor| minor.parse::<u32>().ok()) {
-        Some(minor) if minor >= OLDEST_GLIBC => Ok(format!("2.{minor}")),
-        _ => Err(format!("write a version of glibc from 2.{OLDEST_GLIBC} on, such as 2.{OLDEST_GLIBC} or 2.28")),
-    }
-}
-
-/// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
-pub const PLATFORMS: [&str; 7] = ["win32", "win64", "linux32", "linux64", "aarch64-linux", "darwin32", "darwin64"];
-
-/// A platform and the library for it.
-#[derive(Clone, Debug)]
-pub struct Library {
-    /// One of [`PLATFORMS`].
-    pub platform: &'static str,
-    /// The library.
-    pub file: PathBuf,
-}
-
-/// `PLATFORM=PATH`.
-///
-/// # Errors
-/// Another form, or an unknown platform.
-pub fn library(text: &str) -> Result<Library, String> {
-    let known = || PLATFORMS.join(", ");
-    let (name, file) = text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; platforms: {}", known()))?;
-    let platform = PLATFORMS
-        .into_iter()
-        .find(|platform| *platform == name)
-        .ok_or_else(|| format!("there is no platform {name} in FMI 2.0; platforms: {}", known()))?;
-    Ok(Library { platform, file: file.into() })
 }

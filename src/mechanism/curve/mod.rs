@@ -21,6 +21,7 @@ mod part;
 mod singular;
 mod stretch;
 mod trace;
+mod tracer;
 mod travel;
 
 pub use configuration::{Configuration, Scratch};
@@ -29,7 +30,7 @@ pub use evaluate::{Curve, Ends};
 pub use near::{Candidate, Near, NearMiss, REPORTED, is_same};
 pub use singular::{Place, Singular};
 pub use stretch::STRETCHES;
-pub use trace::NEAR_CROSSING;
+pub use tracer::NEAR_CROSSING;
 
 #[cfg(test)]
 mod tests;

@@ -7,6 +7,7 @@ mod elapsed;
 pub mod equilibrium;
 pub mod events;
 pub mod impacts;
+mod memory;
 pub mod prescribed;
 pub mod samples;
 mod saved;
@@ -16,4 +17,5 @@ pub mod travel;
 pub mod witness;
 mod work;
 
-pub use saved::{CircuitState, MOST_REVOLUTIONS, SavedState};
+pub use memory::CircuitState;
+pub use saved::{MOST_REVOLUTIONS, SavedState};

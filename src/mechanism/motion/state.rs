@@ -2,6 +2,7 @@
 //!
 //! In: a start, inputs, a reduced model. Out: the state after each step, on an error the state before it. It must not
 //! know outputs.
+mod arrival;
 mod circuit;
 mod inputs;
 mod jump;
@@ -18,12 +19,12 @@ use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::coasting::{Coasting, Path};
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
-use crate::mechanism::motion::saved::{MOST_REVOLUTIONS, Memory, SavedState};
+use crate::mechanism::motion::memory::Memory;
+use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
-use crate::mechanism::motion::work::Spent;
-use crate::mechanism::reduced::{End, Reduced, ReductionError, StateLoads};
-use crate::numerics::table::Unresolved;
+use crate::mechanism::reduced::{End, Reduced, StateLoads};
+use arrival::{Arrival, Begin};
 pub use circuit::check_lengths;
 use circuit::{left_circuit, rough_length};
 use inputs::{Before, engaged_locks};
@@ -61,13 +62,6 @@ impl DerefMut for State {
     }
 }
 
-/// Counts before a step, for the description of its work.
-struct Begin {
-    revolutions: f64,
-    /// Steps that the integration has accepted and rejected.
-    tried: [u64; 2],
-}
-
 /// Where a step has ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reached {
@@ -87,17 +81,6 @@ impl Reached {
             Self::Event(time) | Self::Pause(time) => time,
         }
     }
-}
-
-/// How far a step has come.
-struct Arrival {
-    /// (sigma, sigma_dot), with sigma perhaps beyond the ends of a closed curve.
-    y: [f64; 2],
-    /// Energy lost in the step [J].
-    lost: f64,
-    contact: Contact,
-    /// Revolutions that sigma does not count.
-    passed: f64,
 }
 
 /// Locks are engaged or not as the ends tell; where the mechanism rests, a lock catches it or lets it go.
@@ -342,76 +325,6 @@ impl State {
         }
         witness.settle(&mut saved.impacts, saved.time.now);
         saved.time.pass(h);
-    }
-
-    /// Take over the end of a step, with sigma within the curve.
-    ///
-    /// # Errors
-    /// The motion or the revolutions overflow, or an open curve was left; nothing has changed.
-    #[inline(always)]
-    fn arrive(&mut self, reduced: &Reduced, arrival: &Arrival) -> Result<(), ModelError> {
-        let &Arrival { mut y, lost, contact, passed } = arrival;
-        if !(y[1] + lost).is_finite() || !(self.reference - lost).is_finite() {
-            return Err(ModelError::Overflow { name: "the motion at the end of the step".into() });
-        }
-        let (first, last) = reduced.curve().range;
-        if passed != 0.0 || !(first..last).contains(&y[0]) {
-            y[0] = self.count_revolutions(reduced, y[0], passed)?;
-        }
-        [self.sigma, self.sigma_dot] = y;
-        self.contact = contact;
-        self.reference -= lost;
-        Ok(())
-    }
-
-    /// Refuse a state beyond an end of the curve, or on a stretch of it with state loads that are not smooth.
-    #[cold]
-    fn arrive_beyond(&self, reduced: &Reduced, sigma: f64) -> Result<(), ModelError> {
-        let stretch = reduced.reach(sigma).map_err(|end| ModelError::travel(end, sigma))?;
-        let failed = |at: &Unresolved| {
-            let (position, what) = (stretch.curve().describe(at.sigma, 0.0), "friction".into());
-            ModelError::travel((stretch, End::Failed(&ReductionError::Table { what, position })), sigma)
-        };
-        stretch.state_loads(self.air).map_err(failed).map(|_| ())
-    }
-
-    /// sigma within the first revolution of a closed curve, with the others counted.
-    ///
-    /// # Errors
-    /// The revolutions overflow, or an open curve was left; nothing has changed.
-    #[cold]
-    fn count_revolutions(&mut self, reduced: &Reduced, sigma: f64, passed: f64) -> Result<f64, ModelError> {
-        let (first, last) = reduced.curve().range;
-        let Some(period) = reduced.period() else {
-            return self.arrive_beyond(reduced, sigma).map(|()| sigma);
-        };
-        let revolutions = ((sigma - first) / period).floor();
-        let all = self.revolutions + revolutions + passed;
-        if all.is_nan() || all.abs() > MOST_REVOLUTIONS {
-            return Err(ModelError::Overflow { name: "the number of revolutions".into() });
-        }
-        let shift = self.revolutions * period;
-        let place = self.travel.places().find(|(_, position)| position - shift == sigma);
-        self.revolutions = all;
-        // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
-        self.recount();
-        Ok(match place {
-            // At a stop before, at the stop after: what is at a place is known by equal numbers.
-            Some((_, position)) => position - all * period,
-            // Over many revolutions the difference may be beyond the ends by rounding.
-            None => (sigma - revolutions * period).clamp(first, last),
-        })
-    }
-
-    /// Why a step has come no further.
-    #[cold]
-    fn interrupted(&self, begin: &Begin, progress: &Progress, h: f64, solver: &Solver) -> ModelError {
-        let &Progress { t: time, work, .. } = progress;
-        let [[before, rejected], [now, all_rejected]] = [begin.tried, self.memory.tried()];
-        let (accepted, rejected) = (now - before, all_rejected - rejected);
-        let revolutions = self.revolutions - begin.revolutions;
-        let why = Spent { accepted, rejected, work, revolutions, time, h, max_steps: solver.max_steps }.describe();
-        ModelError::Interrupted { time, why }
     }
 
     /// The whole revolutions before sigma are others: what was counted on over them no longer holds.

@@ -3,6 +3,7 @@
 //! In: a definition. Out: the influence of every load, and on request the coordinates, displacements, markers and
 //! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know
 //! states or inputs.
+mod build;
 mod characteristics;
 mod error;
 mod knots;

@@ -2,7 +2,8 @@
 //!
 //! In: a reduced model; or the sections and the same definition. Out: the sections; or curve and tables, to the bit. A
 //! section that is absent, or that is not of the definition's shape, is made anew. It must not know where files are.
-use super::model::{Origin, Reduced};
+use super::build::Origin;
+use super::model::Reduced;
 use super::resolved::Resolved;
 use crate::codec::record::{Damaged, Record};
 use crate::codec::sections::Sections;

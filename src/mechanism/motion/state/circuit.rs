@@ -13,7 +13,7 @@ use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
-use crate::mechanism::motion::saved::{CircuitMemory, Memory};
+use crate::mechanism::motion::memory::{CircuitMemory, Memory};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;

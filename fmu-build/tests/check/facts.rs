@@ -1,0 +1,131 @@
+//! Facts about mechanisms against closed forms.
+
+use crate::support::{checked, fact, number, slider_crank, with};
+use fmu_build::check;
+use serde_json::{Value, json};
+
+#[test]
+fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
+    let all = checked(&slider_crank().to_string());
+    assert_eq!(all.findings.len(), 0, "{}", check::findings(&all));
+    let near = |topic, of, name, expected: f64| {
+        let value = number(&all, topic, of, name);
+        assert!((value - expected).abs() < 1e-12, "{topic} {of} {name}: {value}, expected {expected}");
+    };
+    let (angle, slider) = (0.5_f64, |angle: f64| 0.1 * angle.cos() + (0.09 - (0.1 * angle.sin()).powi(2)).sqrt());
+    near("Mass", "", "total", 3.0);
+    near("Mass", "", "centre x", (0.05 * angle.cos() + 2.0 * slider(angle)) / 3.0);
+    near("Mass", "", "centre y", 0.05 * angle.sin() / 3.0);
+    near("Travel", "guide", "least", 0.2);
+    near("Travel", "guide", "most", 0.4);
+    near("Travel", "rod", "most", (1.0_f64 / 3.0).asin());
+    near("Drives", "push", "stroke", 0.2);
+    // Half of m l2 / 3 omega2 and of 2 kg v2; the slider's speed over the crank's by a central difference.
+    let rate = (slider(angle + 1e-6) - slider(angle - 1e-6)) / 2e-6;
+    let inertia = number(&all, "Reduced mass", "motor", "start");
+    assert!((inertia - (0.01 / 3.0 + 2.0 * rate * rate)).abs() < 1e-9, "{inertia}");
+    near("Reduced mass", "motor", "least", 0.01 / 3.0);
+    assert!(number(&all, "Reduced mass", "push", "most").is_infinite(), "dead centres of the slider");
+    // The motor carries the crank's weight at half its length; the slider moves across gravity.
+    near("Equilibrium at the start", "motor", "holding", 10.0 * 0.05 * angle.cos());
+    assert!(fact(&all, "Equilibrium at the start", "crank").text.starts_with("does not hold"));
+    let toggles = all.inspection.facts.iter().filter(|fact| fact.topic == "Toggles" && fact.of == "guide").count();
+    assert_eq!(toggles, 2);
+}
+
+#[test]
+fn the_start_holds_in_balance_and_at_a_stop() {
+    let balanced = with("/actuators/motor", json!({ "joint": "bearing", "torque": 0.5 * 0.5_f64.cos() }));
+    assert!(fact(&checked(&balanced), "Equilibrium at the start", "crank").text.contains("balance"));
+    // A pendulum that hangs straight down: the influence of gravity is the rounding of a cosine.
+    let pendulum = json!({
+        "name": "Pendulum", "gravity": { "acceleration": 9.81, "up_angle": 0.7 },
+        "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 2.0, "shape": "uniform_rod" } },
+        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+        "start": { "body": "rod", "angle": 0.7 - std::f64::consts::PI }, "guess": { "rod": -2.0 }
+    });
+    assert!(fact(&checked(&pendulum.to_string()), "Equilibrium at the start", "rod").text.contains("balance"));
+    let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
+    stopped["actuators"]["motor"]["torque"] = json!(-1.0);
+    stopped["stops"] = json!({ "down": { "body": "crank", "limit": "lower", "angle": 0.5 } });
+    let all = checked(&stopped.to_string());
+    assert!(fact(&all, "Equilibrium at the start", "crank").text.contains("pressed against down"));
+    assert!(fact(&all, "Ends of travel", "backward").text.starts_with("down at crank = 0.5"));
+}
+
+#[test]
+fn redundant_joints_and_crossings_are_told() {
+    let text = json!({
+        "name": "P",
+        "bodies": {
+            "ground": { "length": 0.4, "points": { "m": [0.2, 0.0] } }, "left": { "length": 0.1, "mass": 1.0 },
+            "middle": { "length": 0.1 }, "right": { "length": 0.1 },
+            "coupler": { "length": 0.4, "mass": 1.0, "points": { "m": [0.2, 0.0] } }
+        },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
+            "b": { "type": "revolute", "first": "left.end", "second": "coupler.origin" },
+            "c": { "type": "revolute", "first": "coupler.end", "second": "right.end" },
+            "d": { "type": "revolute", "first": "ground.end", "second": "right.origin" },
+            "e": { "type": "revolute", "first": "ground.m", "second": "middle.origin" },
+            "f": { "type": "revolute", "first": "middle.end", "second": "coupler.m" }
+        },
+        "start": { "body": "left", "angle": 0.5 },
+        "guess": { "left": 0.5, "coupler": 0.0, "right": 0.5, "middle": 0.5 }
+    });
+    let all = checked(&text.to_string());
+    let redundant = all.inspection.facts.iter().filter(|fact| fact.topic == "Redundant joints").count();
+    assert_eq!(redundant, 1, "{:#?}", all.inspection.facts);
+    let mut four_bar = text;
+    for (group, names) in [("joints", ["e", "f"]), ("bodies", ["middle", ""]), ("guess", ["middle", ""])] {
+        names.iter().for_each(|name| drop(four_bar[group].as_object_mut().unwrap().remove(*name)));
+    }
+    let all = checked(&four_bar.to_string());
+    assert_eq!(all.inspection.facts.iter().filter(|fact| fact.topic == "Crossings").count(), 2);
+}
+
+/// A carriage of 0.2 m between stops far beyond the part of its rail that is traced first.
+#[test]
+fn a_long_travel_is_told_to_its_stops() {
+    let stop = |limit: &str, position: f64| json!({ "joint": "rail", "limit": limit, "position": position });
+    let gantry = json!({
+        "name": "Gantry",
+        "bodies": { "ground": {}, "carriage": { "mass": 200, "points": { "first": [-0.1, 0], "second": [0.1, 0] } } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
+        "stops": { "east": stop("upper", 6000.0), "west": stop("lower", -60.0) },
+        "actuators": { "drive": { "joint": "rail", "force": 100 } },
+        "start": { "joint": "rail", "position": 1000 }, "guess": { "rail": 0 }
+    });
+    let checked = checked(&gantry.to_string());
+    for (name, expected) in [("least", -60.0), ("most", 6000.0), ("start", 1000.0)] {
+        for (topic, of) in [("Travel", "rail"), ("Drives", "drive")] {
+            let told = number(&checked, topic, of, name);
+            assert!((told - expected).abs() < 1e-9, "{topic} {name}: {told}");
+        }
+    }
+    assert!((number(&checked, "Mass", "", "centre x") - 1000.0).abs() < 1e-9);
+    let text = &fact(&checked, "Ends of travel", "forward").text;
+    assert!(text.contains("east at rail = 6000.000000 m"), "{text}");
+}
+
+/// An elliptic trammel whose middle a crank holds too: some of its loop equations are singular at dead centres, all of them
+/// are not. A platform that does not move has no toggles.
+#[test]
+fn singular_parts_of_redundant_loops_are_no_crossings() {
+    let rod = |length: f64| json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": { "middle": [0.5 * length, 0] } });
+    let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
+    let slide = |second: &str, axis: f64| json!({ "type": "prismatic", "first": "ground.origin", "second": second, "axis_angle": axis });
+    let trammel = json!({
+        "name": "Trammel",
+        "bodies": { "ground": {}, "bar": rod(1.0), "arm": rod(0.5), "across": {}, "up": {} },
+        "joints": {
+            "h": slide("across.origin", 0.0), "v": slide("up.origin", std::f64::consts::FRAC_PI_2),
+            "a": pin("bar.origin", "across.origin"), "b": pin("bar.end", "up.origin"), "o": pin("ground.origin", "arm.origin"),
+            "p": pin("arm.end", "bar.middle")
+        },
+        "start": { "body": "bar", "angle": 2 }, "guess": { "bar": 2.0, "arm": 1.14, "h": 0.42, "v": 0.9 }
+    });
+    let checked = checked(&trammel.to_string());
+    assert!(checked.inspection.facts.iter().any(|fact| fact.topic == "Redundant joints"));
+    assert!(checked.inspection.facts.iter().all(|fact| fact.topic != "Crossings"), "{:?}", checked.inspection.facts);
+}

@@ -1,0 +1,128 @@
+//! Warnings: each with its key, the value and the remedy; none without cause.
+
+use crate::support::{checked, found, slider_crank, with};
+use fmu_build::check;
+use linkage_fmu::inspection::Severity;
+use serde_json::json;
+
+#[test]
+fn warnings_name_the_key_the_value_and_the_remedy() {
+    for (path, value, key, shown, fragments) in [
+        ("/gravity/up_angle", json!(90), "gravity.up_angle", "90", vec!["90 rad", "1.570796327"]),
+        ("/guess/crank", json!(28.6), "guess.crank", "28.6", vec!["4.55 turns", "degrees"]),
+        ("/guess/rod", json!(2.5), "guess.rod", "2.5", vec!["from its guess of 2.5 rad"]),
+        (
+            "/stops",
+            json!({ "up": { "joint": "guide", "limit": "upper", "position": 0.7 } }),
+            "stops.up",
+            "\"up\"",
+            vec!["never met", "0.3 m short"],
+        ),
+        (
+            "/stops",
+            json!({ "up": { "body": "rod", "limit": "upper", "angle": 115 } }),
+            "stops.up.angle",
+            "115",
+            vec!["degrees", "2.00712864"],
+        ),
+        (
+            "/stops",
+            json!({ "up": { "joint": "guide", "limit": "upper", "position": 0.39, "rigid": false } }),
+            "stops.up",
+            "\"up\"",
+            vec!["neither stiffness nor damping"],
+        ),
+        (
+            "/stops",
+            json!({ "up": { "joint": "guide", "limit": "upper", "position": 0.39, "rigid": true, "stiffness": 1e4 } }),
+            "stops.up.stiffness",
+            "10000.0",
+            vec!["while the stop is rigid", "\"rigid\": false"],
+        ),
+        (
+            "/friction",
+            json!({ "static_coefficient": 0.2, "kinetic_coefficient": 0.1 }),
+            "friction",
+            "\"friction\"",
+            vec!["not enabled", "\"enabled\": true"],
+        ),
+        (
+            "/forces",
+            json!({ "f": { "at": "ground.origin" } }),
+            "forces.f.at",
+            "\"ground.origin\"",
+            vec!["does nothing"],
+        ),
+        ("/torques", json!({ "t": { "on": "ground" } }), "torques.t.on", "\"ground\"", vec!["name a body that moves"]),
+        (
+            "/bodies/rod",
+            json!({ "length": 0.3, "shape": "uniform_rod" }),
+            "bodies.rod.shape",
+            "\"uniform_rod\"",
+            vec!["there is no mass"],
+        ),
+        (
+            "/bodies/rod",
+            json!({ "length": 0.3, "mass": 1, "center": [120, 5] }),
+            "bodies.rod.center",
+            "\"center\"",
+            vec!["119.95", "0.3 m apart"],
+        ),
+        (
+            "/joints/second_pin",
+            json!({ "type": "revolute", "first": "rod.origin", "second": "crank.end" }),
+            "joints.second_pin",
+            "\"second_pin\"",
+            vec!["the same joint as pin", "remove one"],
+        ),
+    ] {
+        let found = found(&with(path, value), Severity::Warning);
+        let own = found.iter().find(|(place, ..)| place == key).unwrap_or_else(|| panic!("{key} in {found:#?}"));
+        assert_eq!(own.2, shown, "{found:#?}");
+        for fragment in fragments {
+            assert!(own.1.contains(fragment), "`{}` lacks `{fragment}`", own.1);
+        }
+    }
+}
+
+#[test]
+fn friction_that_nothing_has_is_warned_of() {
+    let mut text = slider_crank();
+    text["friction"] = json!({ "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 });
+    assert_eq!(found(&text.to_string(), Severity::Warning), [], "the guide rubs");
+    // A four-bar has no prismatic joint.
+    let text = include_str!("../../../modelDescription/FourBar/resources/mechanism.json").replacen(
+        "\"forces\"",
+        "\"friction\": { \"enabled\": true, \"static_coefficient\": 0.2, \"kinetic_coefficient\": 0.1 }, \"forces\"",
+        1,
+    );
+    let found = found(&text, Severity::Warning);
+    assert!(found.len() == 1 && found[0].1.contains("pin_radius"), "{found:#?}");
+}
+
+#[test]
+fn millimetres_beside_metres_are_warned_of() {
+    let text = with("/bodies/extra", json!({ "fixed_to": "slider.origin", "length": 250 }));
+    let found = found(&text, Severity::Warning);
+    assert!(found.iter().any(|(place, text, _)| place == "bodies.extra" && text.contains("millimetres")), "{found:#?}");
+}
+
+#[test]
+fn the_same_mechanism_without_cause_gives_no_warning() {
+    for name in ["AndrewsSqueezer", "CraneJib", "FourBar", "FourBarChain", "Jib", "LandingGearRetraction", "SlCrank"] {
+        let path = format!("{}/../modelDescription/{name}/resources/mechanism.json", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).unwrap();
+        let all = checked(&text);
+        assert_eq!(all.findings.len(), 0, "{}", check::findings(&all));
+        assert!(!all.inspection.facts.is_empty());
+    }
+}
+
+#[test]
+fn settings_that_do_nothing_are_warned_of() {
+    let text = with("/experiment", json!({ "stop_time": 1.0, "step_size": 10.0 }));
+    assert!(found(&text, Severity::Warning).iter().any(|(path, ..)| path == "experiment.step_size"));
+    let text =
+        with("/springs", json!({ "s": { "first": "ground.origin", "second": "slider.origin", "stiffness": 0 } }));
+    assert!(found(&text, Severity::Warning).iter().any(|(path, ..)| path == "springs.s"));
+}

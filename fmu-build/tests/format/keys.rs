@@ -1,0 +1,115 @@
+//! The keys of every level: known, required, explained; and the choices that some have.
+
+use crate::support::{FORMAT, LEVELS, definition, full, keys, names_after, refusal, schema, validator};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+#[test]
+fn keys_agree_at_every_level() {
+    let schema = schema();
+    for (name, path) in LEVELS {
+        let mut mechanism = full();
+        mechanism.pointer_mut(path).unwrap()["no_such_key"] = json!(0);
+        assert!(!validator().is_valid(&mechanism), "the schema takes an unknown key at {path}");
+        let message = refusal(&mechanism).unwrap();
+        let definition = definition(&schema, name);
+        let described = keys(&definition["properties"]);
+        assert_eq!(definition["additionalProperties"], json!(false), "{path}");
+        let known = names_after(&message, "expected");
+        if name == "ground" {
+            // A body like others to the parser; the rest of its keys is refused by the check that follows.
+            assert!(described.is_subset(&known));
+            for key in known.difference(&described) {
+                let mut mechanism = full();
+                mechanism["bodies"]["ground"][key] =
+                    full()["bodies"]["weight"].get(key).cloned().unwrap_or(json!("uniform_rod"));
+                assert!(refusal(&mechanism).is_some() && !validator().is_valid(&mechanism), "ground.{key}");
+            }
+        } else {
+            assert_eq!(described, known, "keys at {path}");
+        }
+    }
+}
+
+#[test]
+fn required_keys_agree_at_every_level() {
+    let schema = schema();
+    for (name, path) in LEVELS {
+        let definition = definition(&schema, name);
+        let required: BTreeSet<&str> =
+            definition["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let full = full();
+        for key in keys(full.pointer(path).unwrap()) {
+            let mut mechanism = full.clone();
+            mechanism.pointer_mut(path).unwrap().as_object_mut().unwrap().remove(key);
+            let message = refusal(&mechanism).unwrap_or_default();
+            assert_eq!(message.contains(&format!("missing field `{key}`")), required.contains(key), "{path}/{key}");
+            // Where a key is missing to others, geometry included, the schema may see less than the check but not more.
+            assert!(!message.is_empty() || validator().is_valid(&mechanism), "{path}/{key}");
+        }
+        assert!(required.iter().all(|key| keys(full.pointer(path).unwrap()).contains(key)), "{path} lacks a key");
+    }
+}
+
+#[test]
+fn choices_agree() {
+    let schema = schema();
+    for (name, path, key) in [
+        ("body", "/bodies/crank", "shape"),
+        ("joint", "/joints/guide", "type"),
+        ("stop", "/stops/up", "limit"),
+        ("coupling", "/couplings/rack", "side"),
+        ("coupling", "/couplings/cam", "follower"),
+        ("cam_segment", "/couplings/cam/segments/0", "law"),
+        ("solver", "/solver", "method"),
+        ("units", "/units", "angle"),
+        ("units", "/units", "length"),
+    ] {
+        let mut mechanism = full();
+        mechanism.pointer_mut(path).unwrap()[key] = json!("no_such_choice");
+        let message = refusal(&mechanism).unwrap();
+        let choices: BTreeSet<&str> = schema["$defs"][name]["properties"][key]["enum"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_str().unwrap())
+            .collect();
+        assert_eq!(names_after(&message, "expected"), choices, "{path}/{key}");
+    }
+}
+
+/// The keys of a schema with numbers alone where expressions are allowed too.
+fn without_expressions(schema: &mut Value) {
+    match schema {
+        Value::Object(object) => {
+            if object.get("type") == Some(&json!(["number", "string"])) {
+                object["type"] = json!("number");
+            }
+            object.values_mut().for_each(without_expressions);
+        }
+        Value::Array(list) => list.iter_mut().for_each(without_expressions),
+        _ => {}
+    }
+}
+
+/// The circuit of a drive is that of a hydraulic actuator, which may be left out, but for expressions.
+#[test]
+fn a_circuit_is_described_once() {
+    let mut actuator: Value =
+        serde_json::from_str(include_str!("../../../modelDescription/hydraulics.schema.json")).unwrap();
+    let circuit = actuator["properties"]["circuit"].as_object_mut().unwrap();
+    assert_eq!(circuit.remove("default"), Some(json!({})));
+    let mut of_drive = schema()["$defs"]["circuit"].clone();
+    without_expressions(&mut of_drive);
+    assert_eq!(of_drive.as_object().unwrap(), circuit);
+}
+
+#[test]
+fn the_documented_keys_are_all_keys() {
+    let schema = schema();
+    for (name, _) in LEVELS {
+        for key in keys(&definition(&schema, name)["properties"]) {
+            assert!(FORMAT.contains(&format!("`{key}`")), "FORMAT.md does not explain {name}.{key}");
+        }
+    }
+}

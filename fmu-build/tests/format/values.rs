@@ -1,0 +1,146 @@
+//! Values: what both accept, what both refuse, and what stands for a key that is absent.
+
+use crate::support::{LEVELS, definition, full, refusal, schema, validator};
+use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::{Causality, Kind};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::PathBuf;
+
+#[test]
+fn both_accept_the_full_mechanism_and_those_of_this_repository() {
+    let folders = fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription")).unwrap();
+    let files = folders.map(|folder| folder.unwrap().path().join("resources/mechanism.json")).filter(|f| f.is_file());
+    let read = |file: PathBuf| -> Value { serde_json::from_str(&fs::read_to_string(file).unwrap()).unwrap() };
+    let committed: Vec<Value> = files.map(read).collect();
+    assert!(!committed.is_empty());
+    for mechanism in committed.into_iter().chain([full()]) {
+        let errors: Vec<String> = validator().iter_errors(&mechanism).map(|e| e.to_string()).collect();
+        assert!(errors.is_empty(), "{errors:?}");
+        Model::from_json(&mechanism.to_string()).unwrap();
+    }
+}
+
+/// A default that is written down changes nothing.
+#[test]
+fn defaults_agree() {
+    let schema = schema();
+    // One load and one spring of either kind, and nothing that has a default.
+    let mut plain = full();
+    for (path, keys) in [
+        ("/gravity", "load_factor"),
+        ("/bodies/weight", "angle center inertia"),
+        ("/joints/guide", "axis_angle angle"),
+        ("/actuators/cylinder", "force efficiency"),
+        ("/actuators/servo", "torque"),
+        ("/forces/push", "force constant"),
+        ("/torques/motor", "torque constant"),
+        ("/springs/coil", "stiffness damping free_length preload"),
+        ("/springs/torsion", "free_angle"),
+        ("/friction", "enabled static_speed kinetic_speed"),
+        ("/air", "relative_wind airspeed"),
+        ("/stops/up", "enabled rigid restitution stiffness damping"),
+        ("/locks/latch", "engage"),
+        ("/start", "speed"),
+        ("/bodies/rod", "points"),
+        ("", "description solver experiment"),
+    ] {
+        for key in keys.split(' ') {
+            plain.pointer_mut(path).unwrap().as_object_mut().unwrap().remove(key);
+        }
+    }
+    let read = |mechanism: &Value| -> Vec<(String, f64)> {
+        let mut model = Model::from_json(&mechanism.to_string()).unwrap();
+        model.initialize().unwrap();
+        let e = model.experiment();
+        let list = model.variables().list().to_vec();
+        // An efficiency that is stated has an event indicator.
+        let indicators = model.indicators();
+        let values = (0..).zip(list).filter(|(r, v)| v.causality != Causality::Parameter && !indicators.contains(r));
+        let mut value = |r, kind| match kind {
+            Kind::Boolean => f64::from(u8::from(model.boolean(r).unwrap())),
+            Kind::Enumeration => model.item(r).unwrap() as f64,
+            Kind::Real => model.real(r).unwrap(),
+        };
+        let mut read: Vec<_> = values.map(|(r, v)| (v.name, value(r, v.kind))).collect();
+        read.extend([("stop_time".into(), e.stop_time), ("step_size".into(), e.step_size)]);
+        read
+    };
+    let before = read(&plain);
+    let mut compared = 0;
+    for (name, path) in LEVELS.into_iter().chain([
+        ("body", "/bodies/weight"),
+        ("body", "/bodies/rod"),
+        ("actuator", "/actuators/servo"),
+        ("spring", "/springs/torsion"),
+        ("stop", "/stops/in"),
+        ("surface", "/surfaces/plate"),
+    ]) {
+        let definition = definition(&schema, name);
+        for (key, property) in definition["properties"].as_object().unwrap() {
+            let target = match property["$ref"].as_str() {
+                Some(path) => schema.pointer(path.trim_start_matches('#')).unwrap().clone(),
+                None => json!({}),
+            };
+            let Some(default) = property.get("default").or(target.get("default")) else { continue };
+            let mut mechanism = plain.clone();
+            if mechanism.pointer(path).is_none() {
+                // A section that is left out: as its own default says.
+                mechanism[name] = definition["default"].clone();
+            }
+            let element = mechanism.pointer_mut(path).unwrap();
+            if element.get(key).is_some() {
+                continue;
+            }
+            element[key] = default.clone();
+            if refusal(&mechanism).is_some() {
+                // Does not go with this element's other keys, or with the joint that it names.
+                let in_joint = mechanism.pointer(path).unwrap().get("joint").is_some();
+                assert!(in_joint || !validator().is_valid(&mechanism), "{path}/{key} = {default}");
+                continue;
+            }
+            let now = read(&mechanism);
+            assert_eq!(now.len(), before.len(), "{path}/{key} = {default}");
+            for ((name, value), (same, known)) in now.iter().zip(&before) {
+                assert_eq!(name, same, "{path}/{key} = {default}");
+                // A default that is stated may be computed with, as an efficiency of 1: then the last digits differ, by
+                // as much as the tables resolve of values that are of the order of 10 here, accelerations of 100. Derivatives of
+                // the holding force and of the reduced mass are slopes of polynomials: each of two tables of one function
+                // misses its exact slope by up to 6e-12 of the largest.
+                let resolved = if name.ends_with("_derivative") { 1e-11 } else { 1e-13 };
+                let miss = (value - known).abs();
+                assert!(
+                    miss <= resolved * known.abs().max(10.0),
+                    "{path}/{key} = {default}: {name} {value}, not {known}"
+                );
+            }
+            compared += 1;
+        }
+    }
+    assert!(compared >= 30, "{compared} defaults compared");
+}
+
+/// Wrong values, by where they are put into the full mechanism: refused by both, or by the engine alone where the
+/// schema cannot know.
+#[test]
+fn both_refuse_what_is_wrong() {
+    let validator = validator();
+    let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
+    let mut taken = Vec::new();
+    for (group, schema_too) in [("both", true), ("engine", false)] {
+        for (path, values) in wrong[group].as_object().unwrap() {
+            let (parent, key) = path.rsplit_once('/').unwrap();
+            for value in values.as_array().unwrap() {
+                let mut mechanism = full();
+                mechanism.pointer_mut(parent).unwrap()[key] = value.clone();
+                if Model::from_json(&mechanism.to_string()).is_ok() {
+                    taken.push(format!("the engine takes {path} = {value}"));
+                }
+                if validator.is_valid(&mechanism) == schema_too {
+                    taken.push(format!("the schema takes or refuses {path} = {value}"));
+                }
+            }
+        }
+    }
+    assert!(taken.is_empty(), "{taken:#?}");
+}

@@ -1,0 +1,169 @@
+//! Steps of a component, and the events in them.
+//!
+//! In: the length of a step, the host's time. Out: how far the component has come, and what happened on the way. It
+//! must not know how a model makes a step.
+use super::{Component, Refused};
+use crate::hydraulics::HydraulicsError;
+use crate::mechanism::{Line, ModelError, Pauses, Reached};
+
+/// How far a step has come.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Stepped {
+    /// To its end.
+    Whole,
+    /// To a state before its end, in which the model is now.
+    Part(Interrupted),
+    /// Nowhere: the step could not be computed, and the model is in the state before it.
+    Failed(Refused),
+}
+
+/// Where a step has ended that may pause.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Paused {
+    /// At its end.
+    AtEnd,
+    /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
+    AtEvent(f64),
+    /// At the end of an internal step, so long after its beginning [s].
+    AtStep(f64),
+    /// At a state before its end, as the step met a bound.
+    Part(Interrupted),
+    /// Nowhere, as [`Stepped::Failed`].
+    Failed(Refused),
+}
+
+impl From<Stepped> for Paused {
+    fn from(stepped: Stepped) -> Self {
+        match stepped {
+            Stepped::Whole => Self::AtEnd,
+            Stepped::Part(interrupted) => Self::Part(interrupted),
+            Stepped::Failed(refused) => Self::Failed(refused),
+        }
+    }
+}
+
+/// A step that met `solver.max_steps`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Interrupted {
+    /// Time from the beginning of the step to the state reached [s], less than the step.
+    pub time: f64,
+    /// What took so many steps, how far they came, and the remedy.
+    pub why: String,
+}
+
+/// How far a step of a mechanism has come that did not come to its end.
+///
+/// # Errors
+/// The step was refused before it began.
+#[cold]
+fn stepped(error: ModelError) -> Result<Stepped, Refused> {
+    match error {
+        ModelError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
+        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
+        error => Err(error.into()),
+    }
+}
+
+/// How far a step of a hydraulic actuator has come that did not come to its end.
+///
+/// # Errors
+/// The step was refused before it began.
+#[cold]
+fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
+    match error {
+        HydraulicsError::Interrupted { time, why } => Ok(Stepped::Part(Interrupted { time, why })),
+        error if error.ends_step() => Ok(Stepped::Failed(error.into())),
+        error => Err(error.into()),
+    }
+}
+
+impl Component {
+    /// [`Self::step_from`] at the model's own time since the start.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`].
+    pub fn step(&mut self, h: f64) -> Result<Stepped, Refused> {
+        self.step_from(None, h)
+    }
+
+    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
+    ///
+    /// # Errors
+    /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads
+    /// overflow.
+    #[inline]
+    pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<Stepped, Refused> {
+        match self {
+            Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
+            Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+        }
+    }
+
+    /// Whether a step may come to an event: a stop is met or lets go.
+    pub fn has_events(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_events(),
+            Self::Hydraulic(_) => false,
+        }
+    }
+
+    /// Whether a step tells its internal steps.
+    pub fn has_internal_steps(&self) -> bool {
+        matches!(self, Self::Mechanism(_))
+    }
+
+    /// [`Self::step_from`], but only to where it pauses first. At an event the state is that before the event.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`].
+    #[inline]
+    pub fn step_to_pause(&mut self, point: f64, h: f64, pauses: Pauses) -> Result<Paused, Refused> {
+        match self {
+            Self::Mechanism(model) => match model.step_to_pause(Some(point), h, pauses) {
+                Ok(Reached::End) => Ok(Paused::AtEnd),
+                Ok(Reached::Event(time)) => Ok(Paused::AtEvent(time)),
+                Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
+                Err(error) => stepped(error).map(Paused::from),
+            },
+            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
+        }
+    }
+
+    /// Handle the event to which a step has led, at the time `point` [s] of the host: the state is then that after it.
+    /// Returns whether the state has jumped. Without an event nothing changes.
+    ///
+    /// # Errors
+    /// The state after the event cannot be computed; nothing has changed.
+    pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
+        match self {
+            Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
+            Self::Hydraulic(_) => Ok(false),
+        }
+    }
+
+    /// Keep events in steps, or details, for [`Self::take_occurrences`], or do not.
+    #[inline]
+    pub fn listen(&mut self, events: bool, details: bool) {
+        if let Self::Mechanism(model) = self {
+            model.listen(events, details);
+        }
+    }
+
+    /// What happened in the last step, which began at the time `point` [s], in words; nothing mostly.
+    #[inline]
+    pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
+        match self {
+            Self::Mechanism(model) => model.take_occurrences(point),
+            Self::Hydraulic(_) => Vec::new(),
+        }
+    }
+
+    /// That the model has grown with its motion, told once; None mostly.
+    #[inline]
+    pub fn take_growth(&mut self) -> Option<String> {
+        match self {
+            Self::Mechanism(model) => model.take_growth(),
+            Self::Hydraulic(_) => None,
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Memory of the integration: of the kind that a step needs, kept from step to step.
+//!
+//! In: what of the right-hand side has changed. Out: the integrator and the step ahead that still hold, or begun anew.
+//! It must not know loads, nor how a step is made.
+
+use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::circuit::CIRCUIT;
+use crate::integrator::{Integrator, Statistics};
+use crate::mechanism::dynamics::hydraulic::DRIVEN;
+use crate::mechanism::loads::resolved::PORTS;
+use crate::mechanism::motion::elapsed::Elapsed;
+use crate::mechanism::motion::events::Event;
+use crate::mechanism::motion::step_ahead::Lookahead;
+
+/// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step allocates
+/// nothing, so there is no box where a step may go from one to another.
+#[derive(Clone, Debug)]
+pub enum Memory {
+    /// No power is lost: the state is (sigma, sigma_dot).
+    Conservative(Integrator<2>, Lookahead<2>),
+    /// The energy lost is integrated too.
+    WithDissipation(Integrator<3>, Lookahead<3>),
+    /// The hydraulic circuit of a drive is integrated too.
+    WithCircuit(Box<CircuitMemory>),
+}
+
+/// State of the hydraulic circuit of a drive, with the memory of the integration.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CircuitMemory {
+    pub integrator: Integrator<DRIVEN>,
+    pub lookahead: Lookahead<DRIVEN>,
+    pub circuit: CircuitState,
+    /// State at the beginning of the last step, for a step that fails.
+    pub before: CircuitState,
+    /// Command of the valve and pressures of supply and tank at the beginning of the last step.
+    pub ports: [f64; PORTS],
+}
+
+/// State of the hydraulic circuit of a drive.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CircuitState {
+    /// Time since the start.
+    pub time: Elapsed,
+    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure of the
+    /// accumulator [Pa].
+    pub values: [f64; CIRCUIT],
+}
+
+impl CircuitState {
+    /// Pressures of the chambers A and B [Pa].
+    pub fn pressures(&self) -> [f64; 2] {
+        [self.values[0], self.values[1]]
+    }
+}
+
+impl CircuitMemory {
+    /// A circuit that begins in this state.
+    pub fn new(circuit: CircuitState) -> Self {
+        Self {
+            integrator: Integrator::default(),
+            lookahead: Lookahead::default(),
+            circuit,
+            before: circuit,
+            ports: [0.0; PORTS],
+        }
+    }
+
+    /// All fields, written or read.
+    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        self.circuit.time.record(record)?;
+        record.all_finite("state of the circuit", &mut self.circuit.values)?;
+        self.before = self.circuit;
+        record.all_finite("input of the circuit", &mut self.ports)?;
+        self.integrator.record(record)?;
+        self.lookahead.record(record)
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::Conservative(Integrator::default(), Lookahead::default())
+    }
+}
+
+impl Memory {
+    /// Become that before the first step, without a circuit.
+    pub fn begin(&mut self, with_dissipation: bool) {
+        match self {
+            Self::Conservative(i, ahead) if !with_dissipation => begin(i, ahead),
+            Self::WithDissipation(i, ahead) if with_dissipation => begin(i, ahead),
+            _ => {
+                *self = Self::default();
+                self.set_dissipation(with_dissipation);
+            }
+        }
+    }
+
+    /// Become that before the first step, with a circuit in this state.
+    pub fn begin_with_circuit(&mut self, circuit: CircuitState) {
+        let begun = CircuitMemory::new(circuit);
+        match self {
+            Self::WithCircuit(memory) => **memory = begun,
+            _ => *self = Self::WithCircuit(Box::new(begun)),
+        }
+    }
+
+    /// Integrate the energy lost or not: it counts in steps with loads that the state decides or with inputs that
+    /// change.
+    #[inline]
+    pub fn set_dissipation(&mut self, with_dissipation: bool) {
+        match self {
+            Self::Conservative(i, _) if with_dissipation => {
+                *self = Self::WithDissipation(i.with_components(), Lookahead::default())
+            }
+            Self::WithDissipation(i, _) if !with_dissipation => {
+                *self = Self::Conservative(i.with_components(), Lookahead::default())
+            }
+            _ => {}
+        }
+    }
+
+    /// Counts of the integration's work since the start.
+    pub fn statistics(&self) -> Statistics {
+        match self {
+            Self::Conservative(i, _) => i.statistics(),
+            Self::WithDissipation(i, _) => i.statistics(),
+            Self::WithCircuit(memory) => memory.integrator.statistics(),
+        }
+    }
+
+    /// Steps that the integration has accepted and rejected since the start.
+    #[inline]
+    pub fn tried(&self) -> [u64; 2] {
+        match self {
+            Self::Conservative(i, _) => i.tried(),
+            Self::WithDissipation(i, _) => i.tried(),
+            Self::WithCircuit(memory) => memory.integrator.tried(),
+        }
+    }
+
+    /// State of the hydraulic circuit of a drive; none without one.
+    #[inline]
+    pub fn circuit(&self) -> Option<&CircuitState> {
+        match self {
+            Self::WithCircuit(memory) => Some(&memory.circuit),
+            _ => None,
+        }
+    }
+
+    /// A step has failed: the circuit is where it was.
+    pub fn undo_circuit(&mut self) {
+        if let Self::WithCircuit(memory) = self {
+            memory.circuit = memory.before;
+        }
+    }
+
+    /// The event at the end of a step ahead.
+    pub(super) fn event_ahead(&self) -> Option<Event> {
+        match self {
+            Self::Conservative(_, ahead) => ahead.step_ahead.as_ref()?.event,
+            Self::WithDissipation(_, ahead) => ahead.step_ahead.as_ref()?.event,
+            Self::WithCircuit(memory) => memory.lookahead.step_ahead.as_ref()?.event,
+        }
+    }
+
+    /// Become the same as another one; copies no more than that one is.
+    pub fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Conservative(own, own_ahead), Self::Conservative(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
+            (Self::WithDissipation(own, own_ahead), Self::WithDissipation(other, other_ahead)) => {
+                own.copy_from(other);
+                own_ahead.copy_from(other_ahead);
+            }
+            (Self::WithCircuit(own), Self::WithCircuit(other)) => {
+                own.integrator.copy_from(&other.integrator);
+                own.lookahead.copy_from(&other.lookahead);
+                (own.circuit, own.before, own.ports) = (other.circuit, other.before, other.ports);
+            }
+            (own, other) => *own = other.clone(),
+        }
+    }
+
+    /// Clear all but the statistics.
+    pub fn restart(&mut self) {
+        match self {
+            Self::Conservative(i, ahead) => restart(i, ahead),
+            Self::WithDissipation(i, ahead) => restart(i, ahead),
+            Self::WithCircuit(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
+        }
+    }
+
+    /// sigma is counted from another revolution.
+    pub fn recount(&mut self) {
+        match self {
+            Self::Conservative(i, ahead) => recount(i, ahead),
+            Self::WithDissipation(i, ahead) => recount(i, ahead),
+            Self::WithCircuit(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
+        }
+    }
+
+    /// The right-hand side has changed.
+    pub fn refresh(&mut self) {
+        match self {
+            Self::Conservative(i, ahead) => refresh(i, ahead),
+            Self::WithDissipation(i, ahead) => refresh(i, ahead),
+            Self::WithCircuit(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
+        }
+    }
+}
+
+/// [`Memory::begin`] of one kind.
+fn begin<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    integrator.begin_anew();
+    lookahead.begin_anew();
+}
+
+/// [`Memory::restart`] of one kind.
+fn restart<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    integrator.restart();
+    lookahead.invalidate();
+}
+
+/// [`Memory::recount`] of one kind.
+fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    if lookahead.step_ahead.take().is_some() {
+        integrator.branch_off();
+    }
+}
+
+/// [`Memory::refresh`] of one kind.
+#[inline]
+fn refresh<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+    if lookahead.invalidate() {
+        integrator.branch_off();
+    }
+    integrator.refresh();
+}

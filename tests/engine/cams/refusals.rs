@@ -1,0 +1,53 @@
+//! What is no cam and no elliptic gear: refused by name.
+use super::{ROLLER, elliptic, oscillating, parsed, translating};
+use crate::support::{assert_says, changed};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+
+#[test]
+fn what_is_no_cam_is_refused() {
+    let refused = |base: &str, key: &str, value: Value, pieces: &[&str]| {
+        let text = changed(base, |m| match value {
+            Value::Null => drop(m["couplings"]["cam"].as_object_mut().unwrap().remove(key)),
+            value => m["couplings"]["cam"][key] = value,
+        });
+        let error = Simulation::open(&text).and_then(|mut s| s.initialize()).unwrap_err();
+        assert_says(error, pieces);
+    };
+    let slides = &translating("cycloidal", parsed(ROLLER));
+    let turns = &oscillating("cycloidal", parsed(ROLLER));
+    refused(slides, "segments", Value::Null, &["couplings.cam", "no lift", "segments"]);
+    refused(slides, "segments", json!([]), &["couplings.cam.segments"]);
+    let dwell = json!([{ "law": "dwell", "angle": 1.0, "rise": 0.1 }, { "law": "dwell" }]);
+    refused(slides, "segments", dwell, &["segments[0].rise", "dwell"]);
+    let short = json!([{ "law": "dwell", "angle": 1.0 }, { "law": "dwell", "angle": 2.0 }]);
+    refused(slides, "segments", short, &["couplings.cam.segments", "add up to 3 rad", "2 pi"]);
+    let open = json!([{ "law": "cycloidal", "angle": 1.0, "rise": 0.02 }, { "law": "dwell" }]);
+    refused(slides, "segments", open, &["couplings.cam.segments", "0.02", "return"]);
+    let none = json!([{ "law": "cycloidal", "angle": 1.0 }, { "law": "dwell" }]);
+    refused(slides, "segments", none, &["segments[0].rise", "missing"]);
+    refused(
+        slides,
+        "points",
+        json!([[0.0, 0.0], [1.0, 0.1], [2.0, 0.0]]),
+        &["couplings.cam.points", "segments already"],
+    );
+    refused(slides, "second", json!("disc.origin"), &["couplings.cam.second", "joint"]);
+    refused(slides, "joint", Value::Null, &["couplings.cam", "no motion", "second"]);
+    refused(slides, "joint", json!("bearing"), &["couplings.cam.joint", "prismatic", "follower"]);
+    refused(slides, "roller_radius", Value::Null, &["couplings.cam.roller_radius", "missing"]);
+    refused(slides, "face_angle", json!(0.0), &["couplings.cam.face_angle", "roller"]);
+    refused(slides, "phase", json!(0.0), &["couplings.cam.phase", "base circle"]);
+    refused(slides, "teeth", json!(3), &["teeth"]);
+    refused(slides, "first_teeth", json!(3), &["couplings.cam.first_teeth", "base_radius"]);
+    refused(slides, "contact", json!("disc.origin"), &["couplings.cam.contact", "on disc", "stem"]);
+    refused(slides, "base_radius", json!(0.001), &["couplings.cam.base_radius", "0.012", "0.011"]);
+    refused(turns, "base_radius", json!(0.5), &["couplings.cam.base_radius", "0.51", "0.0168"]);
+    refused(turns, "carrier", json!("lever"), &["couplings.cam.second", "on lever"]);
+    let steep = elliptic(json!({ "eccentricity": 0.9, "pressure_angle": 0.6 }));
+    let error = Simulation::open(&steep).and_then(|mut s| s.initialize()).unwrap_err();
+    assert_says(error, &["couplings.mesh.pressure_angle", "1.1197", "eccentricity"]);
+    let beyond = elliptic(json!({ "eccentricity": 0.95 }));
+    let error = Simulation::open(&beyond).and_then(|mut s| s.initialize()).unwrap_err();
+    assert_says(error, &["couplings.mesh.eccentricity", "0.95", "0.9"]);
+}

@@ -1,0 +1,105 @@
+//! Couplings that cannot be, or that look wrong: refused and warned of by name.
+use super::{GEARS, five_bar, shafts};
+use crate::support::{Run, assert_says, changed, replaced};
+use linkage_fmu::simulation::Simulation;
+use serde_json::json;
+
+#[test]
+fn what_cannot_be_coupled_is_refused() {
+    let refused = |coupling: &str, pieces: &[&str]| {
+        let error = Simulation::open(&shafts(coupling)).and_then(|mut s| s.initialize()).unwrap_err();
+        assert_says(error, pieces);
+    };
+    refused(&GEARS.replace("43", "-43"), &["couplings.mesh.second_teeth", "-43", "> 0"]);
+    refused(r#""type": "gears", "first_teeth": 20"#, &["couplings.mesh.second_teeth", "missing"]);
+    refused(&format!(r#"{GEARS}, "crossed": true"#), &["couplings.mesh.crossed", "another type", "first_teeth"]);
+    refused(&format!(r#"{GEARS}, "carrier": "two""#), &["couplings.mesh.second", "on two"]);
+    refused(&format!(r#"{GEARS}, "carrier": "arm""#), &["couplings.mesh.carrier", "arm", "bodies"]);
+    refused(&format!(r#"{GEARS}, "pressure_angle": 1.5"#), &["couplings.mesh.pressure_angle", "1.5", "1.2"]);
+    refused(
+        r#""type": "gears", "internal": true, "first_teeth": 20, "second_teeth": 20"#,
+        &["internal", "as many teeth"],
+    );
+    refused(r#""type": "screw""#, &["couplings.mesh.type", "screw", "plane", "actuator"]);
+    refused(r#""type": "belt", "first_radius": 0.5, "second_radius": 0.1"#, &["second_radius", "0.3 m apart", "0.4 m"]);
+    refused(r#""type": "worm""#, &["worm", "gears", "rack", "belt"]);
+    let moved = |from: &str, to: &str| {
+        Simulation::open(&replaced(&shafts(GEARS), &[(from, to)])).and_then(|mut s| s.initialize()).unwrap_err()
+    };
+    assert_says(
+        moved(r#""second": "two.origin", "type""#, r#""second": "one.origin", "type""#),
+        &["couplings.mesh.second", "one"],
+    );
+    assert_says(moved("[0.18, 0.24]", "[0, 0]"), &["couplings.mesh.second", "distance"]);
+    let other = changed(&shafts(GEARS), |m| m["bodies"]["two"]["points"] = json!({ "rim": [0.1, 0.0] }));
+    let other =
+        replaced(&other, &[(r#""second":"two.origin","second_teeth""#, r#""second":"two.rim","second_teeth""#)]);
+    assert_says(
+        Simulation::open(&other).and_then(|mut s| s.initialize()).unwrap_err(),
+        &["two.rim", "not hinged on ground", "revolute"],
+    );
+    // A second ratio between the same shafts leaves no freedom.
+    let twice = changed(&shafts(GEARS), |m| {
+        m["couplings"]["belt"] = json!({ "type": "belt", "first": "one.origin", "second": "two.origin",
+            "first_radius": 0.05, "second_radius": 0.08 });
+    });
+    assert_says(
+        Simulation::open(&twice).and_then(|mut s| s.initialize()).unwrap_err(),
+        &["0 degrees of freedom", "coupling"],
+    );
+}
+
+#[test]
+fn the_other_formulation_names_the_coupling() {
+    let text = changed(&five_bar(), |m| {
+        m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
+        for body in ["one", "two", "rod", "bar"] {
+            m["bodies"][body]["axial_stiffness"] = json!(1e9);
+        }
+    });
+    assert_says(
+        Simulation::open(&text).and_then(|mut s| s.initialize()).unwrap_err(),
+        &["mesh", "gears", "reduced model"],
+    );
+}
+
+/// A planet of 24 teeth between a sun of 24 and a ring of 72 is one wheel; with a ring of 100 it would be two.
+#[test]
+fn a_wheel_with_two_pitch_circles_is_warned_of() {
+    let train = |ring: u32, second: u32| {
+        json!({
+            "name": "Planetary",
+            "bodies": {
+                "ground": {}, "sun": { "mass": 1, "inertia": 0.01 },
+                "arm": { "length": 0.1, "mass": 1, "inertia": 0.02 }, "planet": { "mass": 0.7, "inertia": 0.003 }
+            },
+            "joints": {
+                "shaft": { "type": "revolute", "first": "ground.origin", "second": "sun.origin" },
+                "output": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
+                "pin": { "type": "revolute", "first": "arm.end", "second": "planet.origin" }
+            },
+            "couplings": {
+                "inner": { "type": "gears", "first": "sun.origin", "second": "planet.origin", "carrier": "arm",
+                           "first_teeth": 24, "second_teeth": 24 },
+                "outer": { "type": "gears", "first": "ground.origin", "second": "planet.origin", "carrier": "arm",
+                           "first_teeth": ring, "second_teeth": second, "internal": true }
+            },
+            "start": { "body": "sun", "angle": 0 },
+            "guess": { "sun": 0, "arm": 0, "planet": 0 }
+        })
+    };
+    let warned = |ring: u32, second: u32| -> Vec<String> {
+        let run = Run::new(&train(ring, second).to_string());
+        run.0.model().warnings().iter().map(ToString::to_string).collect()
+    };
+    assert_eq!(warned(72, 24), Vec::<String>::new());
+    // A stepped planet has another number of teeth on its second step.
+    assert_eq!(warned(100, 20), Vec::<String>::new());
+    let all = warned(100, 24);
+    assert_eq!(all.len(), 1, "{all:?}");
+    // 0.1 m x 24 / (100 - 24), and half of 0.1 m.
+    assert_says(
+        &all[0],
+        &["couplings.outer.second_teeth", "planet", "0.0315789", "couplings.inner", "0.05 m", "twice"],
+    );
+}

@@ -1,0 +1,102 @@
+//! Curves over length and angle: of springs, also over several revolutions.
+use super::{MASS, body, names, runge_kutta};
+use crate::support::{FOUR_BAR, Run, changed, reals, values};
+use linkage_fmu::numerics::monotone::monotone;
+use linkage_fmu::variables::Causality;
+use serde_json::json;
+
+/// Torque over five turns: soft, a plateau, stiff.
+const COIL: [[f64; 2]; 6] = [[-10.0, -9.0], [-3.0, -1.0], [4.0, 2.0], [12.0, 2.0], [20.0, 11.0], [31.0, 40.0]];
+
+#[test]
+fn a_torsional_curve_winds_up_over_several_turns() {
+    let law = monotone(&COIL).unwrap();
+    let mut text = body(true, [1.0, 11.0]);
+    text["springs"] = json!({ "coil": { "joint": "way", "preload": 0.5, "stiffness": 0.1, "points": COIL } });
+    let mut run = Run::new(&text.to_string()).started();
+    let (mut most, mut least) = (f64::MIN, f64::MAX);
+    let before = run.get("energy.kinetic") + run.get("energy.potential");
+    for k in 1..=60 {
+        run.step(0.2);
+        let rate = |_: f64, [x, v]: [f64; 2]| [v, -(law.at(x)[0] + 0.5 + 0.1 * x) / MASS];
+        let [x, v] = runge_kutta(rate, [1.0, 11.0], 0.2 * f64::from(k), 4000 * k);
+        let [angle, speed] = names(true).map(|name| run.get(name));
+        (most, least) = (most.max(angle), least.min(angle));
+        assert!((angle - x).abs() < 1e-8 && (speed - v).abs() < 1e-8, "{k}: {angle} {x} {speed} {v}");
+        assert!((run.get("coil.torque") - law.at(x)[0] - 0.5 - 0.1 * x).abs() < 1e-7);
+        let energy = run.get("energy.kinetic") + run.get("energy.potential");
+        assert!((energy - before).abs() < 1e-8, "{:e}", energy - before);
+        assert!(run.get("energy.drift").abs() < 1e-8, "{:e}", run.get("energy.drift"));
+    }
+    assert!(most > 3.0 * std::f64::consts::TAU && least < -std::f64::consts::TAU, "{least} {most}");
+}
+
+#[test]
+fn a_four_bar_with_a_coil_keeps_its_energy_over_turns_both_ways() {
+    let text = changed(FOUR_BAR, |m| {
+        m["springs"] = json!({ "coil": { "joint": "S", "points": COIL } });
+        m["solver"] = json!({ "tolerance": 1e-11 });
+        m["start"]["speed"] = json!(60);
+    });
+    let law = monotone(&COIL).unwrap();
+    let mut run = Run::new(&text).started();
+    let (mut worst, mut most) = (0.0_f64, 0.0_f64);
+    let (at_rest, stored) = (law.integral(0.0), |angle: f64| law.integral(angle));
+    let gravity = run.get("energy.potential") - (stored(run.get("coil.angle")) - at_rest);
+    assert!(gravity.is_finite());
+    for _ in 0..400 {
+        run.step(5e-3);
+        worst = worst.max(run.get("energy.drift").abs());
+        most = most.max(run.get("coil.angle").abs());
+        assert!((run.get("coil.torque") - law.at(run.get("coil.angle"))[0]).abs() < 1e-9);
+    }
+    assert!(most > 2.0 * std::f64::consts::TAU, "{most}");
+    assert!(worst < 1e-7, "{worst:e}");
+    // A saved state goes on to the bit.
+    let mut other = run.clone();
+    let saved = run.snapshot();
+    run.steps(20, 0.1);
+    other.steps(3, 0.07);
+    other.restore(&saved).unwrap();
+    other.steps(20, 0.1);
+    let all = reals(&run, Causality::Output);
+    let [a, b] = [&mut run, &mut other].map(|run| values(run, &all).into_iter().map(f64::to_bits).collect::<Vec<_>>());
+    assert_eq!(a, b);
+}
+
+#[test]
+fn a_wound_spring_has_its_equilibrium_turns_away() {
+    let mut text = body(true, [0.0, 0.0]);
+    text["springs"] = json!({ "coil": { "joint": "way", "points": [[0, -3], [10, -1], [16, 0.5], [30, 9]] } });
+    text["start"] = json!("equilibrium");
+    let mut run = Run::new(&text.to_string()).started();
+    let angle = run.get("part.angle");
+    let law = monotone(&[[0.0, -3.0], [10.0, -1.0], [16.0, 0.5], [30.0, 9.0]]).unwrap();
+    assert!(angle > 10.0 && angle < 16.0 && law.at(angle)[0].abs() < 1e-9, "{angle}");
+}
+
+/// Far from the guess panels are wide: all points of a curve may lie between two nodes of one, and each is a border.
+#[test]
+fn a_spring_far_from_the_guess_has_its_curve() {
+    for (at, guess) in [(3000.0, 0.0), (400.0, 0.0), (1000.0, 0.0), (0.0, 500.0), (0.0, 700.0), (0.0, 1e4), (0.0, 1e6)]
+    {
+        let points = [[-0.3, -50.0], [-0.1, -1.0], [0.0, 0.0], [0.05, 0.0], [0.1, 30.0], [0.3, 31.0]];
+        let text = json!({
+            "name": "Slide",
+            "bodies": { "ground": {}, "block": { "mass": 2 } },
+            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
+            "springs": { "k": { "joint": "s", "points": points.map(|[s, force]| [at + s, force]) } },
+            "start": { "joint": "s", "position": at + 0.3 },
+            "guess": { "s": guess },
+        });
+        let mut run = Run::new(&text.to_string());
+        run.initialize();
+        let acceleration = run.get("s.acceleration");
+        assert!((acceleration + 15.5).abs() < 1e-5, "{at}, {guess}: {acceleration} m/s2");
+        for _ in 0..20 {
+            run.step(0.05);
+            let drift = run.get("energy.drift");
+            assert!(drift.abs() < 1e-5, "{at}, {guess}: {drift} J");
+        }
+    }
+}

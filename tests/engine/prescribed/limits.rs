@@ -1,0 +1,135 @@
+//! Motions that a mechanism cannot make, and definitions that state none: refused by name.
+use super::{gear, is_close, lift, opened, slider_crank, stroke};
+use crate::support::{BUCKET, Run, assert_says, changed};
+use linkage_fmu::mechanism::Model;
+use serde_json::{Value, json};
+
+#[test]
+fn a_motion_ends_at_a_stop_and_is_refused_beyond_it() {
+    let motion = |distance: f64| json!({ "profile": "cycloidal", "duration": 0.5, "distance": distance });
+    let mut up = gear(&motion(stroke()), |_| {}).started();
+    up.set("uplock.engage", true);
+    (0..10).for_each(|_| up.step(0.06));
+    assert!(up.is("retracted"));
+    assert_eq!(up.get("crank.speed"), 0.0);
+    // The lock then holds the gear against the forces.
+    up.set("actuator.motion.enabled", false);
+    up.set("actuator.force", 0.0);
+    up.step(0.5);
+    assert!(up.is("retracted") && up.get("crank.speed") == 0.0);
+    let mut beyond = gear(&motion(stroke() + 0.01), |_| {}).started();
+    let mut refused = None;
+    for _ in 0..10 {
+        if let Err(error) = beyond.0.step(0.06) {
+            refused = Some(error);
+            break;
+        }
+    }
+    let words = ["actuator.length = 0.7", "upstop ends the travel at 0.736", "set the stop's enabled to false"];
+    assert_says(refused.unwrap(), &words);
+    let time = beyond.0.time();
+    assert!(beyond.get("actuator.acting_force").is_finite() && time < 0.5);
+}
+
+#[test]
+fn a_lock_that_is_engaged_is_not_torn() {
+    let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": 0.2 });
+    let mut gear = gear(&motion, |_| {}).started();
+    gear.set("downlock.engage", true);
+    assert_says(gear.0.step(0.1).unwrap_err(), &["actuator.length = ", "a lock at downstop is engaged", "disengage"]);
+    gear.set("downlock.engage", false);
+    gear.step(0.1);
+}
+
+#[test]
+fn a_dead_point_is_told_and_nothing_hangs() {
+    // The piston drives: it turns back at 0.45 m.
+    let definition = |motion: &Value| {
+        let mut crank = slider_crank(&json!(null));
+        crank["actuators"] = json!({ "ram": { "joint": "slide", "motion": motion } });
+        crank
+    };
+    let mut crank = opened(&definition(&json!({ "position": 0.44 }))).started();
+    crank.set("ram.motion.speed", 1.0);
+    crank.step(0.005);
+    let error = crank.0.step(1.0).unwrap_err();
+    assert_says(error, &["ram.position = ", "a dead point near 0.4", "let the motion end before"]);
+    crank.set("ram.motion.position", 0.46);
+    assert!(crank.0.get("crank.angle").is_ok_and(f64::is_nan));
+    assert_says(crank.undefined("crank.angle"), &["ram.position = 0.46", "dead point"]);
+    crank.set("ram.motion.position", 0.44);
+    crank.set("ram.motion.speed", -0.5);
+    crank.step(0.1);
+    is_close(crank.get("slide.position"), 0.39, 1e-13);
+    let error = Model::from_json(&definition(&json!({ "position": 0.6 })).to_string()).unwrap_err();
+    assert_says(error, &["ram.position = 0.6", "dead point"]);
+}
+
+#[test]
+fn friction_that_locks_the_mechanism_against_its_drive_is_told() {
+    let text = changed(BUCKET, |bucket| {
+        let drives = bucket["actuators"].as_object_mut().unwrap();
+        let name = drives.keys().next().unwrap().clone();
+        drives[&name]["motion"] = json!({ "profile": "cycloidal", "duration": 2, "distance": 0.05 });
+    });
+    let mut bucket = Run::new(&text).started();
+    for _ in 0..20 {
+        match bucket.0.step(0.1) {
+            Ok(()) => assert!(bucket.get("energy.drift").abs() < 1.0, "{}", bucket.get("energy.drift")),
+            Err(error) => return assert_says(error, &["friction locks", "let the motion end before"]),
+        }
+    }
+}
+
+#[test]
+fn definitions_that_make_no_motion_are_refused_by_name() {
+    let refused = |motion: &Value, words: &[&str]| {
+        assert_says(Model::from_json(&lift(motion).to_string()).unwrap_err(), words);
+    };
+    refused(&json!({}), &["actuators.winch.motion", "without a profile asks for position"]);
+    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile asks for distance"]);
+    refused(&json!({ "profile": "cycloidal", "duration": 0, "distance": 1 }), &["motion.duration = 0", "> 0"]);
+    refused(
+        &json!({ "profile": "trapezoid", "distance": 1, "speed": 1, "acceleration": 1, "duration": 2 }),
+        &["motion.duration", "a trapezoid does not use it"],
+    );
+    refused(&json!({ "profile": "table", "points": [[0, 0], [0, 1]] }), &["motion.points", "ascending times"]);
+    refused(&json!({ "position": 1, "start_time": 1 }), &["motion.start_time", "does not use it"]);
+    refused(&json!({ "profile": "sine" }), &["actuators.winch.motion.profile", "sine"]);
+    let mut two = slider_crank(&json!({ "position": 0.3 }));
+    two["actuators"]["ram"] = json!({ "joint": "slide", "motion": { "position": 0.44 } });
+    assert_says(Model::from_json(&two.to_string()).unwrap_err(), &["motor has a motion already"]);
+    let mut equilibrium = lift(&json!({ "position": 0.5 }));
+    equilibrium["start"] = json!("equilibrium");
+    assert_says(Model::from_json(&equilibrium.to_string()).unwrap_err(), &["the motion holds the mechanism"]);
+    let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
+    let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
+    assert_says(error, &["winch.motion.position", "it is the input winch.motion.speed"]);
+    assert!(lift.continuous_time().is_none());
+    assert_says(lift.serve_exchange().unwrap_err(), &["motion of a drive", "use co-simulation"]);
+}
+
+#[test]
+fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
+    let warned = |motion: &Value| -> Vec<String> {
+        opened(&lift(motion)).0.model().warnings().iter().map(ToString::to_string).collect()
+    };
+    for (motion, words) in [
+        (json!({ "position": 0.8 }), ["motion.position", "begins at 0.8", "the drive at 0.5"]),
+        (
+            json!({ "profile": "table", "points": [[0, 0.7], [1, 1]] }),
+            ["motion.points", "begins at 1.2", "be 0 at time 0"],
+        ),
+    ] {
+        let all = warned(&motion);
+        assert_eq!(all.len(), 1, "{all:?}");
+        assert_says(&all[0], &words);
+    }
+    for motion in [
+        json!({ "position": 0.5 }),
+        json!({ "position": 0.8, "enabled": false }),
+        json!({ "profile": "cycloidal", "distance": 0.3, "duration": 1 }),
+    ] {
+        assert_eq!(warned(&motion), Vec::<String>::new());
+    }
+}
