@@ -184,3 +184,20 @@ fn columns_without_a_value_are_told_with_the_reason() {
         assert!(told.iter().any(is_told), "{said}: {told:?}");
     }
 }
+
+#[test]
+fn start_values_may_have_a_sign() {
+    let folder = Folder::new("sign");
+    let definition = folder.0.join("pendulum.json");
+    fs::write(&definition, PENDULUM).unwrap();
+    for (value, angle) in [("-45deg", -std::f64::consts::FRAC_PI_4), ("-.5", -0.5), ("-1e-3", -1e-3)] {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        let times = ["--start-time", "-2.5e-1", "--stop-time", "-2.4e-1", "--output-interval", "1e-2"];
+        command.arg("simulate").arg(&definition).args(times).args(["--start-values", "rod.start_angle", value]);
+        let output = command.args(["rod.start_speed", "-2", "--output-variables", "rod.angle"]).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        let reached: f64 = told.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
+        // One step of 0.01 s at -2 rad/s; gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
+        assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
+    }
+}
