@@ -1,5 +1,6 @@
-//! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap.
+//! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap, followers that lift off.
 
+use crate::cams::{ROLLER, parsed, translating};
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
@@ -69,4 +70,26 @@ fn pulleys_that_overlap() {
     assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
     // A crossed belt cannot be drawn there.
     assert_says(&told(&pulleys(0.21, true), "loop").join("\n"), &["must be more than the sum of the radii"]);
+}
+
+#[test]
+fn a_follower_that_lifts_off_at_the_start() {
+    let cam = |change: &dyn Fn(&mut Value)| changed(&translating("polynomial_345", parsed(ROLLER)), |m| change(m));
+    let about_lift = |text: &str| -> Vec<String> {
+        told(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
+    };
+    assert_eq!(about_lift(&cam(&|_| {})), [""; 0]);
+    // A spring that is stretched, and pulls the follower away.
+    let pulled = |m: &mut Value| m["springs"]["spring"]["preload"] = json!(-900);
+    let text = cam(&pulled);
+    let force = Run::new(&text).started().get("cam.contact_force");
+    assert!(force < -100.0, "{force}");
+    let [warning] = &about_lift(&text)[..] else { panic!("{:?}", told(&text, "cam")) };
+    let force = format!("{force:.2}");
+    assert_says(warning, &["cam.contact_force is", &force[..5], "at the start, below 0", "would lift off", "grooved"]);
+    let grooved = cam(&|m| {
+        pulled(m);
+        m["couplings"]["cam"]["grooved"] = json!(true);
+    });
+    assert_eq!(about_lift(&grooved), [""; 0]);
 }

@@ -113,12 +113,20 @@ impl Model {
         format!("{message}; {remedy}")
     }
 
-    /// Warnings about contacts that would part at the start: spans of belts that are slack. The model is left at its start; none if it has no start. What has no value is not told.
+    /// Warnings about contacts that would part at the start: followers that lift off their cams, spans of belts that are
+    /// slack. The model is left at its start; none if it has no start. What has no value is not told.
     pub fn warnings_at_start(&mut self) -> Vec<Finding> {
         let mut all = Vec::new();
         self.reset();
         if self.initialize().is_err() {
             return all;
+        }
+        self.look_for_lift_off(None);
+        while let Some((joint, force, _)) = self.lift_off.pending.take() {
+            let name = self.original.reduced.linkage().joints[joint].name.as_str();
+            let [message, remedy] = lifting_words(name, force, " at the start");
+            all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
+            self.look_for_lift_off(None);
         }
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return all };
         let belts = |coupling: &&Coupling| matches!(coupling.kind, Kind::Belt { .. });
