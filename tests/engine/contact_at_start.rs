@@ -53,7 +53,7 @@ fn a_belt_whose_span_is_slack_at_the_start() {
         assert_eq!(told(&with(1.001 * half), "loop"), [""; 0]);
     }
     // Without a pretension it is 0; without loads nothing is transmitted, and nothing is slack.
-    assert_says(&told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
+    assert_says(told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
     let idle = changed(&belt(json!({})), |m| {
         m["torques"] = json!({});
     });
@@ -69,7 +69,7 @@ fn pulleys_that_overlap() {
     assert_says(warning, &["0.21 and 0.1 m", "0.3 m apart", "overlap", "move a centre"]);
     assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
     // A crossed belt cannot be drawn there.
-    assert_says(&told(&pulleys(0.21, true), "loop").join("\n"), &["must be more than the sum of the radii"]);
+    assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be more than the sum of the radii"]);
 }
 
 #[test]
