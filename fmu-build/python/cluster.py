@@ -49,6 +49,8 @@ LOGGED = 20
 """Messages between client, scheduler and workers that are kept for a search for errors."""
 FATAL = 2**64 - 1
 """Number of a chunk that stands for an error."""
+ANSWER = 30
+"""Time in which a scheduler answers [s]."""
 Done = queue.Queue[tuple[list[int], Future] | None]
 """Batches that are made, by the numbers of their chunks; None after the last one."""
 LOOK = 1.0
@@ -206,7 +208,19 @@ def main() -> None:
     cluster = None
     if arguments.scheduler is None:
         cluster = LocalCluster(n_workers=arguments.workers, threads_per_worker=1, dashboard_address=None)
-    client = Client(cluster if cluster is not None else arguments.scheduler)
+    try:
+        client = Client(cluster if cluster is not None else arguments.scheduler, timeout=ANSWER)
+    except (OSError, ValueError) as error:
+        if cluster is not None:
+            raise
+        reason = str(error).partition("\n")[0]
+        told = (
+            f"no scheduler of Dask answers at {arguments.scheduler}, waited for up to {ANSWER} s ({reason}); start one "
+            "there by `dask scheduler`, or check the address and whether its port is open, or take --workers N for "
+            "processes of this machine"
+        )
+        tell(out, FATAL, told.encode())
+        os._exit(1)
     plugin = Study(arguments.fmu.read_bytes(), json.loads(arguments.plan.read_text(encoding="utf-8")))
     client.register_plugin(plugin)
     done: Done = queue.Queue()
@@ -249,10 +263,15 @@ def hand_back(
         except Exception as error:
             chunks, made = [FATAL], [f"chunk {chunks[0]}: {error}".encode()]
         for chunk, data in zip(chunks, made, strict=True):
-            out.write(struct.pack("<QQ", chunk, len(data)) + data)
-        out.flush()
+            tell(out, chunk, data)
         future.release()
         room.release()
+
+
+def tell(out: BinaryIO, chunk: int, data: bytes) -> None:
+    """Write what is made of a chunk, or an error."""
+    out.write(struct.pack("<QQ", chunk, len(data)) + data)
+    out.flush()
 
 
 def threads_of(client: Client) -> int:

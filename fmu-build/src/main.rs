@@ -3,9 +3,9 @@
 use clap::Parser;
 use fmu_build::task;
 use fmu_build::workspace::Workspace;
-use fmu_cli::Cli;
+use fmu_cli::{Cli, words};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    task::run(&Workspace::locate(), Cli::parse())
+    task::run(&Workspace::locate(), Cli::parse_from(words::given()))
 }

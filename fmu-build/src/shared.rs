@@ -4,7 +4,7 @@
 //! not know what the parameters mean.
 
 use crate::files;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use jsonc_parser::ast::Value;
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
@@ -22,6 +22,9 @@ const KEY: &str = "parameters_from";
 pub fn completed(definition: &Path, text: String) -> Result<String> {
     // A text that is no JSON is told of by whoever reads it.
     let Some((range, name)) = named(&text) else { return Ok(text) };
+    if name.is_empty() {
+        bail!("{}: {KEY}: \"\" names no file; name one of parameters, or leave the key out", definition.display());
+    }
     let path = definition.parent().unwrap_or(Path::new("")).join(&name);
     let shown = format!("{}: {KEY}: {}", definition.display(), path.display());
     let contents =
@@ -101,6 +104,12 @@ mod tests {
         }
         let error = completed(Path::new("nowhere/mechanism.json"), BLOCK.to_owned()).unwrap_err();
         assert!(format!("{error:#}").contains("common.json"), "{error:#}");
+        let unnamed = BLOCK.replace("../common.json", "");
+        let error = completed(Path::new("nowhere/mechanism.json"), unnamed).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "nowhere/mechanism.json: parameters_from: \"\" names no file; name one of parameters, or leave the key out"
+        );
         let error = Component::from_definition("mechanism.json", BLOCK).unwrap_err().0;
         assert!(error.contains("parameters_from") && error.contains("cargo fmu"), "{error}");
         let folder = folder("value", r#"{ "parameters": { "load": "0 / 0" } }"#);

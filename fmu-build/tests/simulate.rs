@@ -139,3 +139,65 @@ fn a_run_costs_what_its_steps_cost() {
     }
     assert!(bare < 1.2 * alone, "{bare} s, the engine alone {alone} s");
 }
+
+/// A pendulum under gravity, half a radian above the horizontal at the start: small motions are no oscillation there.
+const PENDULUM: &str = r#"{
+  "name": "Pendulum", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+  "bodies": { "ground": {}, "rod": { "mass": 1, "inertia": 0.1, "center": [0.5, 0] } },
+  "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+  "start": { "body": "rod", "angle": 0.5, "speed": 0 }, "guess": { "rod": 0.5 },
+  "solver": { "tolerance": 1e-9 }, "experiment": { "stop_time": 1, "step_size": 0.01 }, "linearisation": true
+}"#;
+
+#[test]
+fn columns_without_a_value_are_told_with_the_reason() {
+    let folder = Folder::new("missing");
+    let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
+    fs::write(&definition, PENDULUM).unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        let output = command.arg("simulate").arg(&definition).args(arguments).output().unwrap();
+        assert!(output.status.success());
+        let told = String::from_utf8(output.stderr).unwrap();
+        told.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    // Past the horizontal the loads drive it back, so that the rows without a value are those before.
+    let told = run(&["--output-file", table.to_str().unwrap()]);
+    let text = fs::read_to_string(&table).unwrap();
+    let names: Vec<_> = text.lines().next().unwrap().split(',').map(|name| name.trim_matches('"')).collect();
+    let without = |index: usize| text.lines().skip(1).filter(|row| row.split(',').nth(index) == Some("nan")).count();
+    let column = names.iter().position(|name| *name == "linearisation.eigenfrequency").unwrap();
+    let count = without(column);
+    assert!((5..95).contains(&count), "{count}");
+    let line = told.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
+    assert!(line.contains(&format!("in {count} of 101 rows, the first at 0.0 s: the loads do not drive")), "{line}");
+    // Each column once, and none that has all values.
+    for (index, name) in names.iter().enumerate() {
+        let lines = told.iter().filter(|line| line.contains(name)).count();
+        assert_eq!(lines, usize::from(without(index) > 0), "{name}: {told:?}");
+    }
+    // All rows; and of a run without a file, of which the last row alone is read, that one.
+    let short = ["--stop-time", "0.05", "--output-file", table.to_str().unwrap()];
+    for (arguments, said) in [(&short[..], "from 0.0 s on, nan in 6 of 6 rows: "), (&short[..2], "at 0.05 s: ")] {
+        let (told, said) = (run(arguments), format!("{said}the loads do not drive the mechanism back"));
+        let is_told = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
+        assert!(told.iter().any(is_told), "{said}: {told:?}");
+    }
+}
+
+#[test]
+fn start_values_may_have_a_sign() {
+    let folder = Folder::new("sign");
+    let definition = folder.0.join("pendulum.json");
+    fs::write(&definition, PENDULUM).unwrap();
+    for (value, angle) in [("-45deg", -std::f64::consts::FRAC_PI_4), ("-.5", -0.5), ("-1e-3", -1e-3)] {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        let times = ["--start-time", "-2.5e-1", "--stop-time", "-2.4e-1", "--output-interval", "1e-2"];
+        command.arg("simulate").arg(&definition).args(times).args(["--start-values", "rod.start_angle", value]);
+        let output = command.args(["rod.start_speed", "-2", "--output-variables", "rod.angle"]).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        let reached: f64 = told.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
+        // One step of 0.01 s at -2 rad/s; gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
+        assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
+    }
+}

@@ -322,8 +322,16 @@ fn check(tokens: &[Token]) -> Result<(), String> {
                 return Err("a power of a power: put one of the two in parentheses".to_owned());
             }
             Token::Symbol(sign @ ('+' | '-')) if !is_after => {
-                if matches!(before, Some(Token::Symbol('^' | '~'))) {
-                    return Err(format!("`{sign}` after an operator: put what it changes in parentheses"));
+                match before {
+                    Some(Token::Symbol('^')) => {
+                        return Err(format!("`{sign}` after an operator: put what it changes in parentheses"));
+                    }
+                    Some(Token::Symbol('~')) => {
+                        return Err(format!(
+                            "`{sign}` after a sign: write one sign for the two, or put what the first one changes in parentheses"
+                        ));
+                    }
+                    _ => {}
                 }
                 before = Some(Token::Symbol('~'));
                 *is_power = false;

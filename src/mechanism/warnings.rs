@@ -1,7 +1,10 @@
 //! Warnings about an assembled mechanism: it runs, but is probably not the one that is meant.
 //!
 //! In: a definition and its reduced model. Out: warnings. It must not know states.
+mod belts;
 mod cams;
+
+pub use belts::of_slack_belt;
 
 use super::closure::guessed;
 use super::curve::{Near, NearMiss, cure};
@@ -29,6 +32,7 @@ pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
     cams::warn_of_cams(reduced.linkage(), &mut all);
+    belts::warn_of_overlaps(reduced.linkage(), &mut all);
     warn_of_wheels(mechanism, reduced.linkage(), &reduced.curve().guess, &mut all);
     all
 }

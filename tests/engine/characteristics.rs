@@ -3,6 +3,7 @@
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
+use std::f64::consts::TAU;
 
 /// Mass of the carriage [kg].
 const MASS: f64 = 3.0;
@@ -192,7 +193,7 @@ fn a_gas_without_volume_is_refused() {
                                  "far": { "joint": "rail", "limit": "upper", "position": 1 } });
         })
     };
-    assert_says(refusal(&stops(0.15)), &["strut", "no longer than 0.2 m", "more volume", "stops"]);
+    assert_says(refusal(&stops(0.15)), &["strut", "down to 0.2 m", "more volume", "stops"]);
     assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
 }
 
@@ -218,4 +219,20 @@ fn a_narrow_detent_is_seen_in_long_steps() {
     }
     assert!(drift < 1e-8, "{drift:e} J");
     assert!(deepest > 5e-6, "a communication point lies in the detent: {deepest} J");
+}
+
+#[test]
+fn the_position_is_told_where_a_gas_has_no_volume_left() {
+    // The strut from (0.5, 0) to the end of a rod of 0.3 m has 0.3 m where cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3), and
+    // shortens before the rod is back at x; there its gas, 0.2 m longer at its free length, has no volume left.
+    let text = json!({
+        "name": "Rod",
+        "bodies": { "ground": { "points": { "eye": [0.5, 0] } }, "rod": { "length": 0.3, "mass": 1, "shape": "uniform_rod" } },
+        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+        "springs": { "strut": { "first": "ground.eye", "second": "rod.end", "free_length": 0.5,
+                                "gas": { "pressure": 1e6, "area": 1e-3, "volume": 2e-4, "exponent": 1.2 } } },
+        "start": { "body": "rod", "angle": 1 }, "guess": { "rod": 1 }
+    });
+    let angle = TAU - f64::acos(0.25 / 0.3);
+    assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "down to 0.3 m"]);
 }

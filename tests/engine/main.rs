@@ -8,6 +8,7 @@ mod cam_profiles;
 mod cams;
 mod cavitation;
 mod characteristics;
+mod contact_at_start;
 mod couplings;
 mod creep;
 mod curves;

@@ -274,3 +274,15 @@ def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path
     # Kept, the values of the factors alone would be 8 MB, twice: in the client and in the scheduler.
     assert len(taken) > 5
     assert max(taken[-3:]) - taken[0] < 8e6, taken
+
+
+def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, tmp_path: Path) -> None:
+    """Without a traceback, and with the remedy: a port at which nobody listens, and what is no address."""
+    for index, address in enumerate(["tcp://127.0.0.1:1", "nowhere"]):
+        process = start(study, tmp_path / str(index), "--scheduler", address)
+        said, _ = process.communicate(timeout=600)
+        assert process.returncode == 1, said
+        assert "Traceback" not in said, said
+        told = f"error: the cluster: no scheduler of Dask answers at {address}, waited for up to 30 s ("
+        assert told in said, said
+        assert "; start one there by `dask scheduler`, or check the address" in said, said

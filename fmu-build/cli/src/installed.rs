@@ -1,7 +1,7 @@
 //! The command line of an installation: `linkage-fmu`, the tasks of `cargo fmu` that need no source.
 //!
 //! In: the command line of `cargo fmu`. Out: the same one under the other name, with the places where an installed program writes.
-use crate::{Cli, Task};
+use crate::{Cli, Task, words};
 use clap::{Command, CommandFactory, FromArgMatches};
 
 /// Name of the program.
@@ -24,7 +24,7 @@ pub fn needs_source(task: &Task) -> Option<&'static str> {
 
 /// What this program was called with. Help and wrong usage are answered, and end it.
 pub fn parse() -> Cli {
-    let matches = command().get_matches();
+    let matches = command().get_matches_from(words::given());
     Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
 }
 

@@ -4,6 +4,7 @@
 //! first command of a newcomer asks for help.
 pub mod installed;
 mod libraries;
+pub mod words;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use libraries::{Dist, Fmi, Library, Naming, PLATFORMS, Package, Platform, Test, glibc, library};
@@ -105,7 +106,7 @@ pub struct View {
     #[arg(long, value_name = "SECONDS")]
     pub stop_time: Option<f64>,
     /// Start values of inputs and parameters, such as: actuator.force 2e4 crank.start_angle 45deg
-    #[arg(long, value_names = ["NAME", "VALUE"], num_args = 2.., allow_negative_numbers = true)]
+    #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
 }
 

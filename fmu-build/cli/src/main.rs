@@ -1,12 +1,12 @@
 //! `cargo fmu`: help and wrong usage are answered here; a task goes to fmu-build, which cargo builds first.
 use clap::Parser;
-use fmu_cli::Cli;
+use fmu_cli::{Cli, words};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{env, io};
 
 fn main() -> ExitCode {
-    Cli::parse();
+    Cli::parse_from(words::given());
     match run() {
         Ok(code) => code,
         Err(error) => {

@@ -12,6 +12,10 @@ use linkage_fmu::component::Component;
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::ops::Range;
 
+/// Key of the file of shared parameters, and path of its contents once they stand in its place.
+const SHARED: &str = "parameters_from";
+const SHARED_CONTENTS: &str = "parameters_from.contents";
+
 /// Most faults of the form that are looked for.
 pub const MOST: usize = 100;
 
@@ -132,9 +136,33 @@ fn of_name(name: &str) -> Option<Finding> {
 /// Whether an expression reads a parameter that is missing only because its own fault took it out of the copy.
 fn reads_removed(finding: &Finding, removed: &[String]) -> bool {
     let Some((_, name)) = finding.message.split_once("no parameter of the file is called ") else { return false };
+    // Without its file none of the shared parameters is known.
+    if removed.iter().any(|path| path == SHARED || path == SHARED_CONTENTS) {
+        return true;
+    }
     // A parameter has the path of its key without the group that the key stands in.
-    let mut parameters = removed.iter().filter_map(|path| path.split_once('.'));
+    let own = |path| shared_path(path).unwrap_or(path);
+    let mut parameters = removed.iter().filter_map(|path| own(path).split_once('.'));
     parameters.any(|(_, parameter)| name.strip_prefix(parameter).is_some_and(|rest| rest.starts_with(':')))
+}
+
+/// Path of a key of the shared parameters in their file; None of any other key.
+fn shared_path(path: &str) -> Option<&str> {
+    path.strip_prefix(SHARED_CONTENTS)?.strip_prefix('.')
+}
+
+/// A finding about a key of the shared parameters, as their reader tells it: at the key that names their file, with the
+/// path in this file.
+fn of_shared(text: &str, finding: &mut Finding, span: &mut Range<usize>) {
+    let Some(path) = shared_path(&finding.path) else { return };
+    let tree = Tree::new(text);
+    let named = tree.find(&format!("{SHARED}.file")).and_then(|place| text.get(place.whole));
+    let file = named.and_then(|file| serde_json::from_str::<String>(file.split_once(':')?.1.trim()).ok());
+    let (Some(file), Some(place)) = (file, tree.find(SHARED)) else { return };
+    let rest = finding.message.strip_prefix(finding.path.as_str()).unwrap_or(&finding.message);
+    let rest = rest.strip_suffix(&format!(" (in {file})")).unwrap_or(rest);
+    finding.message = format!("{SHARED}: {file}: {path}{rest}");
+    (finding.path, *span) = (SHARED.to_owned(), place.key);
 }
 
 /// The key of an object that the reader found twice.
@@ -173,7 +201,8 @@ fn is_blank_at(text: &str, at: usize) -> bool {
 }
 
 /// A finding about this range of the text.
-pub fn at(text: &str, mut finding: Finding, span: Range<usize>) -> Located {
+pub fn at(text: &str, mut finding: Finding, mut span: Range<usize>) -> Located {
+    of_shared(text, &mut finding, &mut span);
     // The reader's own place is that in the repaired copy, and no better than the one that is shown.
     if let Some(end) = finding.message.rfind(" at line ").filter(|_| !span.is_empty()) {
         let after = finding.message[end..].find(';').map_or("", |rest| &finding.message[end + rest..]);
@@ -193,6 +222,38 @@ fn names(message: &str, key: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A block whose mass is the shared parameter `load`, with this file of shared parameters.
+    fn told_of_shared(from: &str) -> Vec<String> {
+        let text = format!(
+            r#"{{ "name": "A", "parameters_from": {from}, "bodies": {{ "ground": {{}}, "block": {{ "mass": "load" }} }},
+            "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
+            "start": {{ "joint": "rail", "position": 0 }}, "guess": {{ "rail": 0 }} }}"#
+        );
+        let all = all("mechanism.json", &text).unwrap();
+        let shown = |one: &Located| format!("{} at {}", one.finding.message, &text[one.span.clone()]);
+        all.located.iter().map(shown).collect()
+    }
+
+    /// The path is that in the file of the parameters, and what reads one at fault has no fault of its own.
+    #[test]
+    fn a_fault_of_a_shared_parameter_is_told_once_by_its_own_file() {
+        let with = |parameters: &str| {
+            told_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
+        };
+        for (parameters, said) in [
+            (r#"{ "load": "x +" }"#, "load: \"x +\": it ends before its last value"),
+            (r#"{ "load": "2 * y", "z": 3 }"#, "load: \"2 * y\": no parameter of the file is called y"),
+            (r#"{ "load": "other", "other": "load" }"#, "load: \"other\": load reads other reads load is a circle"),
+        ] {
+            let told = with(parameters);
+            let [one] = &told[..] else { panic!("{told:#?}") };
+            assert!(one.starts_with(&format!("parameters_from: c.json: parameters.{said}")), "{one}");
+            assert!(one.ends_with(" at \"parameters_from\"") && !one.contains("(in c.json)"), "{one}");
+        }
+        let told = told_of_shared("[1]");
+        assert!(told.len() == 1 && told[0].starts_with("parameters_from: invalid type: a list"), "{told:#?}");
+    }
 
     /// An expression that reads a parameter at fault has no fault of its own.
     #[test]

@@ -2,8 +2,8 @@
 //!
 //! In: XML. Out: bodies and joints in space. What a planar mechanism of rigid bodies cannot have is refused or told.
 
-use super::defaults;
 use super::spatial::{Hinge, Rotation, SAME, Solid, Space, Vector, about, add, after, scaled, turned, unit};
+use super::{defaults, left_out};
 use anyhow::{Context, Result, anyhow, bail};
 use roxmltree::{Document, Node};
 use std::f64::consts::PI;
@@ -40,8 +40,17 @@ fn one(node: Node, name: &str) -> Result<Option<f64>> {
     Ok(fixed::<1>(node, name)?.map(|[value]| value))
 }
 
+/// The ends of a range, the lower one first.
+fn ascending(node: Node, name: &str, range: [f64; 2]) -> Result<[f64; 2]> {
+    let [lower, upper] = range;
+    if lower > upper {
+        bail!("{}: {name}: the lower end {lower:?} is above the upper end {upper:?}; exchange them", at(node));
+    }
+    Ok(range)
+}
+
 /// Where an element stands, for messages.
-fn at(node: Node) -> String {
+pub fn at(node: Node) -> String {
     let name = node.attribute("name").map(|name| format!(" \"{}\"", name.escape_debug())).unwrap_or_default();
     let line = node.document().text_pos_at(node.range().start).row;
     format!("line {line}: <{}{name}>", node.tag_name().name())
@@ -87,6 +96,7 @@ pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
             _ => {}
         }
     }
+    reader.space.notes.extend(left_out::of_defaults(root).chain(left_out::contact(root)));
     if reader.sites {
         reader.space.notes.push("sites, cameras and lights are left out".to_owned());
     }
@@ -206,14 +216,18 @@ impl Mjcf {
             "slide" => true,
             other => bail!("{}: a joint of the type {other} is not planar; hinge and slide are taken", at(node)),
         };
-        for key in ["frictionloss", "armature", "ref"].into_iter().filter(|key| node.has_attribute(*key)) {
+        for key in
+            ["frictionloss", "armature", "ref", "actuatorfrcrange"].into_iter().filter(|key| node.has_attribute(*key))
+        {
             self.space.notes.push(format!("{}: {key} is left out", at(node)));
         }
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(fixed(node, "axis")?.unwrap_or([0.0, 0.0, 1.0]));
         let axis = axis.with_context(|| format!("{}: the axis has no direction", at(node)))?;
         let stated = fixed::<2>(node, "range")?.filter(|_| node.attribute("limited") != Some("false"));
-        let range = stated.map(|range| range.map(value));
+        // MuJoCo takes a range without width for none, unless it is said to be a limit.
+        let stated = stated.filter(|[lower, upper]| lower != upper || node.attribute("limited") == Some("true"));
+        let range = stated.map(|range| ascending(node, "range", range)).transpose()?.map(|range| range.map(value));
         let name = node.attribute("name").map_or_else(|| format!("joint_{second}"), str::to_owned);
         let hinge = Hinge {
             name,
@@ -347,6 +361,7 @@ impl Mjcf {
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
         let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
         hinge.is_driven = true;
+        self.space.notes.extend(left_out::of_drive(node));
         if !node.has_tag_name("motor") {
             self.space.notes.push(format!("{}: its control law is left out; its force is an input", at(node)));
         }
@@ -430,6 +445,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     if let Some(&lost) = left.first() {
         bail!("{}: its parent is joined to no other link", at(joints[lost]));
     }
+    space.notes.extend(left_out::of_urdf(root));
     for node in elements(root) {
         if let other @ ("transmission" | "gazebo") = node.tag_name().name() {
             space.notes.push(format!("{}: <{other}> is left out", at(node)));
@@ -483,7 +499,10 @@ fn urdf_joint(
     }
     let limit = child(node, "limit").filter(|_| kind != "continuous");
     let range = match limit {
-        Some(limit) => Some([one(limit, "lower")?.unwrap_or(0.0), one(limit, "upper")?.unwrap_or(0.0)]),
+        Some(limit) => {
+            let range = [one(limit, "lower")?.unwrap_or(0.0), one(limit, "upper")?.unwrap_or(0.0)];
+            Some(ascending(node, "<limit>", range)?)
+        }
         None => None,
     };
     Ok(Hinge {

@@ -6,6 +6,7 @@
 pub(crate) mod csv;
 mod file;
 mod film;
+mod missing;
 mod parquet;
 mod picture;
 pub(crate) mod plot;
@@ -83,6 +84,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let ended = run::run(&mut model, &span, &signals, &mut record, run::stop_wish(), is_shown);
     let elapsed = started.elapsed().as_secs_f64();
     let recorded = table.finish(ended.is_ok().then_some((&mut model, reached)))?;
+    for line in &recorded.missing {
+        eprintln!("warning: {line}");
+    }
     if let Some(path) = &arguments.plot {
         let lines = recorded.columns.iter().map(|column| (&*column.name, column.unit)).collect();
         plot::write(path, &Picture { axis: "time", unit: Unit::Second, lines, rows: &recorded.plotted })?;

@@ -1,9 +1,10 @@
 //! The recorded variables: rows to a file as the run goes on, courses for a plot.
 //!
 //! In: a model at a time. Out: blocks of rows for the file's writer, each row the time and the values, Booleans as 1 and
-//! 0, NaN where a value does not exist; some of the rows, for a plot.
+//! 0, NaN where a value does not exist; some of the rows, for a plot; which variables had no value, since when and why.
 
 use super::file::Writer;
+use super::missing::Missing;
 use super::thinned::Thinned;
 use anyhow::{Context, Result};
 use linkage_fmu::component::{Component, Refused};
@@ -50,6 +51,8 @@ pub struct Recorded {
     pub last: Vec<f64>,
     /// Rows for a plot, each the time and the values.
     pub plotted: Vec<Vec<f64>>,
+    /// Which variables had no value, since when and why: a line for each reason.
+    pub missing: Vec<String>,
 }
 
 /// A table that grows.
@@ -59,6 +62,7 @@ pub struct Table {
     block: Vec<f64>,
     writer: Option<Writer>,
     plotted: Option<Thinned<Vec<f64>>>,
+    missing: Missing,
 }
 
 impl Table {
@@ -69,7 +73,8 @@ impl Table {
     pub fn new(columns: Vec<Column>, path: Option<&Path>, is_plotted: bool) -> Result<Self> {
         let writer = path.map(|path| Writer::new(path, &columns)).transpose()?;
         let plotted = is_plotted.then(|| Thinned::new(PLOTTED));
-        Ok(Self { columns, block: Vec::new(), writer, plotted })
+        let missing = Missing::new(columns.len());
+        Ok(Self { columns, block: Vec::new(), writer, plotted, missing })
     }
 
     /// Add the row of the model's present state. Nothing is read where neither file nor plot wants the row.
@@ -106,6 +111,7 @@ impl Table {
                 }
             }
         }
+        self.missing.see(&self.block[start..], |index| model.undefined(self.columns[index].reference));
         Ok(())
     }
 
@@ -128,6 +134,8 @@ impl Table {
                 plotted.push(self.block);
             }
         }
-        Ok(Recorded { columns: self.columns, last: values, plotted })
+        let names: Vec<_> = self.columns.iter().map(|column| &*column.name).collect();
+        let missing = self.missing.lines(&names);
+        Ok(Recorded { columns: self.columns, last: values, plotted, missing })
     }
 }

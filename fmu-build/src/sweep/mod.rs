@@ -9,6 +9,7 @@ mod cluster;
 mod csv;
 mod definition;
 mod design;
+mod extent;
 mod journal;
 pub mod optimise;
 mod page;
@@ -102,6 +103,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         eprintln!("{}: all {} runs are there already", out.join(PARQUET).display(), study.design.runs());
         draw()?;
         return Ok(Outcome::Complete);
+    }
+    let component = || Ok(Component::from_definition(study.model.kind, &study.model.text)?);
+    if let Some(warning) = extent::warning(&study.task, &study.design, &study.cut, component)? {
+        eprintln!("warning: {warning}");
     }
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
     let (started, before) = (Instant::now(), journal.len());

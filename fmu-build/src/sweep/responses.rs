@@ -71,13 +71,19 @@ pub struct Responses {
 /// The instants that the responses of a study name [s].
 ///
 /// # Errors
-/// One is negative or not finite.
+/// One is negative, not finite or stands twice; a list of none.
 pub fn instants(study: &Definition) -> Result<Vec<f64>> {
     let mut all = Vec::new();
     for (name, response) in study.responses.iter() {
+        if response.times.as_ref().is_some_and(Vec::is_empty) {
+            bail!("responses.{name}.times: is empty, so that the course has no column; state an instant or remove it");
+        }
         for (index, time) in response.times.iter().flatten().enumerate() {
             if !(*time >= 0.0 && time.is_finite()) {
                 bail!("responses.{name}.times[{index}] = {time}: must be finite and >= 0 s");
+            }
+            if response.times.iter().flatten().take(index).any(|other| other == time) {
+                bail!("responses.{name}.times[{index}] = {time} s stands twice; remove one");
             }
             all.push(*time);
         }

@@ -9,7 +9,7 @@ use crate::simulate::signals::{self, Signals, is_close};
 use crate::start_values::{find, most_together};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use std::path::Path;
 
 /// Most steps of a run.
@@ -86,7 +86,11 @@ impl Scenario {
         for (name, input) in stated.inputs.iter() {
             let key = format!("scenario.inputs.{name}");
             match input {
-                Input::Constant(value) => start.extend(constants("scenario.inputs", [(name, value)], model)?),
+                Input::Constant(value) => {
+                    let set = constants("scenario.inputs", [(name, value)], model)?;
+                    check_input(&key, set.first().and_then(|(reference, _)| interface.get(*reference)))?;
+                    start.extend(set);
+                }
                 Input::Points(points) => all.push(signal(&key, name, points, interface)?),
             }
         }
@@ -203,6 +207,19 @@ fn constants<'a>(
     Ok(constants)
 }
 
+/// A value that holds from the start on is one of an input.
+fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
+    match variable {
+        Some(variable) if variable.causality != Causality::Input => {
+            let what = variable.causality.word().to_lowercase();
+            bail!(
+                "{key}: is no input but a {what}; state it in start_values, or as a factor if it differs from run to run"
+            )
+        }
+        _ => Ok(()),
+    }
+}
+
 /// An input from point to point.
 fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> Result<Signals> {
     let reference = find(interface, name).with_context(|| key.to_owned())?;
@@ -212,6 +229,9 @@ fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> 
     }
     if let Some(pair) = points.windows(2).find(|pair| pair[0][0] > pair[1][0]) {
         bail!("{key}: the time goes back from {} to {} s; sort the points", pair[0][0], pair[1][0]);
+    }
+    if let Some(points) = points.windows(3).find(|points| is_close(points[0][0], points[2][0])) {
+        bail!("{key}: three points are at {} s; a jump has two, the values before and after it", points[0][0]);
     }
     Ok(Signals::of_points(reference, variable.kind, points))
 }

@@ -1,6 +1,7 @@
 //! `cargo fmu import`: each form in its program's own words, beside the same mechanism written by hand.
 #![allow(clippy::unwrap_used)]
 
+mod left_out;
 mod written;
 
 use fmu_build::import::{Form, import};

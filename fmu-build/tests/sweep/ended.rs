@@ -3,6 +3,7 @@
 use crate::support::{Folder, Rows, sweep};
 use serde_json::json;
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread;
@@ -25,6 +26,28 @@ fn start(study: &Path, out: &Path, options: &[&str]) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
     command.arg("sweep").arg(study).arg("--out").arg(out).args(options);
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
+/// The warning stands before the first run is kept; the study itself is ended then.
+#[test]
+fn a_study_of_too_many_runs_is_told_before_it_begins() {
+    let folder = Folder::new("many");
+    let of = |steps: u64| json!({ "range": [1, 2], "steps": steps });
+    let study = json!({
+        "factors": { "load_factor": of(100_000), "crank.mass": of(20_000) }, "scenario": { "stop_time": 0.001 },
+        "responses": { "angle": { "final": "crank.angle" } }
+    });
+    let study = folder.study("study.json", study);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    command.arg("sweep").arg(study).arg("--out").arg(folder.0.join("out"));
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // Two factors, a response and the number of the run.
+    assert!(line.starts_with("warning: 2000000000 runs: the results will take about 64 GB on the disk"), "{line}");
+    assert!(line.contains("the study will take about") && line.contains("on one core"), "{line}");
 }
 
 #[test]

@@ -117,6 +117,7 @@ fn the_schema_agrees_with_the_reader() {
         (json!({ "responses": { "r": { "final": "crank.angle", "maximum": "crank.angle" } } }), false),
         (json!({ "responses": { "r": { "final": "crank.angle", "times": [0] } } }), false),
         (json!({ "responses": { "r": { "course": "crank.angle", "times": [0, 0.1] } } }), true),
+        (json!({ "responses": { "r": { "course": "crank.angle", "times": [] } } }), false),
         (json!({ "responses": response, "objective": { "minimise": "r", "maximise": "r" } }), false),
         (json!({ "responses": response, "objective": { "minimise": "r" }, "constraints": { "r": {} } }), false),
         (json!({ "responses": response, "objective": { "minimise": "r" }, "search": { "evaluations": 3 } }), false),

@@ -50,6 +50,14 @@ fn what_is_wrong_is_said_in_one_line() {
             "the time goes back from 1 to 0 s",
         ),
         (with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })), "scenario.inputs.crank.mass: is no input"),
+        (
+            with("scenario", json!({ "inputs": { "crank.mass": 20 } })),
+            "scenario.inputs.crank.mass: is no input but a parameter; state it in start_values, or as a factor",
+        ),
+        (
+            with("scenario", json!({ "inputs": { "actuator.force": [[0, 0], [0.1, 1], [0.1, 2], [0.1, 3]] } })),
+            "scenario.inputs.actuator.force: three points are at 0.1 s; a jump has two",
+        ),
         (with("start_values", json!({ "crank.mass": -1 })), "start values: crank.mass = -1"),
         (
             with("start_values", json!({ "friction.enabled": 1 })),
@@ -59,6 +67,11 @@ fn what_is_wrong_is_said_in_one_line() {
         (response(json!({ "event": "crank.angle" })), "an event is told by the flag of a stop"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "state exactly one of"),
         (response(json!({ "course": "crank.angle" })), "a course has times"),
+        (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),
+        (
+            response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),
+            "responses.r.times[2] = 0.1 s stands twice",
+        ),
         (response(json!({ "course": "crank.angle", "times": [9] })), "the instant 9 s is after the end of the run"),
         (response(json!({ "final": "solver.method" })), "solver.method is a text"),
         (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "searched by `optimise`"),

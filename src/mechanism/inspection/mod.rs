@@ -40,6 +40,7 @@ pub fn inspect(text: &str) -> Inspection {
         Ok(mut model) => {
             out.findings.extend(model.warnings().iter().cloned());
             facts::collect(&mut model, &mut out);
+            out.findings.extend(model.warnings_at_start());
         }
         Err(error) => {
             out.findings.push(Finding::error(path::of_error(&error, &mechanism), &error));

@@ -1,14 +1,18 @@
 //! What a step tells its host without refusing it, once after the initialisation.
 //!
-//! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
+//! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not change
+//! the state.
 use super::{Formulation, Model};
 use crate::hydraulics::inputs::clipping;
+use crate::inspection::Finding;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::linkage::Kind;
+use crate::mechanism::linkage::{Coupling, Kind};
+use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
+use crate::mechanism::warnings::of_slack_belt;
 use crate::numerics::decimal::Decimal;
 
 /// A command of the valve that is clipped, of which a host is told once.
@@ -87,14 +91,11 @@ impl Model {
         if lift_off.pending.is_some() {
             return;
         }
-        let (scale, size, kinetic) = (reduced.scale(), reduced.linkage().size, motion.state.kinetic());
+        let rounding = rounding(motion, reduced, &self.inputs);
         for (joint, is_told) in lift_off.cams.iter_mut().filter(|(_, is_told)| !is_told) {
             let output = Output::Reaction { joint: *joint, part: ReactionPart::Moment };
             let Ok(force) = motion.output(reduced, &self.inputs, output) else { continue };
-            // Forces of the size of the loads along the curve, and of the kinetic energy over the size of the mechanism.
-            let natural = |acceleration: f64| (acceleration.abs() * scale + kinetic) / size;
-            let acceleration = motion.read(reduced, &self.inputs, |view| view.forces()).map(|forces| forces.free);
-            if force < -ROUNDING * acceleration.map_or(0.0, natural) {
+            if force < -rounding {
                 *is_told = true;
                 lift_off.pending = Some((*joint, force, time));
                 break;
@@ -106,13 +107,61 @@ impl Model {
     /// The words for a follower that lifts off.
     #[cold]
     fn lifting(&self, (joint, force, time): (usize, f64, Option<f64>)) -> String {
-        let name = self.original.reduced.linkage().joints[joint].name.as_str();
         let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
-        format!(
-            "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here \
-             on; press it on by a stiffer or more compressed spring, make the cam slower or its law smoother, or give \
-             couplings.{name} \"grooved\": true for a cam that holds its follower in both directions",
-            Decimal::rounded(force)
-        )
+        let name = self.original.reduced.linkage().joints[joint].name.as_str();
+        let [message, remedy] = lifting_words(name, force, &when);
+        format!("{message}; {remedy}")
     }
+
+    /// Warnings about contacts that would part at the start: followers that lift off their cams, spans of belts that are
+    /// slack. The model is left at its start; none if it has no start. What has no value is not told.
+    pub fn warnings_at_start(&mut self) -> Vec<Finding> {
+        let mut all = Vec::new();
+        self.reset();
+        if self.initialize().is_err() {
+            return all;
+        }
+        self.look_for_lift_off(None);
+        while let Some((joint, force, _)) = self.lift_off.pending.take() {
+            let name = self.original.reduced.linkage().joints[joint].name.as_str();
+            let [message, remedy] = lifting_words(name, force, " at the start");
+            all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
+            self.look_for_lift_off(None);
+        }
+        let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return all };
+        let belts = |coupling: &&Coupling| matches!(coupling.kind, Kind::Belt { .. });
+        for joint in reduced.linkage().couplings.iter().filter(belts).map(|coupling| coupling.joint) {
+            let name = reduced.linkage().joints[joint].name.as_str();
+            let defined = self.original.parameter_values.mechanism().couplings.get(name);
+            let pretension = defined.and_then(|belt| belt.pretension).unwrap_or(0.0);
+            let output = Output::Reaction { joint, part: ReactionPart::Moment };
+            let Ok(transmitted) = motion.output(reduced, &self.inputs, output) else { continue };
+            if 0.5 * transmitted.abs() - pretension > rounding(motion, reduced, &self.inputs) {
+                all.push(of_slack_belt(name, transmitted, pretension));
+            }
+        }
+        all
+    }
+}
+
+/// Size of a contact force that is rounding [N]: a part of the size of the loads along the curve, and of the kinetic energy
+/// over the size of the mechanism.
+fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f64 {
+    let (scale, size, kinetic) = (reduced.scale(), reduced.linkage().size, motion.state.kinetic());
+    let acceleration = motion.read(reduced, inputs, |view| view.forces()).map(|forces| forces.free);
+    ROUNDING * acceleration.map_or(0.0, |acceleration| (acceleration.abs() * scale + kinetic) / size)
+}
+
+/// What is told of a follower that lifts off with this contact force [N], and the remedy.
+#[cold]
+fn lifting_words(name: &str, force: f64, when: &str) -> [String; 2] {
+    let message = format!(
+        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here on",
+        Decimal::rounded(force)
+    );
+    let remedy = format!(
+        "press it on by a stiffer or more compressed spring, make the cam slower or its law smoother, or give \
+         couplings.{name} \"grooved\": true for a cam that holds its follower in both directions"
+    );
+    [message, remedy]
 }

@@ -6,7 +6,7 @@ use super::error::ReductionError;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
 use crate::mechanism::loads::resolved::Loading;
-use crate::numerics::bracket::false_position;
+use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::{Interval, polynomial_bounds};
 use crate::numerics::table::{ACCURACY, Table};
 
@@ -18,6 +18,8 @@ const CLOSE: f64 = 1e-12;
 const NARROW: f64 = 0.05;
 /// Least distance to the next point that counts there, in panels of the grid.
 const LEAST: f64 = 1e-9;
+/// Parts of a panel in which the place is searched where a gas has no volume left.
+const SAMPLES: usize = 64;
 
 /// Borders of the panels of tables: the curve's, and the places where a spring passes a point of its curve, where its
 /// third derivative jumps. A place that is missed costs narrower panels and no accuracy, unless all of a characteristic
@@ -109,10 +111,21 @@ pub(super) fn check_volumes<'t>(
         let whole = Interval { low: -1.0, high: 1.0 };
         let is_empty = |panel: &usize| polynomial_bounds(table.series(*panel, 0), whole)[0].low <= least;
         if let Some(panel) = (0..table.panels()).find(is_empty) {
-            let (a, b) = table.borders(panel);
-            let position = curve.describe(0.5 * (a + b), 0.0);
+            let position = curve.describe(first_at_most(table, panel, least), 0.0);
             return Err(ReductionError::NoVolume { name: spring.name.clone(), least, position });
         }
     }
     Ok(())
+}
+
+/// Where in this panel a table comes down to `least` first; where it is least if it is above everywhere.
+fn first_at_most(table: &Table, panel: usize, least: f64) -> f64 {
+    let (a, b) = table.borders(panel);
+    let value = |sigma: f64| table.value(table.position_near(sigma, panel), 0);
+    let all: Vec<f64> = (0..=SAMPLES).map(|k| a + (b - a) * k as f64 / SAMPLES as f64).collect();
+    match all.iter().position(|sigma| value(*sigma) <= least) {
+        Some(0) => a,
+        Some(k) => bisect(|sigma| value(sigma) <= least, all[k - 1], all[k])[1],
+        None => all.iter().copied().min_by(|one, other| value(*one).total_cmp(&value(*other))).unwrap_or(a),
+    }
 }

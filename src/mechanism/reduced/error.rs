@@ -80,7 +80,7 @@ impl fmt::Display for ReductionError {
             ),
             Self::NoVolume { name, least, position } => write!(
                 f,
-                "{name}: near {position} it is no longer than {} m, where its gas has no volume left; give it more volume, or \
+                "{name}: at {position} it is down to {} m, where its gas has no volume left; give it more volume, or \
                  let stops end the travel before",
                 Decimal::rounded(*least)
             ),

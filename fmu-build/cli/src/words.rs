@@ -1,0 +1,113 @@
+//! The words of the command line, before clap takes values that begin with a sign for options.
+//!
+//! In: words. Out: the same, each number with a sign joined to the option or the name of a start value before it:
+//! `--start-time -1e-3` as `--start-time=-1e-3`, `crank.start_angle -45deg` as `crank.start_angle=-45deg`. It must not know
+//! what options there are, but for `--start-values`; clap itself takes neither exponents with a sign nor units, and an
+//! option that takes any word with a hyphen would take the option after it.
+
+use std::ffi::{OsStr, OsString};
+
+/// The option that takes pairs of a name and a value.
+const START_VALUES: &str = "--start-values";
+/// The task whose words go on as they are.
+const BENCH: &str = "bench";
+
+/// The words that this program was called with, its own name first.
+pub fn given() -> Vec<OsString> {
+    joined(std::env::args_os())
+}
+
+/// These words, the program's name first, each number with a sign joined to what it is the value of.
+pub fn joined(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut joined: Vec<OsString> = Vec::new();
+    let (mut are_start_values, mut wants_value) = (false, false);
+    for word in words {
+        if wants_value && is_negative(&word) && joined.get(1).is_none_or(|task| task != BENCH) {
+            if let Some(name) = joined.last_mut() {
+                name.push("=");
+                name.push(word);
+            }
+            wants_value = false;
+            continue;
+        }
+        let text = word.to_string_lossy();
+        if text.starts_with('-') {
+            are_start_values = text == START_VALUES;
+            wants_value = !are_start_values && text.len() > 2 && text.starts_with("--") && !text.contains('=');
+        } else {
+            wants_value = are_start_values && !wants_value && !text.contains('=');
+        }
+        joined.push(word);
+    }
+    joined
+}
+
+/// Whether a word is a number below 0, with or without a unit: no option begins with a digit or a point.
+fn is_negative(word: &OsStr) -> bool {
+    let digits = word.as_encoded_bytes().strip_prefix(b"-");
+    digits.is_some_and(|rest| rest.strip_prefix(b".").unwrap_or(rest).first().is_some_and(u8::is_ascii_digit))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::joined;
+    use crate::{Cli, Task};
+    use clap::Parser;
+    use std::ffi::OsString;
+
+    fn parsed(line: &str) -> Result<Task, clap::Error> {
+        Cli::try_parse_from(joined(line.split(' ').map(OsString::from))).map(|cli| cli.task)
+    }
+
+    #[test]
+    fn start_values_with_a_sign_are_values() {
+        let values = "a -45deg b -.5 c -1e-3 d 2 e=-3 f -4.5e1deg g -7";
+        let expected = ["a=-45deg", "b=-.5", "c=-1e-3", "d", "2", "e=-3", "f=-4.5e1deg", "g=-7"];
+        for task in ["simulate", "view", "linearise"] {
+            for line in
+                [format!("fmu {task} p --start-values {values}"), format!("fmu {task} --start-values {values} -- p")]
+            {
+                let (path, start_values) = match parsed(&line) {
+                    Ok(Task::Simulate(simulate)) => (simulate.path, simulate.start_values),
+                    Ok(Task::View(view)) => (view.path, view.start_values),
+                    Ok(Task::Linearise(linearise)) => (linearise.path, linearise.start_values),
+                    Ok(_) => panic!("{line}"),
+                    Err(error) => panic!("{line}: {error}"),
+                };
+                assert_eq!((path.to_str(), &start_values[..]), (Some("p"), &expected.map(String::from)[..]), "{line}");
+            }
+        }
+    }
+
+    #[test]
+    fn options_after_start_values_are_options() {
+        let Ok(Task::Simulate(simulate)) = parsed("fmu simulate p --start-values a -45deg --stop-time 3 --plot 2.png")
+        else {
+            panic!("refused");
+        };
+        assert_eq!((&*simulate.start_values, simulate.stop_time), (&["a=-45deg".to_owned()][..], Some(3.0)));
+        // A name is no value, and an option is no name.
+        assert!(parsed("fmu simulate p --start-values a -x").is_err());
+        assert!(parsed("fmu simulate p --start-values --stop-time 3").is_err());
+        // Other words stay as they are.
+        let line = "fmu bench attack --seed -5 name -6";
+        assert_eq!(joined(line.split(' ').map(OsString::from)).join(" ".as_ref()), line);
+    }
+
+    #[test]
+    fn times_with_a_sign_are_values() {
+        let Ok(Task::Simulate(simulate)) = parsed(
+            "fmu simulate p --start-time -1e-3 --stop-time -.5e-3 --output-interval -1e-4 --relative-tolerance -1e-6",
+        ) else {
+            panic!("refused");
+        };
+        assert_eq!((simulate.start_time, simulate.stop_time), (-1e-3, Some(-0.5e-3)));
+        assert_eq!((simulate.output_interval, simulate.relative_tolerance), (Some(-1e-4), Some(-1e-6)));
+        let Ok(Task::View(view)) = parsed("fmu view p --stop-time -1e-3") else { panic!("refused") };
+        assert_eq!(view.stop_time, Some(-1e-3));
+        // An option is no value.
+        let error = parsed("fmu simulate p --start-time --stop-time 3").err().unwrap().to_string();
+        assert!(error.contains("a value is required for '--start-time <S>'"), "{error}");
+    }
+}

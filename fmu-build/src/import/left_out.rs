@@ -1,0 +1,75 @@
+//! What MJCF and URDF state and a definition has no place for: limits of drives, contact.
+//!
+//! In: the elements of a file. Out: notes. It must not know what is taken.
+
+use super::robot::at;
+use roxmltree::Node;
+
+/// Drives of MJCF, which may have defaults.
+const DRIVES: [&str; 10] =
+    ["general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "dcmotor"];
+/// Attributes of a drive of MJCF that bound it.
+const BOUNDS: [&str; 4] = ["ctrlrange", "forcerange", "actrange", "lengthrange"];
+
+/// What is left out of a drive of MJCF, or of the defaults of drives.
+pub fn of_drive(node: Node) -> Option<String> {
+    let mut parts = Vec::new();
+    // The first number is that of a joint with one coordinate; 1 changes nothing.
+    let gear = node.attribute("gear").and_then(|gear| gear.split_whitespace().next());
+    if let Some(gear) = gear.filter(|gear| gear.parse() != Ok(1.0)) {
+        parts.push(format!(
+            "gear {} (the drive's input is the force or torque on the joint itself)",
+            gear.escape_debug()
+        ));
+    }
+    for key in BOUNDS {
+        parts.extend(node.attribute(key).map(|value| format!("{key} {}", value.escape_debug())));
+    }
+    (!parts.is_empty()).then(|| format!("{}: left out: {}", at(node), parts.join(", ")))
+}
+
+/// What is left out of the defaults of drives.
+pub fn of_defaults<'a>(root: Node<'a, 'a>) -> impl Iterator<Item = String> {
+    let sections = root.children().filter(|node| node.has_tag_name("default"));
+    let drives =
+        sections.flat_map(|section| section.descendants()).filter(|node| DRIVES.contains(&node.tag_name().name()));
+    drives.filter_map(of_drive)
+}
+
+/// The contact between geoms of MJCF, where those of two bodies may touch.
+pub fn contact(root: Node) -> Option<String> {
+    let touches = |geom: &Node| ["contype", "conaffinity"].iter().any(|key| geom.attribute(*key) != Some("0"));
+    let worlds = root.children().filter(|node| node.has_tag_name("worldbody"));
+    let geoms = worlds.flat_map(|world| world.descendants()).filter(|node| node.has_tag_name("geom"));
+    let mut touching = geoms.filter(touches);
+    let first = touching.next()?;
+    let other = touching.find(|geom| geom.parent() != first.parent())?;
+    Some(format!(
+        "contact between geoms, such as {} and {}, is left out: bodies pass through each other; let stops end the travel",
+        at(first),
+        at(other)
+    ))
+}
+
+/// The limits `effort` and `velocity` of the joints of URDF, and the shapes for collisions.
+pub fn of_urdf(root: Node) -> Vec<String> {
+    let named = |tag: &str, has: &dyn Fn(Node) -> bool| {
+        let all = root.children().filter(|node| node.has_tag_name(tag) && has(*node));
+        all.map(|node| node.attribute("name").unwrap_or_default().escape_debug().to_string()).collect::<Vec<_>>()
+    };
+    let mut notes = Vec::new();
+    for (key, what) in [("effort", "force or torque"), ("velocity", "speed")] {
+        let is_limited =
+            |node: Node| node.children().any(|limit| limit.has_tag_name("limit") && limit.has_attribute(key));
+        let joints = named("joint", &is_limited);
+        if !joints.is_empty() {
+            notes.push(format!("the limit {key} of {} is left out: no {what} is bounded", joints.join(", ")));
+        }
+    }
+    let collides = |node: Node| node.children().any(|inner| inner.has_tag_name("collision"));
+    let links = named("link", &collides);
+    if links.len() > 1 {
+        notes.push(format!("<collision> of {} is left out: these links pass through each other", links.join(", ")));
+    }
+    notes
+}

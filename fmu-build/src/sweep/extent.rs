@@ -1,0 +1,94 @@
+//! What a large study asks for, told before it begins: room on the disk and time.
+//!
+//! In: the number of runs and of columns, a run that is measured. Out: one line of text, of large studies only.
+
+use super::chunk::Cut;
+use super::design::Design;
+use super::run::{Runner, Task};
+use anyhow::Result;
+use linkage_fmu::component::Component;
+use std::time::Instant;
+
+/// Runs beyond which a study is large.
+const MANY: u64 = 1_000_000_000;
+/// Runs that are made to be measured, after one that makes the tables.
+const MEASURED: u64 = 3;
+
+/// What to tell of a study before it begins; None of one that is not large. A few of its runs are made.
+///
+/// # Errors
+/// As `model`; the model refuses the values that all runs share.
+pub fn warning(
+    task: &Task,
+    design: &Design,
+    cut: &Cut,
+    model: impl FnOnce() -> Result<Component>,
+) -> Result<Option<String>> {
+    if design.runs() <= MANY {
+        return Ok(None);
+    }
+    let (mut runner, mut design) = (Runner::new(task, model()?)?, design.clone());
+    let (mut point, mut values) = (Vec::new(), vec![f64::NAN; task.responses.columns.len()]);
+    let mut began = Instant::now();
+    for run in 0..=MEASURED {
+        if run == 1 {
+            began = Instant::now();
+        }
+        design.point(run, &mut point);
+        if runner.run(&point, &mut values).is_err() {
+            runner.renew();
+        }
+    }
+    let seconds = began.elapsed().as_secs_f64() / MEASURED as f64;
+    // Beside the columns a row has its number.
+    let bytes = 8.0 * (task.factors.len() + values.len() + 1) as f64;
+    Ok(Some(told(design.runs(), cut.chunks(), bytes, seconds)))
+}
+
+/// The line for so many runs, with rows of these bytes and this time for each run [s].
+fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
+    let all = runs as f64;
+    format!(
+        "{runs} runs: the results will take about {} on the disk, and as much besides until all runs are made; at {} a run, \
+         as the first ones take, the study will take about {} on one core; it has {chunks} parts for --resume to go on from; \
+         take fewer values for the factors, or samples (sampling) in the place of a full grid",
+        amount(all * bytes, &BYTES),
+        amount(seconds, &TIMES),
+        amount(all * seconds, &TIMES)
+    )
+}
+
+const BYTES: [(f64, &str); 5] = [(1.0, "B"), (1e6, "MB"), (1e9, "GB"), (1e12, "TB"), (1e15, "PB")];
+const TIMES: [(f64, &str); 6] =
+    [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (3600.0, "hours"), (86_400.0, "days"), (31_557_600.0, "years")];
+
+/// A quantity with two digits in the largest unit of which it has one.
+fn amount(value: f64, units: &[(f64, &str)]) -> String {
+    let (unit, name) = units.iter().rev().find(|(unit, _)| value >= *unit).unwrap_or(&units[0]);
+    let value = value / unit;
+    let digits = usize::from(value < 10.0);
+    format!("{value:.digits$} {name}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BYTES, TIMES, amount, told};
+
+    #[test]
+    fn amounts_have_the_largest_unit() {
+        for (value, shown) in
+            [(2e-8, "0.0 us"), (2.34e-5, "23 us"), (0.01, "10 ms"), (7.16, "7.2 s"), (3e4, "8.3 hours")]
+        {
+            assert_eq!(amount(value, &TIMES), shown);
+        }
+        assert_eq!(amount(1e10, &TIMES), "317 years");
+        assert_eq!(amount(9.6e10, &BYTES), "96 GB");
+    }
+
+    #[test]
+    fn a_large_study_is_told_with_its_size_and_its_time() {
+        let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
+        assert!(line.starts_with("10000000000 runs: the results will take about 400 GB on the disk"), "{line}");
+        assert!(line.contains("at 20 us a run") && line.contains("about 2.3 days on one core"), "{line}");
+    }
+}

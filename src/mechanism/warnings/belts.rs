@@ -1,0 +1,40 @@
+//! Warnings about belts: pulleys that overlap, spans that are slack.
+//!
+//! In: the couplings of a linkage, the force that a belt transmits. Out: warnings. It must not know states.
+use crate::inspection::Finding;
+use crate::mechanism::linkage::{Kind, Linkage};
+use crate::numerics::decimal::Decimal;
+
+/// Warn of open belts whose pulleys overlap; those of a crossed belt are refused.
+pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
+    for coupling in &linkage.couplings {
+        let Kind::Belt { radii: [first, second], crossed: false } = coupling.kind else { continue };
+        let joint = &linkage.joints[coupling.joint];
+        let distance = linkage.hinge_distance(coupling.carrier, joint);
+        if first + second > distance {
+            let message = format!(
+                "has pulleys with radii of {} and {} m on centres {} m apart, less than the sum of the radii: the pulleys \
+                 overlap",
+                Decimal::rounded(first),
+                Decimal::rounded(second),
+                Decimal::rounded(distance)
+            );
+            let remedy = "make a radius smaller or move a centre, unless the pulleys lie side by side";
+            all.push(Finding::warning(format_args!("couplings.{}", joint.name), message, remedy));
+        }
+    }
+}
+
+/// The warning about a belt that transmits a force at the start for which its pretension is too small [N].
+pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64) -> Finding {
+    let half = Decimal::rounded(0.5 * transmitted.abs());
+    let message = format!(
+        "transmits {} N at the start, half of which, {half} N, is above the pretension of {} N: a belt would be slack in one \
+         span, which here pushes with {} N, so that the forces in the joints are wrong",
+        Decimal::rounded(transmitted),
+        Decimal::rounded(pretension),
+        Decimal::rounded(0.5 * transmitted.abs() - pretension)
+    );
+    let remedy = format!("give a pretension of more than {half} N, or of just that for a chain");
+    Finding::warning(format_args!("couplings.{name}.pretension"), message, remedy)
+}

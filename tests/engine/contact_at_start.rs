@@ -1,0 +1,95 @@
+//! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap, followers that lift off.
+
+use crate::cams::{ROLLER, parsed, translating};
+use crate::support::{Run, assert_says, changed};
+use linkage_fmu::mechanism::inspection::inspect;
+use serde_json::{Value, json};
+
+/// What is told of a coupling.
+fn told(text: &str, coupling: &str) -> Vec<String> {
+    let path = format!("couplings.{coupling}");
+    let findings = inspect(text).findings.into_iter().filter(|finding| finding.path.starts_with(&path));
+    findings.map(|finding| finding.to_string()).collect()
+}
+
+/// Two shafts 0.3 m apart in a belt; inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
+fn belt(keys: Value) -> String {
+    let mut definition = json!({
+        "name": "Shafts",
+        "bodies": {
+            "ground": { "points": { "far": [0.18, 0.24] } }, "one": { "inertia": 0.02 }, "two": { "inertia": 0.5 }
+        },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
+            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" }
+        },
+        "couplings": {
+            "loop": { "type": "belt", "first": "one.origin", "second": "two.origin", "first_radius": 0.05, "second_radius": 0.08 }
+        },
+        "torques": { "motor": { "on": "one", "torque": 3 }, "load": { "on": "two", "torque": -1 } },
+        "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 }
+    });
+    for (key, value) in keys.as_object().unwrap() {
+        definition["couplings"]["loop"][key] = value.clone();
+    }
+    definition.to_string()
+}
+
+#[test]
+fn a_belt_whose_span_is_slack_at_the_start() {
+    for crossed in [false, true] {
+        // The first shaft has J1 + i^2 J2 = 0.02 + 0.625^2 0.5, so that J2 alpha2 = 0.08 m x force - 1 N.m on the second.
+        let ratio = if crossed { -0.05 / 0.08 } else { 0.05 / 0.08 };
+        let transmitted: f64 = (0.5 * ratio * (3.0 - ratio) / (0.02 + ratio * ratio * 0.5) + 1.0) / 0.08;
+        let (half, number) = (0.5 * transmitted.abs(), |value: f64| value.to_string()[..6].to_owned());
+        let with = |pretension: f64| belt(json!({ "crossed": crossed, "pretension": pretension }));
+        assert!((Run::new(&with(1.0)).started().get("loop.transmitted_force") - transmitted).abs() < 1e-12);
+        for (pretension, shown) in [(0.0, "0 N".to_owned()), (0.999 * half, number(0.999 * half))] {
+            let [warning] = &told(&with(pretension), "loop")[..] else { panic!("{crossed} {pretension}") };
+            let (force, shown) = (format!("transmits {}", number(transmitted)), format!("the pretension of {shown}"));
+            assert_says(warning, &["couplings.loop.pretension: ", &force, &shown, "slack"]);
+            assert_says(warning, &[&format!("give a pretension of more than {}", number(half))]);
+        }
+        assert_eq!(told(&with(1.001 * half), "loop"), [""; 0]);
+    }
+    // Without a pretension it is 0; without loads nothing is transmitted, and nothing is slack.
+    assert_says(told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
+    let idle = changed(&belt(json!({})), |m| {
+        m["torques"] = json!({});
+    });
+    assert_eq!(told(&idle, "loop"), [""; 0]);
+}
+
+#[test]
+fn pulleys_that_overlap() {
+    let pulleys = |first: f64, crossed: bool| {
+        belt(json!({ "first_radius": first, "second_radius": 0.1, "crossed": crossed, "pretension": 1e3 }))
+    };
+    let [warning] = &told(&pulleys(0.21, false), "loop")[..] else { panic!() };
+    assert_says(warning, &["0.21 and 0.1 m", "0.3 m apart", "overlap", "move a centre"]);
+    assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
+    // A crossed belt cannot be drawn there.
+    assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be more than the sum of the radii"]);
+}
+
+#[test]
+fn a_follower_that_lifts_off_at_the_start() {
+    let cam = |change: &dyn Fn(&mut Value)| changed(&translating("polynomial_345", parsed(ROLLER)), |m| change(m));
+    let about_lift = |text: &str| -> Vec<String> {
+        told(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
+    };
+    assert_eq!(about_lift(&cam(&|_| {})), [""; 0]);
+    // A spring that is stretched, and pulls the follower away.
+    let pulled = |m: &mut Value| m["springs"]["spring"]["preload"] = json!(-900);
+    let text = cam(&pulled);
+    let force = Run::new(&text).started().get("cam.contact_force");
+    assert!(force < -100.0, "{force}");
+    let [warning] = &about_lift(&text)[..] else { panic!("{:?}", told(&text, "cam")) };
+    let force = format!("{force:.2}");
+    assert_says(warning, &["cam.contact_force is", &force[..5], "at the start, below 0", "would lift off", "grooved"]);
+    let grooved = cam(&|m| {
+        pulled(m);
+        m["couplings"]["cam"]["grooved"] = json!(true);
+    });
+    assert_eq!(about_lift(&grooved), [""; 0]);
+}
