@@ -286,3 +286,4 @@ def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, t
         told = f"error: the cluster: no scheduler of Dask answers at {address}, waited for up to 30 s ("
         assert told in said, said
         assert "; start one there by `dask scheduler`, or check the address" in said, said
+        assert not (tmp_path / str(index) / "runs.journal").exists(), "nothing to resume"

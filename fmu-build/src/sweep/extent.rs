@@ -5,19 +5,21 @@
 use super::chunk::Cut;
 use super::design::Design;
 use super::run::{Runner, Task};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use linkage_fmu::component::Component;
 use std::time::Instant;
 
 /// Runs beyond which a study is large.
 const MANY: u64 = 1_000_000_000;
+/// Largest number of runs: the list of the parts that are to be made takes a gigabyte then.
+const MOST: u64 = 100_000_000_000;
 /// Runs that are made to be measured, after one that makes the tables.
 const MEASURED: u64 = 3;
 
 /// What to tell of a study before it begins; None of one that is not large. A few of its runs are made.
 ///
 /// # Errors
-/// As `model`; the model refuses the values that all runs share.
+/// As `model`; the model refuses the values that all runs share; more than [`MOST`] runs.
 pub fn warning(
     task: &Task,
     design: &Design,
@@ -26,6 +28,12 @@ pub fn warning(
 ) -> Result<Option<String>> {
     if design.runs() <= MANY {
         return Ok(None);
+    }
+    if design.runs() > MOST {
+        bail!(
+            "{} runs: at most {MOST} are made; take fewer values for the factors, or samples (sampling) in the place of a full grid",
+            design.runs()
+        );
     }
     let (mut runner, mut design) = (Runner::new(task, model()?)?, design.clone());
     let (mut point, mut values) = (Vec::new(), vec![f64::NAN; task.responses.columns.len()]);

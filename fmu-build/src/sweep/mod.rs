@@ -110,7 +110,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     }
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
     let (started, before) = (Instant::now(), journal.len());
-    make(workspace, &study, arguments, (&mut journal, &out))?;
+    if let Err(error) = make(workspace, &study, arguments, (&mut journal, &out)) {
+        // Nothing to go on from: the next try is a first one.
+        if journal.len() == 0 {
+            journal.remove()?;
+        }
+        return Err(error);
+    }
     let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
     let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
     if chunks < study.cut.chunks() {

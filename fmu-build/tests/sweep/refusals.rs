@@ -38,6 +38,13 @@ fn what_is_wrong_is_said_in_one_line() {
             with("factors", json!({ "crank.mass": { "normal": { "mean": 1, "standard_deviation": 0 } } })),
             "standard_deviation = 0: must be",
         ),
+        (
+            with(
+                "factors",
+                json!({ "crank.mass": { "range": [1, 2], "steps": 1_000_000 }, "crank.length": { "range": [1, 2], "steps": 1_000_000 } }),
+            ),
+            "1000000000000 runs: at most 100000000000 are made",
+        ),
         (with("sampling", json!({ "method": "sobol", "count": 4 })), "sampling: no factor has a distribution"),
         (with("points", json!("none.csv")), "points: "),
         (with("points", json!("points.csv")), "crank.mass stands twice"),
