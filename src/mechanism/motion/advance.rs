@@ -5,7 +5,7 @@
 //! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant of a step; impacts are
 //! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::hydraulics::circuit::Left;
-use crate::integrator::{IntegrationError, Integrator};
+use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
@@ -74,7 +74,15 @@ pub struct Progress {
     held: Option<Event>,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
+    /// Time at which the next step ends at the latest [s], where one before went too far beyond a knot; none otherwise.
+    limit: Option<f64>,
 }
+
+/// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way to the
+/// knot, and its error estimate sees what is there, however narrow.
+const BEYOND_KNOT: f64 = 1.1;
+/// Part of a step before which no knot may be passed.
+const FARTHEST_KNOT: f64 = 0.8;
 
 impl Progress {
     /// The start of an advance with this bound; see [`Work::most`].
@@ -121,7 +129,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let t = self.progress.t;
             let beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
             let end = if beyond { Integrator::<N>::farthest(t, span) } else { span };
-            let kink = self.dynamics.next_kink(t);
+            let kink = self.dynamics.next_kink(t).min(self.latest(z));
             let is_cut = kink < end;
             let end = if is_cut { kink } else { end };
             self.dynamics.begin_step();
@@ -146,6 +154,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let around = (self.ends, &*self.contact);
             let laws = (held, self.tolerance);
             let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
+            if let Some(limit) = found.as_ref().and_then(|found| self.too_far(step, found)) {
+                self.progress.limit = Some(limit);
+                self.progress.work.extra += 1;
+                self.progress.held = held;
+                self.integrator.branch_off();
+                continue;
+            }
             let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
             let (h, state) = match (&found, &shorter) {
                 (_, Some(shorter)) => (shorter.h, shorter.end),
@@ -217,6 +232,34 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             self.apply_event(event, false, z)?;
         }
         Ok(false)
+    }
+
+    /// Time at which the step from the state z ends at the latest [s].
+    #[inline(always)]
+    fn latest(&mut self, z: &[f64; N]) -> f64 {
+        let limit = self.progress.limit.take().unwrap_or(f64::INFINITY);
+        if self.dynamics.has_knots() { limit.min(self.beyond_next_knot(z)) } else { limit }
+    }
+
+    /// Time at which the motion is a little beyond the next knot at its present speed [s]; infinite without one.
+    #[cold]
+    fn beyond_next_knot(&self, z: &[f64; N]) -> f64 {
+        match self.dynamics.next_knot(z[0], z[1].signum()) {
+            Some(knot) => self.progress.t + BEYOND_KNOT * ((knot - z[0]) / z[1]).abs(),
+            None => f64::INFINITY,
+        }
+    }
+
+    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may lie
+    /// where the force differs, so that neither the step nor its error estimate tells anything of it.
+    #[inline(always)]
+    fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
+        let is_knot = match found.event {
+            Event::Knot(_) => true,
+            Event::Border(border) => self.dynamics.is_kink(border),
+            _ => false,
+        };
+        (is_knot && found.part < FARTHEST_KNOT).then(|| step.t + BEYOND_KNOT * found.part * step.h)
     }
 
     /// A step beyond the span was in vain: the next ones end with it.

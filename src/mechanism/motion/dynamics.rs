@@ -51,6 +51,11 @@ pub trait Dynamics<const N: usize>: System<N> {
         0
     }
 
+    /// Whether a border is a point of a curve that sizes a load.
+    fn is_kink(&self, _border: usize) -> bool {
+        false
+    }
+
     /// How far a state is beyond a border; 0 where there is none.
     fn beyond_border(&mut self, _border: usize, _z: &[f64; N]) -> f64 {
         0.0
@@ -252,6 +257,11 @@ where
     fn borders(&self) -> usize {
         let own = self.state_loads.map_or(0, StateLoads::borders);
         if N == DRIVEN { own + BORDERS } else { own }
+    }
+
+    fn is_kink(&self, border: usize) -> bool {
+        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
+        self.state_loads.is_some_and(|state_loads| (gaps..gaps + state_loads.kinks.len()).contains(&border))
     }
 
     fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
