@@ -236,3 +236,31 @@ fn the_position_is_told_where_a_gas_has_no_volume_left() {
     let angle = TAU - f64::acos(0.25 / 0.3);
     assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "down to 0.3 m"]);
 }
+
+/// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the curve, and
+/// by an angle that goes on over whole turns.
+#[test]
+fn a_barrier_between_parts_without_force_is_met() {
+    let slide = json!({
+        "name": "Slide", "bodies": { "ground": {}, "load": { "mass": 1 } },
+        "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "load.origin" } },
+        "springs": { "barrier": { "joint": "way", "points": [[0, 0], [1, 0], [1.1, 8], [1.2, 0], [6, 0]] } },
+        "guess": { "way": 0 }, "start": { "joint": "way", "position": 0, "speed": 1 },
+    });
+    let arm = json!({
+        "name": "Arm", "bodies": { "ground": {}, "arm": { "length": 0.5, "mass": 2, "shape": "uniform_rod" } },
+        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
+        "springs": { "barrier": { "joint": "pin", "points": [[0, 0], [2, 0], [2.1, 40], [2.2, 0], [6, 0]] } },
+        "guess": { "arm": 0 }, "start": { "body": "arm", "angle": 0, "speed": 5 },
+    });
+    // 0.5 J before a barrier of 0.8 J, and 2.1 J before one of 4 J: both come back as fast.
+    for (definition, speed, expected) in [(slide, "way.speed", -1.0), (arm, "arm.speed", -5.0)] {
+        for h in [2.0, 0.5, 0.01, 0.001] {
+            let mut run = Run::new(&definition.to_string()).started();
+            (0..(2.0_f64 / h).round() as usize).for_each(|_| run.step(h));
+            let drift = run.get("energy.drift");
+            assert!(drift.abs() < 1e-8, "{speed}, steps of {h} s: {drift:e} J");
+            assert!((run.get(speed) - expected).abs() < 1e-7, "{speed}, steps of {h} s: {}", run.get(speed));
+        }
+    }
+}

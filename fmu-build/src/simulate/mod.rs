@@ -52,7 +52,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let mut model = Component::from_definition(definition.kind, &definition.text)
         .with_context(|| format!("{}; `{} check` tells more", definition.shown, workspace.program()))?;
     for finding in model.warnings() {
-        eprintln!("warning: {}", finding.message);
+        eprintln!("warning: {finding}");
     }
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;

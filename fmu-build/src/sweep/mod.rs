@@ -229,7 +229,7 @@ impl Stated {
             format!("{shown}: mechanism: {}; `{} check` tells more", model.shown, workspace.program())
         })?;
         for finding in component.warnings() {
-            eprintln!("warning: {}", finding.message);
+            eprintln!("warning: {finding}");
         }
         Ok(Self { definition, text, folder, mechanism, model, component })
     }

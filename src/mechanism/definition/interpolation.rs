@@ -16,6 +16,15 @@ use std::f64::consts::TAU;
 const BEYOND: f64 = 0.02;
 /// Number of samples between two points.
 const SAMPLES: usize = 16;
+/// Least number of points of a table whose digits are looked at: fewer are written by hand.
+const DENSE: usize = 24;
+/// Most digits behind the point that a rounded number has.
+const DIGITS: i32 = 12;
+/// Part of the largest second derivative that rounding of the values may make up.
+const ROUNDED: f64 = 0.1;
+/// Second derivative of a spline by a rounding of its values by half a unit, in units over the square of the spacing: the mean over
+/// random roundings is less than half of it.
+const SHARPNESS: f64 = 3.0;
 
 /// Curve through the points of a table.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
@@ -54,11 +63,13 @@ impl Mechanism {
             let [[first, value], ..] = points[..] else { continue };
             let closed = [&points[..], &[[first + TAU, value]]].concat();
             warn_of_table(&format!("couplings.{name}"), "angle", &closed, |u| lift.at(u)[0], all);
+            warn_of_digits(&format!("couplings.{name}"), &closed, |u| lift.at(u)[2], all);
         }
         for (name, drive) in self.actuators.iter() {
             let Some(motion) = &drive.motion else { continue };
             let (Some(points), Some(curve)) = (&motion.points, motion.curve()) else { continue };
             warn_of_table(&format!("actuators.{name}.motion"), "time", points, |t| curve.at(t)[0], all);
+            warn_of_digits(&format!("actuators.{name}.motion"), points, |t| curve.at(t)[2], all);
         }
     }
 }
@@ -82,6 +93,30 @@ fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f
     );
     let remedy = "add points there, three of one value for a rest, or \"interpolation\": \"monotone\"";
     all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
+}
+
+/// Warn of a dense table of rounded values, whose second derivative, `bend`, comes from the last digits.
+fn warn_of_digits(key: &str, points: &[[f64; 2]], bend: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
+    let unit = (0..=DIGITS).map(|k| 10.0_f64.powi(-k)).find(|unit| {
+        let is_multiple = |value: f64| (value / unit - (value / unit).round()).abs() < 1e-6;
+        points.iter().all(|[_, value]| is_multiple(*value))
+    });
+    let Some(unit) = unit.filter(|_| points.len() >= DENSE) else { return };
+    let middles = points.windows(2).map(|pair| 0.5 * (pair[0][0] + pair[1][0]));
+    let largest = points.iter().map(|point| point[0]).chain(middles).fold(0.0, |most: f64, x| most.max(bend(x).abs()));
+    let mut widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    widths.sort_by(f64::total_cmp);
+    let rounded = SHARPNESS * unit / widths[widths.len() / 2].powi(2);
+    if rounded > ROUNDED * largest {
+        let part = (100.0 * rounded / largest).min(100.0);
+        let message = format!(
+            "have values in steps of {}: at this distance of the points their rounding makes up to about {part:.0} % of the \
+             acceleration",
+            Decimal(unit)
+        );
+        let remedy = "give more digits, or fewer points";
+        all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
+    }
 }
 
 #[cfg(test)]
@@ -116,6 +151,23 @@ mod tests {
             let told = warnings(motion.clone());
             assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{motion}: {told:?}");
             assert!(pieces.iter().all(|piece| told[0].contains(piece)), "{told:?} lacks one of {pieces:?}");
+        }
+    }
+
+    #[test]
+    fn rounded_values_of_a_dense_table_are_warned_of() {
+        let points = |count: i32, digits: i32| {
+            let unit = 10.0_f64.powi(digits);
+            let value = |t: f64| t - (std::f64::consts::TAU * t).sin() / std::f64::consts::TAU;
+            let at = |t: f64| if digits < 0 { value(t) } else { (value(t) * unit).round() / unit };
+            (0..=count).map(|k| f64::from(k) / f64::from(count)).map(|t| json!([t, at(t)])).collect::<Vec<_>>()
+        };
+        for (count, digits, is_told) in
+            [(200, 4, true), (200, 8, false), (20, 4, false), (200, -1, false), (36, 5, false)]
+        {
+            let told = warnings(json!({ "profile": "table", "points": points(count, digits) }));
+            assert_eq!(told.len(), usize::from(is_told), "{count} {digits}: {told:?}");
+            assert!(!is_told || told[0].contains("servo.motion.points: have values in steps of 0.0001"), "{told:?}");
         }
     }
 }

@@ -5,13 +5,16 @@ use crate::inspection::Finding;
 use crate::mechanism::linkage::{Kind, Linkage};
 use crate::numerics::decimal::Decimal;
 
+/// Part of the distance of the centres by which pulleys that touch may overlap by rounding.
+const TOUCHING: f64 = 1e-9;
+
 /// Warn of open belts whose pulleys overlap; those of a crossed belt are refused.
 pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
     for coupling in &linkage.couplings {
         let Kind::Belt { radii: [first, second], crossed: false } = coupling.kind else { continue };
         let joint = &linkage.joints[coupling.joint];
         let distance = linkage.hinge_distance(coupling.carrier, joint);
-        if first + second > distance {
+        if first + second > distance * (1.0 + TOUCHING) {
             let message = format!(
                 "has pulleys with radii of {} and {} m on centres {} m apart, less than the sum of the radii: the pulleys \
                  overlap",

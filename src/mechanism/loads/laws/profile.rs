@@ -58,19 +58,24 @@ impl Shape {
         }
     }
 
-    /// Times of the kinks from the beginning [s], ascending.
-    fn kinks(&self) -> impl Iterator<Item = f64> {
-        let (few, knots) = match self {
-            Self::Trapezoid { ramp, middle, .. } => ([0.0, *ramp, ramp + middle, ramp + middle + ramp], &[][..]),
-            Self::Rise { duration, .. } => ([0.0, *duration, *duration, *duration], &[][..]),
-            Self::Table(table) => ([0.0; 4], table.knots()),
-        };
-        few.into_iter().chain(knots.iter().copied())
+    /// Times of the kinks from the beginning [s]: of a table the last one up to a time t [s], and the one after it.
+    fn kinks(&self, t: f64) -> [f64; 4] {
+        match self {
+            Self::Trapezoid { ramp, middle, .. } => [0.0, *ramp, ramp + middle, ramp + middle + ramp],
+            Self::Rise { duration, .. } => [0.0, *duration, *duration, *duration],
+            Self::Table(table) => {
+                let knots = table.knots();
+                let next = knots.partition_point(|knot| *knot <= t);
+                // One more of either side, as t may be that of a kink within rounding.
+                let at = |k: usize| knots[k.min(knots.len() - 1)];
+                [0.0, at(next.saturating_sub(1)), at(next), at(next + 1)]
+            }
+        }
     }
 
     /// Time of the last kink [s].
     pub fn duration(&self) -> f64 {
-        self.kinks().fold(0.0, f64::max)
+        self.kinks(f64::INFINITY).into_iter().fold(0.0, f64::max)
     }
 
     /// The motion at a time t [s] from the beginning, at a kink that which follows.
@@ -104,7 +109,7 @@ impl Profile {
     pub fn at(&self, [since, lost]: Since, t: f64) -> Kinematics {
         let t = (since - self.start_time) + (lost + t);
         let close = self.close();
-        let kink = self.shape.kinks().find(|kink| (kink - t).abs() <= close);
+        let kink = self.shape.kinks(t).into_iter().find(|kink| (kink - t).abs() <= close);
         match (&self.shape, kink) {
             // A table may begin at any speed; before it the drive is at rest.
             (Shape::Table(table), None) if t < 0.0 => [table.at(0.0)[0], 0.0, 0.0, 0.0],
@@ -116,7 +121,8 @@ impl Profile {
     /// this step; infinite if none follows.
     pub fn next_kink(&self, [since, lost]: Since, t: f64) -> f64 {
         let close = self.close();
-        let kinks = self.shape.kinks().map(|kink| (kink - (since - self.start_time)) - lost);
+        let kinks = self.shape.kinks((since - self.start_time) + (lost + t));
+        let kinks = kinks.into_iter().map(|kink| (kink - (since - self.start_time)) - lost);
         kinks.filter(|kink| *kink > t + close).fold(f64::INFINITY, f64::min)
     }
 
