@@ -259,7 +259,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             Event::Border(border) => self.dynamics.is_kink(border),
             _ => false,
         };
-        (is_knot && found.part < FARTHEST_KNOT).then(|| step.t + BEYOND_KNOT * found.part * step.h)
+        (is_knot && found.part < FARTHEST_KNOT).then_some(step.t + BEYOND_KNOT * found.part * step.h)
     }
 
     /// A step beyond the span was in vain: the next ones end with it.
