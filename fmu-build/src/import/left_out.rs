@@ -11,6 +11,27 @@ const DRIVES: [&str; 10] =
 /// Attributes of a drive of MJCF that bound it.
 const BOUNDS: [&str; 4] = ["ctrlrange", "forcerange", "actrange", "lengthrange"];
 
+/// Attributes of MJCF that a definition has no place for, by the elements that state them.
+const ATTRIBUTES: [(&str, &[&str]); 6] = [
+    ("option", &["density", "viscosity", "wind"]),
+    ("body", &["gravcomp"]),
+    ("geom", &["fluidshape"]),
+    ("joint", &["margin", "solreflimit", "solimplimit"]),
+    ("connect", &["solref", "solimp"]),
+    ("weld", &["solref", "solimp"]),
+];
+/// Elements of joints of URDF that a definition has no place for.
+const OF_JOINTS: [&str; 2] = ["safety_controller", "calibration"];
+
+/// The attributes of MJCF that are left out: medium, softness of limits and connections, compensation of gravity.
+pub fn of_attributes<'a>(root: Node<'a, 'a>) -> impl Iterator<Item = String> {
+    root.descendants().filter_map(|node| {
+        let (_, keys) = ATTRIBUTES.iter().find(|(tag, _)| node.has_tag_name(*tag))?;
+        let stated: Vec<_> = keys.iter().copied().filter(|key| node.has_attribute(*key)).collect();
+        (!stated.is_empty()).then(|| format!("{}: left out: {}", at(node), stated.join(", ")))
+    })
+}
+
 /// What is left out of a drive of MJCF, or of the defaults of drives.
 pub fn of_drive(node: Node) -> Option<String> {
     let mut parts = Vec::new();
@@ -64,6 +85,12 @@ pub fn of_urdf(root: Node) -> Vec<String> {
         let joints = named("joint", &is_limited);
         if !joints.is_empty() {
             notes.push(format!("the limit {key} of {} is left out: no {what} is bounded", joints.join(", ")));
+        }
+    }
+    for tag in OF_JOINTS {
+        let joints = named("joint", &|node: Node| node.children().any(|inner| inner.has_tag_name(tag)));
+        if !joints.is_empty() {
+            notes.push(format!("<{tag}> of {} is left out", joints.join(", ")));
         }
     }
     let collides = |node: Node| node.children().any(|inner| inner.has_tag_name("collision"));

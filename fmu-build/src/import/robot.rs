@@ -96,7 +96,10 @@ pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
             _ => {}
         }
     }
-    reader.space.notes.extend(left_out::of_defaults(root).chain(left_out::contact(root)));
+    reader
+        .space
+        .notes
+        .extend(left_out::of_defaults(root).chain(left_out::contact(root)).chain(left_out::of_attributes(root)));
     if reader.sites {
         reader.space.notes.push("sites, cameras and lights are left out".to_owned());
     }
@@ -360,7 +363,11 @@ impl Mjcf {
         };
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
         let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
-        hinge.is_driven = true;
+        let is_second = std::mem::replace(&mut hinge.is_driven, true);
+        if is_second {
+            let text = format!("{}: acts on {} as another does: the two are one drive", at(node), name.escape_debug());
+            self.space.notes.push(text);
+        }
         self.space.notes.extend(left_out::of_drive(node));
         if !node.has_tag_name("motor") {
             self.space.notes.push(format!("{}: its control law is left out; its force is an input", at(node)));

@@ -31,6 +31,21 @@ fn gears_and_bounds_of_drives() {
 }
 
 #[test]
+fn medium_softness_and_second_drives() {
+    assert!(!notes(Form::Mjcf, MJCF).contains("density"));
+    let text = replaced(MJCF, "<option", r#"<option density="1.2" wind="1 0 0""#);
+    assert_says(&notes(Form::Mjcf, &text), &["<option>: left out: density, wind"]);
+    let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
+    assert_says(&notes(Form::Mjcf, &text), &["<joint \"pin\">: left out: margin, solreflimit"]);
+    let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
+    let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
+    assert_says(
+        &notes(Form::Mjcf, &text),
+        &["<motor \"second\">: acts on bearing as another does: the two are one drive"],
+    );
+}
+
+#[test]
 fn contact_between_geoms() {
     let said = "contact between geoms, such as line 10: <geom> and line 15: <geom>, is left out";
     assert_says(&notes(Form::Mjcf, MJCF), &[said]);
@@ -50,6 +65,8 @@ fn limits_of_urdf() {
     assert!(!notes(Form::Urdf, &bare).contains("limit"));
     let shapes = URDF.replace("<inertial>", "<collision/><inertial>");
     assert_says(&notes(Form::Urdf, &shapes), &["<collision> of arm, bob is left out"]);
+    let safe = URDF.replacen("<limit ", r#"<safety_controller k_velocity="1"/><limit "#, 1);
+    assert_says(&notes(Form::Urdf, &safe), &["<safety_controller> of", "is left out"]);
 }
 
 #[test]

@@ -125,13 +125,17 @@ mod tests {
     use super::*;
     use serde_json::{Value, json};
 
-    fn warnings(motion: Value) -> Vec<String> {
-        let text = json!({
+    fn definition(motion: Value) -> Value {
+        json!({
             "name": "Part", "bodies": { "ground": {}, "part": { "mass": 1 } },
             "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "part.origin" } },
             "actuators": { "servo": { "joint": "way", "motion": motion } },
             "start": { "joint": "way", "position": 0 }, "guess": { "way": 0 },
-        });
+        })
+    }
+
+    fn warnings(motion: Value) -> Vec<String> {
+        let text = definition(motion);
         Mechanism::from_json(&text.to_string()).unwrap().warnings().iter().map(ToString::to_string).collect()
     }
 
@@ -152,6 +156,24 @@ mod tests {
             assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{motion}: {told:?}");
             assert!(pieces.iter().all(|piece| told[0].contains(piece)), "{told:?} lacks one of {pieces:?}");
         }
+    }
+
+    #[test]
+    fn a_speed_of_the_start_that_a_motion_ignores_is_warned_of() {
+        let told = |enabled: bool, speed: f64| {
+            let motion = json!({ "position": 0, "enabled": enabled });
+            let mut text = definition(motion);
+            text["start"]["speed"] = json!(speed);
+            Mechanism::from_json(&text.to_string())
+                .unwrap()
+                .warnings()
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+        };
+        assert!(told(true, 0.0).is_empty() && told(false, 5.0).is_empty());
+        let [one] = &told(true, 5.0)[..] else { panic!("one warning") };
+        assert!(one.starts_with("start.speed: does nothing, as actuators.servo.motion says"), "{one}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::loads::Actuator;
 use super::mechanism::Mechanism;
 use super::{Role, Visit};
 use crate::format::{DefinitionError, Faults, Owner, Range};
+use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
@@ -130,6 +131,16 @@ impl PrescribedMotion {
 }
 
 impl Mechanism {
+    /// Warning about a speed of the start that a prescribed motion takes no notice of.
+    pub(super) fn warn_of_start_speed(&self, all: &mut Vec<Finding>) {
+        let Some((_, drive, motion)) = self.motion_drive() else { return };
+        if motion.enabled && self.start.speed != 0.0 {
+            let message = format!("does nothing, as actuators.{drive}.motion says the speed from the start on");
+            let remedy = "remove it, or write \"enabled\": false for a motion that is switched on later";
+            all.push(Finding::warning("start.speed", message, remedy));
+        }
+    }
+
     /// Faults of the motion of a drive, if it has one.
     pub(super) fn check_motion(&self, name: &str, drive: &Actuator, faults: &mut Faults) {
         let Some(motion) = &drive.motion else { return };
