@@ -19,8 +19,8 @@ const STEEPEST: f64 = 1.25;
 pub fn monotone(points: &[[f64; 2]]) -> Option<Piecewise> {
     let [widths, secants] = secants(points)?;
     let slopes: Vec<f64> = (0..points.len()).map(|k| slope(&widths, &secants, k)).collect();
-    let bends: Vec<_> = (0..points.len()).map(|k| [slopes[k], curvature(&widths, &secants, &slopes, k)]).collect();
-    Some(Piecewise::new(points, &bends))
+    let hermite: Vec<_> = (0..points.len()).map(|k| [slopes[k], curvature(&widths, &secants, &slopes, k)]).collect();
+    Some(Piecewise::new(points, &hermite))
 }
 
 /// Slope at point k: that of the parabola through the point and its neighbours, or 0 at an extreme, and never steeper

@@ -77,12 +77,12 @@ impl Piece {
 
 impl Piecewise {
     /// The function through at least two points [x, y] whose x ascend, with this slope and this curvature at each.
-    pub fn new(points: &[[f64; 2]], bends: &[[f64; 2]]) -> Self {
+    pub fn new(points: &[[f64; 2]], hermite: &[[f64; 2]]) -> Self {
         let mut integral = 0.0;
         let mut pieces = Vec::with_capacity(points.len());
-        for (pair, bend) in points.windows(2).zip(bends.windows(2)) {
+        for (pair, data) in points.windows(2).zip(hermite.windows(2)) {
             let (width, change) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
-            let [[s0, c0], [s1, c1]] = [0, 1].map(|k| [bend[k][0] * width, bend[k][1] * width * width]);
+            let [[s0, c0], [s1, c1]] = [0, 1].map(|k| [data[k][0] * width, data[k][1] * width * width]);
             let coefficients = [
                 pair[0][1],
                 s0,
@@ -96,7 +96,7 @@ impl Piecewise {
             pieces.push(piece);
         }
         let last = points.len() - 1;
-        let ends = [0, last].map(|k| [points[k][1], bends[k][0]]);
+        let ends = [0, last].map(|k| [points[k][1], hermite[k][0]]);
         Self { knots: points.iter().map(|p| p[0]).collect(), pieces, ends, whole: integral }
     }
 
@@ -202,12 +202,12 @@ mod tests {
         ) {
             let mut x = 0.3;
             let points: Vec<_> = steps.iter().map(|step| { x += step[0]; [x, step[1]] }).collect();
-            let bends: Vec<_> = steps.iter().map(|step| [step[2], step[3]]).collect();
-            let f = Piecewise::new(&points, &bends);
+            let hermite: Vec<_> = steps.iter().map(|step| [step[2], step[3]]).collect();
+            let f = Piecewise::new(&points, &hermite);
             for (k, piece) in f.pieces.iter().enumerate() {
                 for end in [k, k + 1] {
                     let at = piece.at(points[end][0]);
-                    let wanted = [points[end][1], bends[end][0], bends[end][1]];
+                    let wanted = [points[end][1], hermite[end][0], hermite[end][1]];
                     for (at, wanted) in at.iter().zip(wanted) {
                         prop_assert!((at - wanted).abs() < 1e-9 * (1.0 + piece.width.powi(-2)), "{at} {wanted}");
                     }

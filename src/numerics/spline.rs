@@ -19,8 +19,8 @@
 use super::piecewise::{Piecewise, secants};
 use nalgebra::{Matrix2, Vector2};
 
-/// Slope and curvature at a point.
-type Bend = Vector2<f64>;
+/// Slope and curvature at a point, which with the values are the data of Hermite interpolation.
+type Hermite = Vector2<f64>;
 
 /// What is known of a point before the system is solved.
 #[derive(Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ enum Point {
     /// Its curvature, 0.
     Straight,
     /// Slope and curvature.
-    Known(Bend),
+    Known(Hermite),
 }
 
 /// The quintic spline through at least two points [x, y] whose x ascend; None for other points.
@@ -43,12 +43,12 @@ pub fn spline(points: &[[f64; 2]]) -> Option<Piecewise> {
     };
     let known: Vec<_> = (0..=last + 1)
         .map(|k| match k {
-            _ if (k > 0 && rests(k - 1)) || (k <= last && rests(k)) => Point::Known(Bend::zeros()),
+            _ if (k > 0 && rests(k - 1)) || (k <= last && rests(k)) => Point::Known(Hermite::zeros()),
             _ if k == 0 || k > last => Point::Straight,
             _ => Point::Free,
         })
         .collect();
-    Some(Piecewise::new(points, &bends(&widths, &secants, &known)))
+    Some(Piecewise::new(points, &hermite(&widths, &secants, &known)))
 }
 
 /// The quintic spline through the points [x, y] of one period, the last of which is the first one a period later: at
@@ -61,31 +61,31 @@ pub fn periodic_spline(points: &[[f64; 2]]) -> Option<Piecewise> {
         count > 1 && secants[k] == 0.0 && beside.contains(&0.0)
     };
     let known = |k: usize| match rests(k % count) || rests((k + count - 1) % count) {
-        true => Point::Known(Bend::zeros()),
+        true => Point::Known(Hermite::zeros()),
         false => Point::Free,
     };
     // The spline is linear in what it is at its first point, which is also its last.
-    let from = |secants: &[f64], seam: Bend| {
+    let from = |secants: &[f64], seam: Hermite| {
         let ends = [0, count].map(|k| (k, Point::Known(seam)));
         let at = |k: usize| ends.iter().find(|end| end.0 == k).map_or_else(|| known(k), |end| end.1);
-        bends(&widths, secants, &(0..=count).map(at).collect::<Vec<_>>())
+        hermite(&widths, secants, &(0..=count).map(at).collect::<Vec<_>>())
     };
-    let rest = from(&secants, Bend::zeros());
+    let rest = from(&secants, Hermite::zeros());
     if known(0) != Point::Free {
         return Some(Piecewise::new(points, &rest));
     }
     let none = vec![0.0; count];
     // Jumps of the fourth and the third derivative at the first point.
-    let jump = |secants: &[f64], bends: &[[f64; 2]]| {
+    let jump = |secants: &[f64], hermite: &[[f64; 2]]| {
         let parts = [(count - 1, true), (0, false)].map(|(k, left)| {
-            let [first, second] = [k, k + 1].map(|k| Bend::from(bends[k]));
+            let [first, second] = [k, k + 1].map(|k| Hermite::from(hermite[k]));
             let (own, other) = if left { (second, first) } else { (first, second) };
             own_part(widths[k], left) * own + other_part(widths[k], left) * other
                 - right_side(widths[k], secants[k], left)
         });
         parts[0] + parts[1]
     };
-    let jumps = Matrix2::from_columns(&[Bend::x(), Bend::y()].map(|seam| jump(&none, &from(&none, seam))));
+    let jumps = Matrix2::from_columns(&[Hermite::x(), Hermite::y()].map(|seam| jump(&none, &from(&none, seam))));
     let seam = -(jumps.try_inverse()? * jump(&secants, &rest));
     Some(Piecewise::new(points, &from(&secants, seam)))
 }
@@ -104,20 +104,20 @@ fn other_part(h: f64, left: bool) -> Matrix2<f64> {
 }
 
 /// What the secant of that interval takes from them.
-fn right_side(h: f64, secant: f64, left: bool) -> Bend {
+fn right_side(h: f64, secant: f64, left: bool) -> Hermite {
     let third = if left { -60.0 } else { 60.0 };
-    Bend::new(360.0 / h, third) * (secant / (h * h))
+    Hermite::new(360.0 / h, third) * (secant / (h * h))
 }
 
 /// Slope and curvature at each point, for which the jumps of the fourth and the third derivative are 0 where they are not
 /// known: elimination from the first point to the last, and back.
-fn bends(widths: &[f64], secants: &[f64], known: &[Point]) -> Vec<[f64; 2]> {
+fn hermite(widths: &[f64], secants: &[f64], known: &[Point]) -> Vec<[f64; 2]> {
     let last = known.len() - 1;
     // Inverse of what is left of the own part, coupling to the next point, right side.
-    let mut rows: Vec<(Matrix2<f64>, Matrix2<f64>, Bend)> = Vec::with_capacity(known.len());
+    let mut rows: Vec<(Matrix2<f64>, Matrix2<f64>, Hermite)> = Vec::with_capacity(known.len());
     for (k, point) in known.iter().enumerate() {
         let (mut own, mut before, mut next) = (Matrix2::zeros(), Matrix2::zeros(), Matrix2::zeros());
-        let mut right = Bend::zeros();
+        let mut right = Hermite::zeros();
         if k > 0 {
             own += own_part(widths[k - 1], true);
             before = other_part(widths[k - 1], true);
@@ -131,25 +131,25 @@ fn bends(widths: &[f64], secants: &[f64], known: &[Point]) -> Vec<[f64; 2]> {
         match *point {
             Point::Free => {}
             Point::Straight => {
-                own.set_row(1, &Bend::y().transpose());
+                own.set_row(1, &Hermite::y().transpose());
                 for part in [&mut before, &mut next] {
-                    part.set_row(1, &Bend::zeros().transpose());
+                    part.set_row(1, &Hermite::zeros().transpose());
                 }
                 right.y = 0.0;
             }
-            Point::Known(bend) => {
-                (own, before, next, right) = (Matrix2::identity(), Matrix2::zeros(), Matrix2::zeros(), bend);
+            Point::Known(data) => {
+                (own, before, next, right) = (Matrix2::identity(), Matrix2::zeros(), Matrix2::zeros(), data);
             }
         }
         if let Some((inverse, coupling, already)) = rows.last() {
             own -= before * inverse * coupling;
             right -= before * inverse * already;
         }
-        // The system is positive definite; numbers beyond all sizes end as bends that are none.
+        // The system is positive definite; numbers beyond all sizes end as data that are none.
         rows.push((own.try_inverse().unwrap_or(Matrix2::repeat(f64::NAN)), next, right));
     }
     let mut all = vec![[0.0; 2]; known.len()];
-    let mut after = Bend::zeros();
+    let mut after = Hermite::zeros();
     for (k, (inverse, coupling, right)) in rows.iter().enumerate().rev() {
         after = inverse * (right - coupling * after);
         all[k] = after.into();

@@ -95,15 +95,16 @@ fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f
     all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
 }
 
-/// Warn of a dense table of rounded values, whose second derivative, `bend`, comes from the last digits.
-fn warn_of_digits(key: &str, points: &[[f64; 2]], bend: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
+/// Warn of a dense table of rounded values, whose second derivative comes from the last digits.
+fn warn_of_digits(key: &str, points: &[[f64; 2]], second: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
     let unit = (0..=DIGITS).map(|k| 10.0_f64.powi(-k)).find(|unit| {
         let is_multiple = |value: f64| (value / unit - (value / unit).round()).abs() < 1e-6;
         points.iter().all(|[_, value]| is_multiple(*value))
     });
     let Some(unit) = unit.filter(|_| points.len() >= DENSE) else { return };
     let middles = points.windows(2).map(|pair| 0.5 * (pair[0][0] + pair[1][0]));
-    let largest = points.iter().map(|point| point[0]).chain(middles).fold(0.0, |most: f64, x| most.max(bend(x).abs()));
+    let largest =
+        points.iter().map(|point| point[0]).chain(middles).fold(0.0, |most: f64, x| most.max(second(x).abs()));
     let mut widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
     widths.sort_by(f64::total_cmp);
     let rounded = SHARPNESS * unit / widths[widths.len() / 2].powi(2);
