@@ -14,27 +14,32 @@ pub struct Dense<const N: usize> {
     pub(super) start: [f64; N],
     pub(super) end: [f64; N],
     pub(super) terms: [[f64; N]; TERMS],
-    /// How far stages within the step are off it, where the method has such.
-    pub(super) off: Option<[f64; N]>,
+    /// How far each component of the motion may be off it: of DOP853 and RKN8(6) by stages within the step, of the others by
+    /// the error estimate of the step.
+    pub(super) off: [f64; N],
 }
 
 /// Terms of the nested form: the degree.
 pub(super) const TERMS: usize = 7;
 
 impl<const N: usize> Dense<N> {
-    pub(super) fn new(start: [f64; N], end: [f64; N], terms: [[f64; N]; TERMS]) -> Self {
-        Self { start, end, terms, off: None }
+    pub(super) fn new(start: [f64; N], end: [f64; N], terms: [[f64; N]; TERMS], off: impl Fn(usize) -> f64) -> Self {
+        Self { start, end, terms, off: std::array::from_fn(|n| off(n).abs()) }
     }
 
-    /// Whether stages within the step, if there are any, are no further off it than those of smooth motions are.
+    /// Whether the motion is no further off it than smooth motions are.
     pub fn is_within(&self, tolerance: f64, scale: &[f64; N]) -> bool {
-        let within = |off: &[f64; N]| off.iter().zip(scale).all(|(off, scale)| *off <= OFF * tolerance * scale);
-        self.off.as_ref().is_none_or(within)
+        self.off.iter().zip(scale).all(|(off, scale)| *off <= OFF * tolerance * scale)
+    }
+
+    /// How far component n of the motion may be off it.
+    pub fn off(&self, n: usize) -> f64 {
+        self.off[n]
     }
 
     /// To be read.
     pub fn blank() -> Self {
-        Self::new([0.0; N], [0.0; N], [[0.0; N]; TERMS])
+        Self::new([0.0; N], [0.0; N], [[0.0; N]; TERMS], |_| 0.0)
     }
 
     /// All fields, written or read.

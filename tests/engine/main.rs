@@ -12,6 +12,7 @@ mod contact_at_start;
 mod couplings;
 mod creep;
 mod curves;
+mod damped_contact;
 mod derivatives;
 mod designs;
 mod drag;

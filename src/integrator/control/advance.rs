@@ -166,6 +166,17 @@ impl<const N: usize> Integrator<N> {
         Step::new(&start, h, false, outcome)
     }
 
+    /// Go back to the start of the last step, which was too long for its interpolant; the next one has the size h [s].
+    /// Where stiffness made it too long, Radau takes over.
+    pub fn take_back<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) {
+        self.refresh();
+        (self.derivative, self.carry, self.before) = (Some(step.first()), step.carry, None);
+        if let (true, Stages::Dop853(stages)) = (S::CAN_BE_STIFF, &step.stages) {
+            let scale = system.scale(&step.start, &step.first());
+            self.stiffness.too_coarse(h, stages.stiffness::<S>(step.h, [&step.start, &step.end], &scale));
+        }
+    }
+
     /// [`Step::dense`], its evaluations counted.
     pub fn dense<S: System<N>>(&mut self, system: &mut S, step: &Step<N>) -> Dense<N> {
         self.statistics.evaluations += step.dense_evaluations();

@@ -75,6 +75,14 @@ impl Stiffness {
         }
     }
 
+    /// An explicit step at this h |lambda| has been taken back, as its interpolant was too coarse; one of the size h might
+    /// not be.
+    pub fn too_coarse(&mut self, h: f64, h_lambda: f64) {
+        if h_lambda > HELD_BACK {
+            *self = Self { implicit: true, hits: 0, misses: 0, saved: 0.0, explicit_h: h, ..*self };
+        }
+    }
+
     /// An implicit step of size h where |lambda| is the largest eigenvalue has been accepted.
     pub fn implicit_step(&mut self, h: f64, lambda: f64) {
         self.saved = (self.saved + h / self.explicit_h - 1.0).min(f64::MAX);

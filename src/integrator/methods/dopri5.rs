@@ -70,7 +70,7 @@ impl<const N: usize> Path<N> for Dopri5<N> {
         terms[1] = std::array::from_fn(|n| h * k[0][n] - delta[n]);
         terms[2] = std::array::from_fn(|n| delta[n] - h * k[STAGES - 1][n] - terms[1][n]);
         terms[3] = std::array::from_fn(|n| h * (0..STAGES).map(|j| D[j] * k[j][n]).sum::<f64>());
-        Dense::new(*start, *end, terms)
+        Dense::new(*start, *end, terms, |n| self.difference(n, h))
     }
 }
 
@@ -102,9 +102,16 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
 
     /// As that of RK4, with an estimate that is the local error of order 4 and falls as h^5.
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
+        mean_square(S::LEADING, scale, |n| self.difference(n, h)) * (MARGIN * tolerance).powi(-2)
+    }
+}
+
+impl<const N: usize> Dopri5<N> {
+    /// Difference of component n between the pair's methods.
+    #[inline(always)]
+    fn difference(&self, n: usize, h: f64) -> f64 {
         let k = &self.0;
-        let first = |n: usize| E[0] * k[0][n] + E[2] * k[2][n] + E[3] * k[3][n] + E[4] * k[4][n];
-        let difference = |n: usize| h * (first(n) + E[5] * k[5][n] + E[6] * k[6][n]);
-        mean_square(S::LEADING, scale, difference) * (MARGIN * tolerance).powi(-2)
+        let first = E[0] * k[0][n] + E[2] * k[2][n] + E[3] * k[3][n] + E[4] * k[4][n];
+        h * (first + E[5] * k[5][n] + E[6] * k[6][n])
     }
 }

@@ -47,7 +47,7 @@ impl<const N: usize> Path<N> for Rk4<N> {
         for n in 0..N {
             [terms[0][n], terms[1][n], terms[2][n]] = hermite(h, ends.map(|y| y[n]), [self.first[n], self.last[n]]);
         }
-        Dense::new(*ends[0], *ends[1], terms)
+        Dense::new(*ends[0], *ends[1], terms, |n| self.difference(n, h))
     }
 }
 
@@ -80,6 +80,14 @@ impl<const N: usize> Pair<N> for Rk4<N> {
     /// they are. So e <= tolerance.
     #[inline]
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
-        mean_square(S::LEADING, scale, |n| E * h * (self.fourth[n] - self.last[n])) * (MARGIN * tolerance).powi(-2)
+        mean_square(S::LEADING, scale, |n| self.difference(n, h)) * (MARGIN * tolerance).powi(-2)
+    }
+}
+
+impl<const N: usize> Rk4<N> {
+    /// Difference of component n between the pair's methods.
+    #[inline(always)]
+    fn difference(&self, n: usize, h: f64) -> f64 {
+        E * h * (self.fourth[n] - self.last[n])
     }
 }

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 
 /// The interpolant with these terms; its end is its own value there.
 fn dense(start: f64, terms: [f64; TERMS]) -> Dense<1> {
-    let open = Dense::new([start], [0.0], terms.map(|term| [term]));
-    Dense::new([start], open.at(1.0), terms.map(|term| [term]))
+    let open = Dense::new([start], [0.0], terms.map(|term| [term]), |_| 0.0);
+    Dense::new([start], open.at(1.0), terms.map(|term| [term]), |_| 0.0)
 }
 
 /// The interpolant factor * product of (s - root) for up to 7 roots: terms by peeling off s and 1 - s in turn.
@@ -112,7 +112,7 @@ fn an_end_on_the_level_is_a_passage() {
     assert_eq!(with_roots(1.0, &[1.0]).first_passage(0, 0.0, Falling, false), None);
     // The exact end counts, not the polynomial's: just past it, or just before.
     let terms = [[1.0], [0.0], [0.0], [0.0], [0.0], [0.0], [0.0]];
-    let end = |end: f64| Dense::new([-1.0], [end], terms).first_passage(0, 0.0, Rising, false);
+    let end = |end: f64| Dense::new([-1.0], [end], terms, |_| 0.0).first_passage(0, 0.0, Rising, false);
     assert_eq!((end(1e-17), end(-1e-17)), (Some(1.0), None));
 }
 
@@ -238,7 +238,7 @@ proptest! {
         part in 0.0..=1.0f64,
     ) {
         let one = dense(0.3, terms);
-        let two = Dense::new([-1.0, 0.3], [0.0, one.at(1.0)[0]], terms.map(|term| [term * term, term]));
+        let two = Dense::new([-1.0, 0.3], [0.0, one.at(1.0)[0]], terms.map(|term| [term * term, term]), |_| 0.0);
         let [bounds] = one.bounded([0]).enclosures([a, b]);
         prop_assert_eq!(two.bounded([1, 0]).enclosures([a, b])[0], bounds);
         let (s, step) = (a + part * (b - a), 1e-6);

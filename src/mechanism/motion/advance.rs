@@ -76,6 +76,10 @@ pub struct Progress {
     may_pass: bool,
     /// Time at which the next step ends at the latest [s], where one before went too far beyond a knot; none otherwise.
     limit: Option<f64>,
+    /// Whether a step before was too coarse for its events, so that the next ones grow from one that was not.
+    is_refining: bool,
+    /// Attempts in a row that were too coarse.
+    refinements: u32,
 }
 
 /// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way to the
@@ -83,6 +87,9 @@ pub struct Progress {
 const BEYOND_KNOT: f64 = 1.1;
 /// Part of a step before which no knot may be passed.
 const FARTHEST_KNOT: f64 = 0.8;
+
+/// Growth of a step after one that was made shorter because it was too coarse for its events.
+const GROWTH: f64 = 3.0;
 
 impl Progress {
     /// The start of an advance with this bound; see [`Work::most`].
@@ -154,6 +161,16 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let around = (self.ends, &*self.contact);
             let laws = (held, self.tolerance);
             let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
+            if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
+                self.progress.limit = Some(limit);
+                self.progress.is_refining = true;
+                self.progress.refinements += 1;
+                self.progress.work.extra += 1;
+                self.progress.held = held;
+                self.integrator.take_back(self.dynamics, step, limit - t);
+                continue;
+            }
+            self.progress.refinements = 0;
             if let Some(limit) = found.as_ref().and_then(|found| self.too_far(step, found)) {
                 self.progress.limit = Some(limit);
                 self.progress.work.extra += 1;
@@ -185,6 +202,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             // Transition.
             *z = state;
             self.progress.t += h;
+            if self.progress.is_refining {
+                // Until no event is near.
+                self.progress.is_refining = dense.is_some();
+                self.progress.limit = dense.is_some().then_some(self.progress.t + GROWTH * h);
+            }
             self.dynamics.set_state(z);
             match found {
                 Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,

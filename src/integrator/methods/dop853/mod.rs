@@ -62,15 +62,13 @@ impl<const N: usize> Path<N> for Dop853<N> {
                 term[n] = h * k.iter().zip(weights).map(|(stage, d)| d * stage[n]).sum::<f64>();
             }
         }
-        let mut dense = Dense::new(*ends[0], *ends[1], terms);
-        let mut off = [0.0_f64; N];
+        let mut dense = Dense::new(*ends[0], *ends[1], terms, |_| 0.0);
         for (c, point) in C[STAGES + 1..].iter().zip(&points) {
             let there = dense.at(*c);
             for n in 0..N {
-                off[n] = off[n].max((there[n] - point[n]).abs());
+                dense.off[n] = dense.off[n].max((there[n] - point[n]).abs());
             }
         }
-        dense.off = Some(off);
         dense
     }
 }

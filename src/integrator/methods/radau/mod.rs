@@ -7,7 +7,7 @@ pub mod coefficients;
 
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::dense::TERMS;
-use crate::integrator::pair::{Outcome, Path, Start, add_compensated, mean_square};
+use crate::integrator::pair::{BULGE_MARGIN, Outcome, Path, Start, add_compensated, mean_square};
 use crate::integrator::{Dense, Method, Statistics, System};
 use crate::numerics::gauss::{Complex, Factors};
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
@@ -33,6 +33,8 @@ pub struct Radau<const N: usize> {
     first: [f64; N],
     /// Tolerance that the step was made for.
     tolerance: f64,
+    /// Error of the collocation polynomial.
+    error: [f64; N],
 }
 
 /// Newton's method of a step: the matrix, the goal, and the step before, from which it starts.
@@ -98,11 +100,20 @@ impl<const N: usize> Path<N> for Radau<N> {
         self.first
     }
 
-    /// The collocation polynomial, of order 3.
+    /// From the Bernstein coefficients of the collocation polynomial, which enclose it, and its error.
+    fn bulge(&self, n: usize, h: f64, ends: [&[f64; N]; 2]) -> f64 {
+        let [t0, t1, t2] = self.collocation(h, ends).terms().map(|term| term[n]);
+        let inner = [(t0 + t1) / 3.0, (2.0 * t0 + t1 + t2) / 3.0];
+        let beyond = inner.map(|b| (t0.min(0.0) - b).max(b - t0.max(0.0)));
+        BULGE_MARGIN * (beyond[0].max(beyond[1]).max(0.0) + self.error[n])
+    }
+
+    /// The collocation polynomial, of order 3. It is off the motion by what the error estimate of the step filters out of
+    /// the defect at its start.
     fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let mut terms = [[0.0; N]; TERMS];
         terms[..3].copy_from_slice(&self.collocation(h, ends).terms());
-        Dense::new(*ends[0], *ends[1], terms)
+        Dense::new(*ends[0], *ends[1], terms, |n| self.error[n])
     }
 }
 
@@ -122,8 +133,9 @@ impl<const N: usize> Radau<N> {
     ) -> Option<(Outcome<Self, N>, f64)> {
         let guess = newton.before.map_or([[0.0; N]; STAGES], |before| before.guess(1.0, h));
         let (z, real) = collocate(system, start, newton, h, guess, ITERATIONS, statistics)?;
-        let error = error(start, newton, h, &z, &real);
-        Some((Self::outcome(system, start, newton.tolerance, h, &z, statistics), error))
+        let e = error(start, h, &z, &real);
+        let norm = mean_square(N, &newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt();
+        Some((Self::outcome(system, start, newton.tolerance, h, (&z, e), statistics), norm))
     }
 
     /// The step of size h, shorter than the step of these stages and from the same start. `whole` is the collocation
@@ -141,22 +153,23 @@ impl<const N: usize> Radau<N> {
         let newton = Newton { jacobian: &jacobian, scale: &scale, tolerance: self.tolerance, before: None };
         let guess = whole.guess(0.0, h);
         let found = collocate(system, start, &newton, h, guess, 3 * ITERATIONS, statistics);
-        Self::outcome(system, start, self.tolerance, h, &found.map_or(guess, |(z, _)| z), statistics)
+        let z = found.map_or(guess, |(z, _)| z);
+        Self::outcome(system, start, self.tolerance, h, (&z, self.error), statistics)
     }
 
-    /// The step with the increments z.
+    /// The step with the increments z and the error of their polynomial.
     fn outcome<S: System<N>>(
         system: &mut S,
         start: &Start<N>,
         tolerance: f64,
         h: f64,
-        z: &Increments<N>,
+        (z, error): (&Increments<N>, [f64; N]),
         statistics: &mut Statistics,
     ) -> Outcome<Self, N> {
         let (end, carry) = add_compensated(&start.y, &z[2], &start.carry);
         let last = system.derivative(start.t + h, &end);
         statistics.evaluations += 1;
-        Outcome { stages: Self { inner: [z[0], z[1]], first: start.first, tolerance }, end, last, carry }
+        Outcome { stages: Self { inner: [z[0], z[1]], first: start.first, tolerance, error }, end, last, carry }
     }
 }
 
@@ -244,17 +257,10 @@ fn collocate<S: System<N>, const N: usize>(
     None
 }
 
-/// Error over the tolerance: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
+/// Error: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
 /// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
 /// component too, which that makes h |lambda| times smaller than it is.
-fn error<const N: usize>(
-    start: &Start<N>,
-    newton: &Newton<N>,
-    h: f64,
-    z: &Increments<N>,
-    real: &Factors<f64, N>,
-) -> f64 {
+fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, real: &Factors<f64, N>) -> [f64; N] {
     let defect = std::array::from_fn(|n| start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h);
-    let e = real.solve(defect);
-    mean_square(N, &newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt()
+    real.solve(defect).map(f64::abs)
 }

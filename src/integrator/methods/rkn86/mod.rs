@@ -53,7 +53,7 @@ impl<const N: usize> Path<N> for Rkn86 {
     fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let k = &self.0;
         let first = self.position(h, ends, [(C[3], k[3]), (C[4], k[4])]);
-        let mut dense = Dense::new(*ends[0], *ends[1], with_component([[0.0; N]; TERMS], 0, first));
+        let mut dense = Dense::new(*ends[0], *ends[1], with_component([[0.0; N]; TERMS], 0, first), |_| 0.0);
         let ways = PLACES.map(|s| dense.component(0, s) - ends[0][0]);
         let mut accelerations = [0.0; 4];
         for ((acceleration, s), way) in accelerations.iter_mut().zip(PLACES).zip(ways) {
@@ -62,11 +62,9 @@ impl<const N: usize> Path<N> for Rkn86 {
         let outer = [0, 3].map(|i| (PLACES[i], accelerations[i]));
         let terms = with_component(dense.terms, 0, self.position(h, ends, outer));
         dense.terms = with_component(terms, 1, self.rate(h, ends, &accelerations));
-        let mut off = [0.0_f64; N];
         for (s, way) in PLACES.into_iter().zip(ways) {
-            off[0] = off[0].max((dense.component(0, s) - ends[0][0] - way).abs());
+            dense.off[0] = dense.off[0].max((dense.component(0, s) - ends[0][0] - way).abs());
         }
-        dense.off = Some(off);
         dense
     }
 }

@@ -7,15 +7,43 @@ use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
 use crate::mechanism::reduced::AT_KNOT;
 
+/// Part of the motion in a step that the error of its interpolant may be, where events are looked for.
+const RESOLVED: f64 = 0.01;
+/// Part of the tolerance below which an error shows nothing.
+const NEGLIGIBLE: f64 = 1e-6;
+/// Steps in a row that may be taken again because they are too coarse.
+const MOST_REFINEMENTS: u32 = 20;
+
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether states may be taken from the interpolant of a step.
     #[inline(always)]
     pub(super) fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
-        if !step.interpolates() {
+        if !step.interpolates() || !(is_resolved(step, dense) || self.coarseness(step, dense) <= 1.0) {
             return false;
         }
         let scale = self.dynamics.scale(&step.start, &step.first());
         dense.is_within(self.tolerance, &scale)
+    }
+
+    /// Time at which a step is to end that is too long to show its events [s]: the error of its interpolant is no small
+    /// part of the motion in it, as where the motion is damped that is much faster than the step. An event on it may not
+    /// happen, and another be overlooked, though its end is as exact as the tolerance asks.
+    #[inline(always)]
+    pub(super) fn too_coarse(&mut self, step: &Step<N>, dense: Option<&Dense<N>>) -> Option<f64> {
+        let dense = dense.filter(|dense| !is_resolved(step, dense))?;
+        let coarseness = self.coarseness(step, dense);
+        let is_coarse = coarseness > 1.0 && self.progress.refinements < MOST_REFINEMENTS;
+        is_coarse.then(|| step.t + step.h * coarseness.powf(-0.25).clamp(0.1, 0.5))
+    }
+
+    /// Error of the interpolant over the error up to which a step is trusted.
+    #[cold]
+    fn coarseness(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
+        let scale = self.dynamics.scale(&step.start, &step.first());
+        let least = (NEGLIGIBLE * self.tolerance).max(64.0 * f64::EPSILON);
+        let sizes = sizes(step);
+        let ratio = |n: usize| dense.off(n) / (RESOLVED * sizes[n]).max(least * scale[n]);
+        ratio(0).max(ratio(1))
     }
 
     /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the place
@@ -86,4 +114,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             (*shorter, miss) = (end, after);
         }
     }
+}
+
+/// Way and speed of the motion in a step.
+#[inline(always)]
+fn sizes<const N: usize>(step: &Step<N>) -> [f64; 2] {
+    let speed = step.start[1].abs().max(step.end[1].abs());
+    [step.h * speed, speed]
+}
+
+/// Whether the error of the interpolant is a small part of the motion in a step.
+#[inline(always)]
+fn is_resolved<const N: usize>(step: &Step<N>, dense: &Dense<N>) -> bool {
+    let sizes = sizes(step);
+    dense.off(0) <= RESOLVED * sizes[0] && dense.off(1) <= RESOLVED * sizes[1]
 }
