@@ -157,3 +157,42 @@ fn drag_takes_its_power() {
         assert!((change - work).abs() < 1e-9 * done, "{change} {work}");
     }
 }
+
+/// A plate on a crank that the wind turns: I omega^2 / 2 + 1/2 rho c S v^2 r G(theta) is constant, where G is the integral of
+/// |sin| sin, so also where the plate is edge-on to the wind and its drag has a kink, twice in each revolution.
+#[test]
+fn a_plate_passes_edge_on_within_the_tolerance() {
+    const INERTIA: f64 = 0.01;
+    const ARM: f64 = 0.3;
+    const PLATE: f64 = 0.02;
+    const SPEED: f64 = 20.0;
+    for tolerance in [1e-5, 1e-7, 1e-9, 1e-12] {
+        let definition = json!({
+            "name": "Vane",
+            "bodies": { "ground": {}, "crank": { "mass": 0.0, "inertia": INERTIA, "points": { "end": [ARM, 0] } } },
+            "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" } },
+            "air": { "density": DENSITY, "flow_angle": 0, "airspeed": SPEED },
+            "surfaces": { "plate": { "at": "crank.end", "area": PLATE, "surface_angle": 0, "drag_coefficient": 1.2 } },
+            "start": { "body": "crank", "angle": 1.0, "speed": 30.0 },
+            "guess": { "crank": 1.0 },
+            "solver": { "tolerance": tolerance },
+        });
+        for steps in [1, 40] {
+            let mut run = Run::new(&definition.to_string()).started();
+            let energy = |run: &mut Run| {
+                let (theta, omega) = (run.get("crank.angle"), run.get("crank.speed"));
+                let half = (theta / std::f64::consts::PI).floor();
+                let rest = theta - half * std::f64::consts::PI;
+                let part = 0.5 * rest - 0.25 * (2.0 * rest).sin();
+                // Over a half revolution G grows by pi / 2, over the next it falls by as much.
+                let g = if half.rem_euclid(2.0) == 0.0 { part } else { std::f64::consts::FRAC_PI_2 - part };
+                0.5 * INERTIA * omega * omega + 0.5 * DENSITY * 1.2 * PLATE * SPEED * SPEED * ARM * g
+            };
+            let start = energy(&mut run);
+            run.steps(steps, 2.0);
+            let error = energy(&mut run) / start - 1.0;
+            println!("{tolerance:e} {steps}: {error:e}");
+            assert!(error.abs() <= 10.0 * tolerance, "{tolerance} in {steps} steps: {error}");
+        }
+    }
+}

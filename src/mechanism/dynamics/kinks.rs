@@ -1,12 +1,13 @@
-//! Points of the curves by which the state sizes loads, as borders in the space of states.
+//! Kinks of the laws by which the state sizes loads, as borders in the space of states: points of curves, surfaces that the
+//! air flows along.
 //!
 //! In: the equation of motion, a state. Out: how far a quantity is beyond a point of its curve. It must not know steps.
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::reduced::{Argument, Kink};
 
 impl EquationOfMotion<'_> {
-    /// How far the quantity of a curve is beyond one of its points, 0 where it is at it; sigma may be revolutions away.
-    pub fn beyond_kink(&self, kink: &Kink, [sigma, sigma_dot]: [f64; 2]) -> f64 {
+    /// How far the quantity of a law is beyond one of its kinks, 0 where it is at it; sigma may be revolutions away.
+    pub fn beyond_kink(&self, kink: &Kink, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         let Some(state_loads) = self.state_loads else { return 0.0 };
         let loading = self.reduced.loading();
         let displacement = |component: usize, load: usize| {
@@ -23,8 +24,23 @@ impl EquationOfMotion<'_> {
                 stop.beyond(displacement(state_loads.pressed(k), stop.load))
             }
             Argument::Depth(_) => return 0.0,
+            Argument::Facing { surface, place } => self.facing((surface, place), [t, sigma, sigma_dot]),
         };
         let beyond = value - kink.value;
         if beyond.abs() <= kink.near { 0.0 } else { beyond }
+    }
+
+    /// Sine of the angle between a surface's line and the flow relative to a place on it; 0 where there is no flow.
+    fn facing(&self, (surface, place): (usize, f64), [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
+        let (Some(state_loads), Some(air)) = (self.state_loads, &self.reduced.loading().air) else { return 0.0 };
+        let airspeed = self.applied.air(t);
+        let mut wind = [air.flow.x * airspeed, air.flow.y * airspeed];
+        let [line_x, line_y] = [0, 1].map(|k| self.component(state_loads.line(surface) + k, sigma));
+        if air.relative_wind {
+            let [x, y, omega] = [0, 1, 2].map(|k| self.component(3 * surface + k, sigma) * sigma_dot);
+            wind = [wind[0] - x + omega * place * line_y, wind[1] - y - omega * place * line_x];
+        }
+        let speed = wind[0].hypot(wind[1]);
+        if speed == 0.0 { 0.0 } else { (wind[1] * line_x - wind[0] * line_y) / speed }
     }
 }

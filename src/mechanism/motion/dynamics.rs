@@ -51,13 +51,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         0
     }
 
-    /// Whether a border is a point of a curve that sizes a load.
+    /// Whether a border is a kink of the law that sizes a load.
     fn is_kink(&self, _border: usize) -> bool {
         false
     }
 
-    /// How far a state is beyond a border; 0 where there is none.
-    fn beyond_border(&mut self, _border: usize, _z: &[f64; N]) -> f64 {
+    /// How far a state is beyond a border at the time t of the span [s]; 0 where there is none.
+    fn beyond_border(&mut self, _border: usize, _t: f64, _z: &[f64; N]) -> f64 {
         0.0
     }
 
@@ -264,7 +264,7 @@ where
         self.state_loads.is_some_and(|state_loads| (gaps..gaps + state_loads.kinks.len()).contains(&border))
     }
 
-    fn beyond_border(&mut self, border: usize, z: &[f64; N]) -> f64 {
+    fn beyond_border(&mut self, border: usize, t: f64, z: &[f64; N]) -> f64 {
         let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
         let Some(border) = border.checked_sub(gaps) else {
             let (reduced, state_loads) = self.stretch_at(z[0]);
@@ -272,7 +272,7 @@ where
         };
         let kinks = self.state_loads.map_or(&[][..], |state_loads| &state_loads.kinks);
         if let Some(kink) = kinks.get(border) {
-            return self.beyond_kink(kink, [z[0], z[1]]);
+            return self.beyond_kink(kink, [t, z[0], z[1]]);
         }
         let border = border - kinks.len();
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)

@@ -116,7 +116,8 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     };
     let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
     let passed = |dynamics: &mut D, border: usize| {
-        let [before, after] = [&step.start, &step.end].map(|z| dynamics.beyond_border(border, z));
+        let ends = [(step.t, &step.start), (step.t + step.h, &step.end)];
+        let [before, after] = ends.map(|(t, z)| dynamics.beyond_border(border, t, z));
         before * after < 0.0
     };
     let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
@@ -154,7 +155,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     if is_passed {
         for border in 0..dynamics.borders() {
             if passed(dynamics, border) {
-                offer(Some(border_passage(dynamics, dense, border)), Event::Border(border));
+                offer(Some(border_passage(dynamics, step, dense, border)), Event::Border(border));
             }
         }
     }
@@ -275,7 +276,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
-        Event::Border(border) => dynamics.beyond_border(border, z),
+        Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
@@ -333,8 +334,13 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
 
 /// Part of a step after which a border is passed that is between its ends.
 #[cold]
-fn border_passage<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, border: usize) -> f64 {
-    let mut beyond = |part: f64| dynamics.beyond_border(border, &dense.at(part));
+fn border_passage<D: Dynamics<N>, const N: usize>(
+    dynamics: &mut D,
+    step: &Step<N>,
+    dense: &Dense<N>,
+    border: usize,
+) -> f64 {
+    let mut beyond = |part: f64| dynamics.beyond_border(border, step.t + part * step.h, &dense.at(part));
     let after = beyond(1.0);
     bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
 }

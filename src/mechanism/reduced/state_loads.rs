@@ -46,7 +46,7 @@ pub struct StateLoads {
     pub bumpers: Vec<usize>,
     /// Springs that the state sizes in part.
     pub springs: Vec<usize>,
-    /// Points of all curves by which the state sizes loads. A step ends there.
+    /// Kinks of the laws by which the state sizes loads. A step ends there.
     pub kinks: Vec<Kink>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
@@ -75,18 +75,19 @@ pub struct StateLoads {
     pub(super) section: String,
 }
 
-/// A point of a curve that sizes a load of the state: the third derivative of the force jumps there.
+/// A kink of a law that sizes a load of the state: a point of a curve, where the third derivative of the force jumps, or a
+/// surface that the air flows along, where the first derivative of its drag jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kink {
-    /// Quantity over which the curve is.
+    /// Quantity on which the law depends.
     pub of: Argument,
-    /// Value of the quantity at the point [m/s, rad/s, m or rad].
+    /// Value of the quantity at the kink [m/s, rad/s, m, rad or 1].
     pub value: f64,
     /// Distance from the value up to which a quantity is at it.
     pub near: f64,
 }
 
-/// Quantity over which a curve is that sizes a load of the state.
+/// Quantity on which the law of a load of the state depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Argument {
     /// Speed of the drive with this index.
@@ -97,6 +98,13 @@ pub enum Argument {
     Rate(usize),
     /// Angle of a spring by its index in [`StateLoads::springs`], over all revolutions.
     Angle(usize),
+    /// Sine of the angle between the line of a surface, by its index, and the flow at a place on it.
+    Facing {
+        /// Index of the surface.
+        surface: usize,
+        /// Distance of the place from the start of the surface [m].
+        place: f64,
+    },
 }
 
 /// Part of the largest value of a curve's points up to which a quantity is at one of them.
@@ -136,14 +144,22 @@ impl StateLoads {
         2 * self.table.gaps().len()
     }
 
-    /// Number of ends of gaps and of points of curves, at which a step ends.
+    /// Number of ends of gaps and of kinks, at which a step ends.
     pub fn borders(&self) -> usize {
         self.gap_borders() + self.kinks.len()
     }
 
-    /// Points of the curves that size the loads of drives, bumpers and springs.
+    /// Kinks of the laws of drives, bumpers, springs and drag.
     fn find_kinks(&mut self, source: &Source) {
         let loading = &source.loading;
+        if let Some(air) = loading.air.as_ref().filter(|_| self.air) {
+            for (surface, s) in air.surfaces.iter().enumerate().filter(|(_, s)| s.drag.directed) {
+                // Along a strip that moves, where the flow is along the line passes from one end to the other.
+                let ends = if air.relative_wind && s.drag.length > 0.0 { 2 } else { 1 };
+                let kink = |place: f64| Kink { of: Argument::Facing { surface, place }, value: 0.0, near: AT_KINK };
+                self.kinks.extend([0.0, s.drag.length].into_iter().take(ends).map(kink));
+            }
+        }
         let mut add = |of: Argument, curve: Option<&Piecewise>, first: usize| {
             let knots = curve.map_or(&[][..], Piecewise::knots);
             let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
