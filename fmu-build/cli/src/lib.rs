@@ -137,7 +137,7 @@ pub struct Simulate {
     /// held; a time that stands twice is a jump
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
-    /// Set the slopes of the input signals too, so that inputs change within a step
+    /// Set the slopes of the input signals too, so that inputs change within a step; steps end at each time of the file
     #[arg(long, requires = "input_file")]
     pub set_input_derivatives: bool,
     /// Variables to record [default: every output]
