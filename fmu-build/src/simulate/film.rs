@@ -121,7 +121,7 @@ impl Pace {
         let delay = asked.clamp(SHORTEST, f64::from(PAUSE)).round() as u16;
         let speed = duration / (f64::from(delay) * 0.01 * frames as f64);
         let words = match speed {
-            s if s < 0.9 => format!("slowed down {} times", rounded(1.0 / s)),
+            s if s < 0.9 && duration > 0.0 => format!("slowed down {} times", rounded(1.0 / s)),
             s if s > 1.1 => format!("sped up {} times", rounded(s)),
             _ => String::new(),
         };
