@@ -249,3 +249,35 @@ fn a_run_without_a_length_has_the_values_at_the_start() {
     assert!((angle - 0.5).abs() < 1e-14, "{rows}");
     assert!(fs::read(&film).unwrap().starts_with(b"GIF89a"));
 }
+
+/// The rows of a run that is killed, or for which the disk has no room, do not take the place of those of one before.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_written_whole_leaves_what_was_there() {
+    let folder = Folder::new("whole");
+    let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
+    fs::write(&definition, PENDULUM).unwrap();
+    fs::write(&table, "before").unwrap();
+    let simulate = |file: &Path| {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        command.arg("simulate").arg(&definition).args(["--stop-time", "1e9", "--output-interval", "1e-3"]);
+        command.args(["--output-variables", "rod.angle", "--output-file"]).arg(file).stderr(process::Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let unfinished =
+        || fs::read_dir(&folder.0).unwrap().find(|file| file.as_ref().unwrap().metadata().unwrap().len() > 99_999);
+    let mut killed = simulate(&table);
+    let start = Instant::now();
+    while unfinished().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(60) && killed.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert_eq!(fs::read(&table).unwrap(), b"before");
+    // A device is written to as it is; this one is always full.
+    let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
+    let said = String::from_utf8(full.stderr).unwrap();
+    let line = "error: /dev/full: cannot be written; free space there, or name another folder: No space left on device";
+    assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
+}

@@ -111,6 +111,9 @@ fn check(arguments: &Arguments) -> Result<()> {
         if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
             bail!("{}: this is {what}; name another file to be written", path.display());
         }
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            bail!("{}: cannot be made: there is no folder {}; make it first", path.display(), folder.display());
+        }
     }
     Ok(())
 }
