@@ -20,6 +20,7 @@ pub mod drawing;
 mod files;
 mod fmu;
 pub mod gallery;
+mod headers;
 pub mod import;
 pub mod info;
 mod library;
