@@ -104,6 +104,7 @@ impl Writer {
         self.blocks = None;
         let Some(thread) = self.thread.take() else { return Ok(()) };
         let written = thread.join().unwrap_or_else(|_| Err(anyhow!("the writing thread panicked")));
-        written.with_context(|| unwritten(&self.path))
+        // What stands between names no cause: Parquet's error repeats that of the disk.
+        written.map_err(|error| anyhow!("{}", error.root_cause()).context(unwritten(&self.path)))
     }
 }
