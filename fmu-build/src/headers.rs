@@ -1,5 +1,5 @@
-//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each has a header of its own too:
-//! readers that unpack while they receive see the second, all others the first.
+//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each entry has a header of its
+//! own too: readers that unpack while they receive see the second, all others the first.
 //!
 //! In: the bytes of a zip. Out: entries that stand twice, and those whose two headers differ.
 
