@@ -113,22 +113,77 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<()> {
 }
 
 fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
-    let remedy = "free space there, or name another folder with --out";
     // The folder of a bare file name is the present one.
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(folder)
-        .with_context(|| format!("{}: the folder cannot be made; name another with --out", folder.display()))?;
-    let name = path.file_name().with_context(|| format!("{}: names no file", path.display()))?;
-    clear(folder, name);
-    let (partial, mut file) =
-        begin(folder, name).with_context(|| format!("{}: cannot be written; {remedy}", path.display()))?;
-    let result = write(&mut file).and_then(|()| fs::rename(&partial, path));
-    if result.is_err() {
-        drop(file);
-        // The first error is the one to report.
-        let _ = fs::remove_file(&partial);
+        .with_context(|| format!("{}: the folder cannot be made; name another one", folder.display()))?;
+    let written = Replacement::begin(path).and_then(|mut own| {
+        write(&mut own.file)?;
+        own.finish()
+    });
+    written.with_context(|| unwritten(path))
+}
+
+/// Message for a file that cannot be written.
+pub fn unwritten(path: &Path) -> String {
+    format!("{}: cannot be written; free space there, or name another folder", path.display())
+}
+
+/// A file that is being written. At its end it takes the place of what stands at its path; until then, and where it is
+/// dropped, that stays. A pipe or a device is written to as it is.
+#[derive(Debug)]
+pub struct Replacement {
+    file: File,
+    /// Where it is written, and the path that it takes; none of a pipe or a device.
+    paths: Option<(PathBuf, PathBuf)>,
+}
+
+impl Replacement {
+    /// Begin the file for this path, whose folder there is.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn begin(path: &Path) -> io::Result<Self> {
+        // A link stays, and leads to the new file.
+        let path = if path.is_symlink() { path.canonicalize()? } else { path.to_path_buf() };
+        let name = path.file_name().filter(|_| !fs::metadata(&path).is_ok_and(|found| !found.is_file()));
+        let Some(name) = name else {
+            return Ok(Self { file: OpenOptions::new().write(true).open(&path)?, paths: None });
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        clear(folder, name);
+        let (partial, file) = begin(folder, name)?;
+        Ok(Self { file, paths: Some((partial, path)) })
     }
-    result.with_context(|| format!("{}: cannot be written; {remedy}", path.display()))
+
+    /// The file to be written to.
+    ///
+    /// # Errors
+    /// The system has no handle left.
+    pub fn file(&self) -> io::Result<File> {
+        self.file.try_clone()
+    }
+
+    /// Put the file, which is written, at its path.
+    ///
+    /// # Errors
+    /// What stands there cannot be replaced.
+    pub fn finish(mut self) -> io::Result<()> {
+        if let Some((partial, path)) = &self.paths {
+            fs::rename(partial, path)?;
+            self.paths = None;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Replacement {
+    fn drop(&mut self) {
+        if let Some((partial, _)) = &self.paths {
+            // What has ended the writing is the error to report.
+            let _ = fs::remove_file(partial);
+        }
+    }
 }
 
 /// A new file for what is to become `name`, locked as long as it is open, so that nobody takes it for a leftover.

@@ -2,8 +2,8 @@
 //!
 //! In: its path. Out: the names of its entries, their contents, the definition in it. It must not know XML.
 
-use crate::files;
 use crate::source::Definition;
+use crate::{files, headers};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
@@ -20,6 +20,8 @@ pub const RESOURCES: &str = "resources";
 pub struct Fmu {
     shown: String,
     names: Vec<String>,
+    /// What is wrong with the archive's headers.
+    faults: Vec<String>,
     archive: ZipArchive<Cursor<Vec<u8>>>,
 }
 
@@ -36,11 +38,12 @@ impl Fmu {
     pub fn open(path: &Path) -> Result<Self> {
         let shown = path.display().to_string();
         let bytes = files::read(path, LARGEST_FMU)?;
+        let faults = headers::faults(&bytes);
         let archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is no FMU"))?;
         let names = archive.file_names().filter(|name| !name.as_ref().is_ok_and(|name| name.ends_with('/')));
         let names = names.map(|name| Ok(name?.into_owned())).collect::<Result<_>>();
         let names = names.with_context(|| format!("{shown}: the names of its entries cannot be read"))?;
-        Ok(Self { shown, names, archive })
+        Ok(Self { shown, names, faults, archive })
     }
 
     /// Where the FMU is, as messages name it.
@@ -51,6 +54,11 @@ impl Fmu {
     /// Names of all entries that are files.
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// What is wrong with the headers of the archive, each in a line.
+    pub fn faults(&self) -> &[String] {
+        &self.faults
     }
 
     /// Content of an entry; None if there is none of this name.
@@ -88,17 +96,28 @@ impl Fmu {
         String::from_utf8(bytes).ok().with_context(|| format!("{}: {name} is not UTF-8 text", self.shown))
     }
 
+    /// The definition in it; None in an FMU of another program.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn find_definition(&mut self) -> Result<Option<Definition>> {
+        for kind in Component::definition_files() {
+            let name = format!("{RESOURCES}/{kind}");
+            if let Some(bytes) = self.read_up_to(&name, LARGEST_DEFINITION)? {
+                let text = self.utf8(&name, bytes)?;
+                return Ok(Some(Definition { shown: format!("{}/{name}", self.shown), kind, text }));
+            }
+        }
+        Ok(None)
+    }
+
     /// The definition in it.
     ///
     /// # Errors
     /// There is none, as in an FMU of another program; it cannot be read.
     pub fn definition(&mut self) -> Result<Definition> {
-        for kind in Component::definition_files() {
-            let name = format!("{RESOURCES}/{kind}");
-            if let Some(bytes) = self.read_up_to(&name, LARGEST_DEFINITION)? {
-                let text = self.utf8(&name, bytes)?;
-                return Ok(Definition { shown: format!("{}/{name}", self.shown), kind, text });
-            }
+        if let Some(definition) = self.find_definition()? {
+            return Ok(definition);
         }
         let files = Component::definition_files().join(" or ");
         bail!("{}: holds no {RESOURCES}/{files}; is it an FMU of this program?", self.shown)

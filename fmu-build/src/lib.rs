@@ -2,6 +2,10 @@
 //!
 //! In: the command line. Out: files under `target/`.
 
+// First, as its macros stand for those of std in all modules below it.
+#[macro_use]
+mod output;
+
 pub mod archive;
 pub mod bench;
 mod binary;
@@ -16,6 +20,7 @@ pub mod drawing;
 mod files;
 mod fmu;
 pub mod gallery;
+mod headers;
 pub mod import;
 pub mod info;
 mod library;

@@ -19,6 +19,8 @@ const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png"
 const README: &str = "README.md";
 /// What belongs to the folder of a model and not to its FMU as a file, or is made anew for the FMU.
 const OF_THE_FOLDER: [&str; 2] = [README, MODEL_DESCRIPTION];
+/// Beginning of a zip.
+const ZIP: &[u8] = b"PK\x03\x04";
 /// Largest text about a model [bytes].
 const LARGEST_README: u64 = 1 << 20;
 
@@ -110,9 +112,11 @@ impl Source {
     pub fn text(&self) -> Result<String> {
         let path = self.definition.display();
         let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
-        let text = String::from_utf8(bytes).ok();
-        let text = text.with_context(|| format!("{path}: is not UTF-8 text; save it as UTF-8"))?;
-        shared::completed(&self.definition, text)
+        match String::from_utf8(bytes) {
+            Ok(text) => shared::completed(&self.definition, text),
+            Err(error) if error.as_bytes().starts_with(ZIP) => bail!("{path}: {}", of_archive(&self.definition)),
+            Err(_) => bail!("{path}: is not UTF-8 text; save it as UTF-8"),
+        }
     }
 
     /// The text about the model beside its definition, in Markdown; none of a definition file named by itself.
@@ -176,6 +180,16 @@ impl Definition {
         }
         let source = Source::find(workspace, path)?;
         Ok(Self { shown: source.definition.display().to_string(), kind: source.kind(), text: source.text()? })
+    }
+}
+
+/// What a zip in the place of a definition is, and what to name instead.
+fn of_archive(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "fmu" => format!("this FMU is packed already; unpack it, and name the definition in its folder {RESOURCES}"),
+        "ssp" => format!("this is a system of FMUs; unpack it, and name one of the FMUs in its folder {RESOURCES}"),
+        _ => "this is an archive; name a definition, or an FMU, whose name ends in .fmu".to_owned(),
     }
 }
 

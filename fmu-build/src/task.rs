@@ -3,7 +3,8 @@
 
 use crate::workspace::Workspace;
 use crate::{
-    bench, chain, check, dist, gallery, import, info, linearise, package, report, simulate, sweep, test, validate, view,
+    bench, chain, check, dist, gallery, import, info, linearise, output, package, report, simulate, sweep, test,
+    validate, view,
 };
 use anyhow::Error;
 use fmu_cli::{Cli, Task};
@@ -14,9 +15,12 @@ const INTERRUPTED: u8 = 130;
 
 /// Do what the command line says. An installation refuses the tasks that need the repository.
 pub fn run(workspace: &Workspace, cli: Cli) -> ExitCode {
-    if let Err(error) = workspace.serves(&cli.task) {
-        return refused(&error);
-    }
+    let code = workspace.serves(&cli.task).map_or_else(|error| refused(&error), |()| done(workspace, cli));
+    output::finish().map_or_else(|error| refused(&error), |()| code)
+}
+
+/// Do a task; the exit code.
+fn done(workspace: &Workspace, cli: Cli) -> ExitCode {
     let result = match cli.task {
         Task::Package(arguments) => package::run(workspace, &arguments).map(drop),
         Task::Check(arguments) => match check::run(workspace, &arguments) {

@@ -1,6 +1,6 @@
 //! `cargo fmu validate`: whether a model can be given to a host as it is.
 //!
-//! In: an FMU of this program, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
+//! In: an FMU, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
 //! an FMU also whether its archive is whole, its description is that of its definition, and its libraries are ones.
 
 use crate::binary::{ARM_LINUX, COMPATIBLE};
@@ -22,6 +22,10 @@ use std::path::Path;
 
 /// Interface of the FMUs that this program packs.
 const INTERFACE: &str = "CoSimulation";
+/// Beginning of what these say of the program that wrote them.
+const PROGRAM: &str = "linkage-fmu";
+/// Folder of an FMU with what a host can build a library of.
+const SOURCES: &str = "sources/";
 
 /// What was found.
 #[derive(Default)]
@@ -72,7 +76,13 @@ fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     if let Some(described) = &described {
         libraries(&mut fmu, described, &mut found);
     }
-    if let Some(packed) = found.take(fmu.definition())
+    let is_own = described.as_ref().is_none_or(|described| described.generation_tool.starts_with(PROGRAM));
+    let packed = if is_own { fmu.definition().map(Some) } else { fmu.find_definition() };
+    if matches!(packed, Ok(None)) {
+        let why = "an FMU of another program, without a definition: archive, description and libraries are checked";
+        found.notes.push(format!("{}: {why}", fmu.shown()));
+    }
+    if let Some(Some(packed)) = found.take(packed)
         && let Some(meant) = definition(packed, version, &mut found)?
         && let Some(described) = described
     {
@@ -103,6 +113,7 @@ fn definition(
 /// Names and contents of all entries.
 fn archive(fmu: &mut Fmu, found: &mut Found) {
     let all = fmu.names().to_vec();
+    found.errors.extend(fmu.faults().iter().map(|fault| format!("{}: {fault}", fmu.shown())));
     for name in &all {
         found.take(names::check(name).with_context(|| fmu.shown().to_owned()));
         // Unpacking compares the check sum.
@@ -114,12 +125,14 @@ fn archive(fmu: &mut Fmu, found: &mut Found) {
 /// A library for each platform that has a folder, for this one too.
 fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     let shown = fmu.shown().to_owned();
-    let Some(identifier) = described.interfaces.get(INTERFACE) else {
+    let is_own = described.generation_tool.starts_with(PROGRAM);
+    let any = described.interfaces.values().next().filter(|_| !is_own);
+    let Some(identifier) = described.interfaces.get(INTERFACE).or(any) else {
         found.errors.push(format!("{shown}: the description has no {INTERFACE}"));
         return;
     };
     let platforms = info::platforms(fmu);
-    if platforms.is_empty() {
+    if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
         found.errors.push(format!("{shown}: holds no library; no host can load it"));
     }
     for platform in &platforms {

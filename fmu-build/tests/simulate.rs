@@ -201,3 +201,83 @@ fn start_values_may_have_a_sign() {
         assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
     }
 }
+
+/// A cart of 2 kg on a rail.
+const CART: &str = r#"{
+  "name": "Cart", "bodies": { "ground": {}, "cart": { "mass": 2 } },
+  "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "cart.origin" } },
+  "actuators": { "push": { "joint": "rail", "force": 0 } },
+  "start": { "joint": "rail", "position": 0, "speed": 0 }, "guess": { "rail": 0 }, "experiment": { "stop_time": 2, "step_size": 0.01 }
+}"#;
+
+/// A force that grows to 10 N in 1 s and falls to 0 in another moves 2 kg by F T^2 / m = 5 m, at any interval of the rows.
+#[test]
+fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
+    let folder = Folder::new("slopes");
+    let (definition, signal) = (folder.0.join("cart.json"), folder.0.join("push.csv"));
+    fs::write(&definition, CART).unwrap();
+    fs::write(&signal, "time,push.force\n0,0\n1,10\n2,0\n").unwrap();
+    for interval in ["2", "1", "0.5", "0.3", "0.01"] {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        command
+            .args(["simulate", "--set-input-derivatives", "--output-interval", interval, "--input-file"])
+            .arg(&signal);
+        let output =
+            command.arg(&definition).args(["--output-variables", "rail.position", "push.force"]).output().unwrap();
+        let printed = String::from_utf8_lossy(&output.stdout);
+        let values: Vec<f64> = printed.lines().map(|line| line.split('\t').nth(1).unwrap().parse().unwrap()).collect();
+        // Cubic polynomials, so that rounding alone is left.
+        assert!((values[0] - 5.0).abs() < 1e-12 && values[1].abs() < 1e-12, "every {interval} s: {values:?}");
+    }
+}
+
+#[test]
+fn a_run_without_a_length_has_the_values_at_the_start() {
+    let folder = Folder::new("start");
+    let [definition, table, film] = ["pendulum.json", "run.csv", "run.gif"].map(|name| folder.0.join(name));
+    fs::write(&definition, PENDULUM).unwrap();
+    let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    command
+        .arg("simulate")
+        .arg(&definition)
+        .args(["--start-time", "3", "--stop-time", "3", "--output-file"])
+        .arg(&table);
+    let output = command.args(["--output-variables", "rod.angle", "--gif"]).arg(&film).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let rows = fs::read_to_string(&table).unwrap();
+    let angle: f64 = rows.strip_prefix("\"time\",\"rod.angle\"\n3.0,").unwrap().trim_end().parse().unwrap();
+    assert!((angle - 0.5).abs() < 1e-14, "{rows}");
+    assert!(fs::read(&film).unwrap().starts_with(b"GIF89a"));
+}
+
+/// The rows of a run that is killed, or for which the disk has no room, do not take the place of those of one before.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_written_whole_leaves_what_was_there() {
+    let folder = Folder::new("whole");
+    let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
+    fs::write(&definition, PENDULUM).unwrap();
+    fs::write(&table, "before").unwrap();
+    let simulate = |file: &Path| {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+        command.arg("simulate").arg(&definition).args(["--stop-time", "1e9", "--output-interval", "1e-3"]);
+        command.args(["--output-variables", "rod.angle", "--output-file"]).arg(file).stderr(process::Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let unfinished =
+        || fs::read_dir(&folder.0).unwrap().find(|file| file.as_ref().unwrap().metadata().unwrap().len() > 99_999);
+    let mut killed = simulate(&table);
+    let start = Instant::now();
+    while unfinished().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(60) && killed.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert_eq!(fs::read(&table).unwrap(), b"before");
+    // A device is written to as it is; this one is always full.
+    let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
+    let said = String::from_utf8(full.stderr).unwrap();
+    let line = "error: /dev/full: cannot be written; free space there, or name another folder: No space left on device";
+    assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
+}

@@ -37,14 +37,14 @@ impl Clock {
     /// Clock of an experiment from `start` [s], of any sign, to `stop` [s], if the stop time is defined.
     ///
     /// # Errors
-    /// `start` or `stop` is not finite, or `stop` is not after `start`.
+    /// `start` or `stop` is not finite, or `stop` is before `start`. At `stop` = `start` an instance is initialised only.
     pub fn new(start: f64, stop: Option<f64>) -> Result<Self, Refusal> {
         if !start.is_finite() {
             return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));
         }
         match stop {
-            Some(stop) if !(stop.is_finite() && stop > start) => Err(Refusal::error(format!(
-                "stopTime is {} s; it must be finite and after startTime = {} s",
+            Some(stop) if !(stop.is_finite() && stop >= start) => Err(Refusal::error(format!(
+                "stopTime is {} s; it must be finite and not before startTime = {} s",
                 Decimal(stop),
                 Decimal(start)
             ))),
@@ -65,7 +65,7 @@ impl Clock {
             &mut self.stop,
             || 0.0,
             |record, stop| {
-                record.number("stopTime", stop, |v| v > start && v.is_finite(), "finite and after startTime")
+                record.number("stopTime", stop, |v| v >= start && v.is_finite(), "finite and not before startTime")
             },
         )
     }
@@ -224,11 +224,16 @@ mod tests {
     }
 
     #[test]
-    fn an_experiment_is_finite_and_ends_after_its_start() {
+    fn an_experiment_is_finite_and_ends_not_before_its_start() {
         assert!(Clock::new(f64::NAN, None).is_err());
         assert!(Clock::new(f64::INFINITY, None).is_err());
-        for stop in [1.0, 0.5, f64::NAN, f64::INFINITY] {
+        for stop in [1.0_f64.next_down(), 0.5, f64::NAN, f64::INFINITY] {
             assert!(Clock::new(1.0, Some(stop)).is_err(), "{stop}");
+        }
+        // To initialise only.
+        for time in [0.0, 1.0, -1e6] {
+            let clock = Clock::new(time, Some(time)).unwrap();
+            assert!(clock.end_of_step(time, 1e-9 * (1.0 + time.abs())).is_err(), "{time}");
         }
         assert!(Clock::new(-2.0, Some(-1.0)).is_ok());
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -70,17 +71,21 @@ def test_the_reference_results_are_those_of_the_fmu(fmu: Path, tmp_path: Path) -
 
 @pytest.mark.parametrize("fmu", FMUS, ids=[fmu.stem for fmu in FMUS])
 def test_fmpys_notebook_runs(fmu: Path, tmp_path: Path) -> None:
-    """`fmpy create-jupyter-notebook`: the notebook is valid, and its cells run to the end as one program. Its plot
-    takes plotly, which FMPy does not require, and a browser: it is left out."""
+    """`fmpy create-jupyter-notebook`: the notebook is valid, and its cells run to the end as one program, with the plot
+    that docs/viewers.md names. Plotly draws it; the browser that would show it is left out."""
     shutil.copy(fmu, tmp_path)
     create_jupyter_notebook(str(tmp_path / fmu.name))
     notebook = nbformat.read(tmp_path / f"{fmu.stem}.ipynb", as_version=4)
     nbformat.validate(notebook)
-    cells = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
-    assert cells
-    before = "import fmpy\nplotted = []\nfmpy.plot_result = plotted.append\n"
-    after = "\nassert len(plotted) == 1 and plotted[0] is result\nprint(len(result), *result.dtype.names)\n"
-    (tmp_path / "notebook.py").write_text(before + "\n".join(cells) + after, encoding="utf-8")
+    cells = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "code")
+    text = (REPOSITORY / "docs" / "viewers.md").read_text(encoding="utf-8")
+    (documented,) = re.findall(r"`(plot_result\(result, names=.*?\))`", text)
+    line = documented if fmu.stem == "SliderCrank" else "plot_result(result, names=output[:17])"
+    assert cells.endswith("\nplot_result(result)")
+    before = "import plotly.graph_objects as go\nshown = []\ngo.Figure.show = lambda figure: shown.append(figure)\n"
+    after = "\nassert len(shown) == 1 and 0 < len(shown[0].data) <= 17\nprint(len(result), *result.dtype.names)\n"
+    program = before + cells.removesuffix("plot_result(result)") + line + after
+    (tmp_path / "notebook.py").write_text(program, encoding="utf-8")
     done = subprocess.run([sys.executable, "notebook.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300.0)
     assert done.returncode == 0, done.stderr
     count, time, *names = done.stdout.split()

@@ -130,7 +130,7 @@ def cut(part: str, size: int) -> Change:
         (without("mechanism.json"), "holds no resources/mechanism.json", False),
         (
             lambda name, content: (name.replace("documentation/", "../"), content),
-            'the path has the part ".."',
+            "leads out of the folder",
             False,
         ),
     ],

@@ -77,6 +77,17 @@ def test_connectors_are_those_of_the_fmus(document: etree._Element) -> None:
             assert kind.get("unit") is None or kind.get("unit") in units, variable.name
 
 
+def test_sets_of_values_hold_the_units_that_they_name(document: etree._Element) -> None:
+    """SSP 1.0.1, section 6: a unit that a set of values names is defined in the set."""
+    named = 0
+    for values in document.iterfind(".//ssv:ParameterSet", NAMESPACES):
+        units = {unit.get("name") for unit in values.iterfind("ssv:Units/ssc:Unit", NAMESPACES)}
+        used = {kind.get("unit") for kind in values.iterfind("ssv:Parameters/ssv:Parameter/*", NAMESPACES)} - {None}
+        assert units == used
+        named += len(used)
+    assert named > 0
+
+
 def test_a_host_finds_no_algebraic_loop() -> None:
     """By the dependencies that the FMUs declare, some order has every input known before what needs it."""
     needs: dict[tuple[str, str], set[tuple[str, str]]] = {}

@@ -103,7 +103,7 @@ pub struct View {
     #[arg(long)]
     pub open: bool,
     /// Time to which the motion is computed [s] [default: that of the definition's experiment]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub stop_time: Option<f64>,
     /// Start values of inputs and parameters, such as: actuator.force 2e4 crank.start_angle 45deg
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
@@ -117,14 +117,14 @@ pub struct Simulate {
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Time at which the run starts [s]
-    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = seconds)]
     pub start_time: f64,
     /// Time at which the run ends [s] [default: that of the definition's experiment]
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
     pub stop_time: Option<f64>,
     /// Time from row to row [s], which is the communication step [default: the experiment's step, doubled to at most 1000
     /// rows]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
     /// Relative tolerance of the integration [default: solver.tolerance]
     #[arg(long, value_name = "REL")]
@@ -137,7 +137,7 @@ pub struct Simulate {
     /// held; a time that stands twice is a jump
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
-    /// Set the slopes of the input signals too, so that inputs change within a step
+    /// Set the slopes of the input signals too, so that inputs change within a step; steps end at each time of the file
     #[arg(long, requires = "input_file")]
     pub set_input_derivatives: bool,
     /// Variables to record [default: every output]
@@ -152,6 +152,28 @@ pub struct Simulate {
     /// Film of the mechanism in motion: a .gif file
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
+}
+
+/// A time in seconds.
+///
+/// # Errors
+/// The text is no number; one with a unit of time, or with a decimal comma, says what to write.
+fn seconds(text: &str) -> Result<f64, String> {
+    if let Ok(seconds) = text.parse() {
+        return Ok(seconds);
+    }
+    let number = text.trim_end_matches(char::is_alphabetic);
+    let factor = match &text[number.len()..] {
+        "" | "s" | "sec" | "second" | "seconds" => 1.0,
+        "ms" => 1e-3,
+        "min" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("write a number of seconds, such as 2.5".to_owned()),
+    };
+    match number.trim().replace(',', ".").parse::<f64>() {
+        Ok(value) => Err(format!("write {} (seconds), without a unit", factor * value)),
+        Err(_) => Err("write a number of seconds, such as 2.5".to_owned()),
+    }
 }
 
 /// Arguments of `import`.

@@ -106,6 +106,14 @@ mod tests {
         assert_eq!((simulate.output_interval, simulate.relative_tolerance), (Some(-1e-4), Some(-1e-6)));
         let Ok(Task::View(view)) = parsed("fmu view p --stop-time -1e-3") else { panic!("refused") };
         assert_eq!(view.stop_time, Some(-1e-3));
+        // A unit belongs to no time.
+        for (text, remedy) in
+            [("2s", "write 2 (seconds)"), ("-1.5min", "write -90 (seconds)"), ("2,5", "write 2.5 (seconds)")]
+        {
+            let error = parsed(&format!("fmu simulate p --stop-time {text}")).err().unwrap().to_string();
+            assert!(error.contains(remedy), "{error}");
+        }
+        assert!(parsed("fmu view p --stop-time soon").err().unwrap().to_string().contains("a number of seconds"));
         // An option is no value.
         let error = parsed("fmu simulate p --start-time --stop-time 3").err().unwrap().to_string();
         assert!(error.contains("a value is required for '--start-time <S>'"), "{error}");

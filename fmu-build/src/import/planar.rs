@@ -2,7 +2,7 @@
 //!
 //! In: points, joints, masses, loads. Out: the text of a definition with drawn bodies.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use linkage_fmu::format::Named;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -86,6 +86,20 @@ pub fn identifier(wanted: &str, fallback: &str, taken: &[&str]) -> String {
     name
 }
 
+/// Path of a number that is not finite, which JSON cannot hold.
+fn unnumbered(value: &Value) -> Option<String> {
+    let within = |key: String, value: &Value| {
+        let inner = unnumbered(value)?;
+        Some(if inner.is_empty() { key } else { format!("{key}.{inner}") })
+    };
+    match value {
+        Value::Null => Some(String::new()),
+        Value::Array(items) => items.iter().enumerate().find_map(|(index, item)| within(index.to_string(), item)),
+        Value::Object(fields) => fields.iter().find_map(|(key, field)| within(key.clone(), field)),
+        _ => None,
+    }
+}
+
 impl Linkage {
     /// Index of a point of a body at this place, which is added if it is new.
     pub fn point(&mut self, body: usize, place: [f64; 2]) -> usize {
@@ -138,7 +152,7 @@ impl Linkage {
     /// The text of the definition.
     ///
     /// # Errors
-    /// None: all numbers are JSON.
+    /// A number is not finite, such as the inertia of a body of 1e200 m.
     pub fn definition(&self) -> Result<String> {
         let mut own = self.clone();
         let joints: Vec<(String, Value)> = own.joints.clone().into_iter().map(|joint| own.joint(joint)).collect();
@@ -191,6 +205,9 @@ impl Linkage {
         }
         parts.push(("start".to_owned(), Part::One(self.start())));
         let parts: Named<Part> = parts.into_iter().collect();
+        if let Some(key) = unnumbered(&serde_json::to_value(&parts)?) {
+            bail!("{key} is not finite: lengths, masses or forces of the file are too large; choose larger units");
+        }
         Ok(serde_json::to_string_pretty(&parts)? + "\n")
     }
 

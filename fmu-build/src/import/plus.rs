@@ -274,6 +274,7 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
 struct Builder<'a> {
     own: Linkage,
     pins: &'a [Pin],
+    bars: &'a [Bar],
     /// Bars that are no part of another one; the body of each has its index and 1.
     roots: Vec<&'a Bar>,
 }
@@ -298,13 +299,26 @@ impl<'a> Builder<'a> {
             let center = (!bar.is_block && bar.mass > 0.0).then_some(bar.center);
             own.bodies.push(Body { name, points, mass: bar.mass, center, inertia: bar.inertia, ..Body::default() });
         }
-        Ok(Self { own, pins, roots })
+        Ok(Self { own, pins, bars, roots })
     }
 
     /// Bodies that hold a joint, without the ground.
     fn bodies_of(&self, pin: &Pin) -> Vec<usize> {
         let holds = |bar: &&Bar| bar.pins.contains(&pin.id);
         (0..self.roots.len()).filter(|&at| holds(&self.roots[at])).map(|at| at + 1).collect()
+    }
+
+    /// Bodies that a welded joint holds together: a bar of parts that meet there with blocks, as PMKS+ welds all bars that
+    /// are there into one, and pins those that come later. Without such a bar, all that are there.
+    fn welded(&self, pin: &Pin, bodies: &[usize]) -> Vec<usize> {
+        let meets = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
+        let is_weld = |body: &usize| {
+            let parts = &self.roots[body - 1].parts;
+            self.bars.iter().filter(meets).filter(|part| parts.contains(&part.id)).count() > 1
+        };
+        let has_weld = bodies.iter().any(is_weld);
+        let is_held = |body: &usize| !has_weld || is_weld(body) || self.roots[body - 1].is_block;
+        bodies.iter().copied().filter(is_held).collect()
     }
 
     /// The slide whose block a joint carries, as files before 2026 write it: the two stand at one place.
@@ -337,19 +351,20 @@ impl<'a> Builder<'a> {
     fn revolute(&mut self, pin: &Pin) -> Result<()> {
         let slide = self.slide_of(pin);
         let mut bodies = self.bodies_of(pin);
+        let welded = if pin.is_welded { self.welded(pin, &bodies) } else { Vec::new() };
+        if let Some((&first, others)) = welded.split_first() {
+            others.iter().for_each(|&other| self.own.bodies[other].fixed_to = Some(first));
+            bodies.retain(|body| !others.contains(body));
+        }
         if pin.is_grounded && slide.is_none() {
             bodies.insert(0, 0);
         }
         let Some((&first, others)) = bodies.split_first() else { return Ok(()) };
-        if others.is_empty() && first != 0 {
+        if others.is_empty() && first != 0 && welded.len() < 2 {
             let name = self.name(pin, "");
             self.own.markers.push((name, first, pin.place));
         }
         for (&second, of) in others.iter().zip(0..) {
-            if pin.is_welded {
-                self.own.bodies[second].fixed_to = Some(first);
-                continue;
-            }
             self.join(pin, if of == 0 { "" } else { "_and" }, (first, second), None);
             if of == 0 && pin.is_input && slide.is_none() {
                 self.drive();

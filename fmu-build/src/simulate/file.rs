@@ -1,13 +1,15 @@
 //! The file of the recorded rows, written by a thread of its own, block by block, so that memory stays constant.
 //!
-//! In: a path, whose ending names the format, and blocks of rows. Out: the file. It must not know what the values mean.
+//! In: a path, whose ending names the format, and blocks of rows. Out: the file, which takes its place at the end, whole. It
+//! must not know what the values mean.
 
 use super::csv::Csv;
 use super::parquet::Parquet;
 use super::table::Column;
+use crate::files::{Replacement, unwritten};
 use anyhow::{Context, Result, anyhow, bail};
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
@@ -45,26 +47,26 @@ pub struct Writer {
     /// Blocks that are written, to be filled again.
     empty: Receiver<Vec<f64>>,
     thread: Option<JoinHandle<Result<()>>>,
-    shown: String,
+    path: PathBuf,
 }
 
 impl Writer {
-    /// Make the file; Parquet if its name ends so, else CSV.
+    /// Begin the file; Parquet if its name ends so, else CSV.
     ///
     /// # Errors
     /// The file cannot be made.
     pub fn new(path: &Path, columns: &[Column]) -> Result<Self> {
         check(path)?;
-        let file = File::create(path).with_context(|| format!("{}: cannot be made", path.display()))?;
-        match extension(path).as_str() {
-            "parquet" => Self::start::<Parquet>(path, file, columns),
-            _ => Self::start::<Csv>(path, file, columns),
-        }
+        let started = match extension(path).as_str() {
+            "parquet" => Self::start::<Parquet>(path, columns),
+            _ => Self::start::<Csv>(path, columns),
+        };
+        started.with_context(|| unwritten(path))
     }
 
-    fn start<F: Format>(path: &Path, file: File, columns: &[Column]) -> Result<Self> {
-        let shown = path.display().to_string();
-        let mut format = F::begin(file, columns).with_context(|| format!("{shown}: cannot be written"))?;
+    fn start<F: Format>(path: &Path, columns: &[Column]) -> Result<Self> {
+        let replacement = Replacement::begin(path)?;
+        let mut format = F::begin(replacement.file()?, columns)?;
         let (blocks, waiting): (_, Receiver<Vec<f64>>) = sync_channel(WAITING);
         let (done, empty): (Sender<Vec<f64>>, _) = channel();
         let thread = std::thread::spawn(move || {
@@ -73,12 +75,13 @@ impl Writer {
                 // The run may be over.
                 let _ = done.send(block);
             }
-            format.end()
+            format.end()?;
+            Ok(replacement.finish()?)
         });
-        Ok(Self { blocks: Some(blocks), empty, thread: Some(thread), shown })
+        Ok(Self { blocks: Some(blocks), empty, thread: Some(thread), path: path.to_path_buf() })
     }
 
-    /// Hand over a block of rows; an empty one takes its place.
+    /// Pass a block of rows on; an empty one takes its place. Nothing is done after an error.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -87,9 +90,9 @@ impl Writer {
         next.clear();
         let full = std::mem::replace(block, next);
         match &self.blocks {
-            Some(blocks) if blocks.send(full).is_ok() => Ok(()),
-            // The thread has ended, which it does before its time on an error only.
-            _ => self.end().and_then(|()| Err(anyhow!("{}: is already closed", self.shown))),
+            // The thread ends before its time on an error only.
+            Some(blocks) if blocks.send(full).is_err() => self.end(),
+            _ => Ok(()),
         }
     }
 
@@ -100,7 +103,8 @@ impl Writer {
     pub fn end(&mut self) -> Result<()> {
         self.blocks = None;
         let Some(thread) = self.thread.take() else { return Ok(()) };
-        let written = thread.join().map_err(|_| anyhow!("{}: the writing thread panicked", self.shown))?;
-        written.with_context(|| format!("{}: cannot be written", self.shown))
+        let written = thread.join().unwrap_or_else(|_| Err(anyhow!("the writing thread panicked")));
+        // What stands between names no cause: Parquet's error repeats that of the disk.
+        written.map_err(|error| anyhow!("{}", error.root_cause()).context(unwritten(&self.path)))
     }
 }

@@ -8,6 +8,7 @@ mod drawing;
 
 use super::picture;
 use super::thinned::Thinned;
+use crate::files;
 use anyhow::{Context, Result, bail};
 use canvas::Size;
 use drawing::Drawing;
@@ -16,8 +17,6 @@ use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::inspection::{Pose, Scene};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::Path;
 
 /// Most frames.
@@ -96,7 +95,8 @@ impl Film {
         if stills.is_empty() {
             return Ok(());
         }
-        encode(path, &name, &scene, &stills).with_context(|| format!("--gif: {}", path.display()))
+        let film = encode(&name, &scene, &stills).with_context(|| format!("--gif: {}", path.display()))?;
+        files::replace(path, &film)
     }
 }
 
@@ -121,7 +121,7 @@ impl Pace {
         let delay = asked.clamp(SHORTEST, f64::from(PAUSE)).round() as u16;
         let speed = duration / (f64::from(delay) * 0.01 * frames as f64);
         let words = match speed {
-            s if s < 0.9 => format!("slowed down {} times", rounded(1.0 / s)),
+            s if s < 0.9 && duration > 0.0 => format!("slowed down {} times", rounded(1.0 / s)),
             s if s > 1.1 => format!("sped up {} times", rounded(s)),
             _ => String::new(),
         };
@@ -142,14 +142,14 @@ fn is_same(scene: &Scene, a: &Still, b: &Still) -> bool {
     })
 }
 
-fn encode(path: &Path, name: &str, scene: &Scene, stills: &[Still]) -> Result<()> {
+/// What the file holds.
+fn encode(name: &str, scene: &Scene, stills: &[Still]) -> Result<Vec<u8>> {
     picture::register()?;
     let pace = Pace::new(scene, stills);
     let drawing = Drawing::new(name, &pace.words, scene, stills);
     let size @ Size { width, height } = drawing.size();
     let mut palette = Palette::new(drawing.colours());
-    let file = BufWriter::new(File::create(path).context("cannot be made")?);
-    let mut encoder = Encoder::new(file, width, height, &palette.bytes())?;
+    let mut encoder = Encoder::new(Vec::new(), width, height, &palette.bytes())?;
     encoder.set_repeat(Repeat::Infinite)?;
     let mut before: Vec<u8> = Vec::new();
     for (k, still) in stills[..pace.frames].iter().enumerate() {
@@ -160,7 +160,7 @@ fn encode(path: &Path, name: &str, scene: &Scene, stills: &[Still]) -> Result<()
         encoder.write_frame(&frame)?;
         before = now;
     }
-    Ok(())
+    Ok(encoder.into_inner()?)
 }
 
 /// The part of a picture that differs from the one before, all else in it transparent.

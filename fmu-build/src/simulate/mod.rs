@@ -111,6 +111,9 @@ fn check(arguments: &Arguments) -> Result<()> {
         if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
             bail!("{}: this is {what}; name another file to be written", path.display());
         }
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            bail!("{}: cannot be made: there is no folder {}; make it first", path.display(), folder.display());
+        }
     }
     Ok(())
 }
@@ -146,8 +149,8 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let experiment = model.experiment();
     let start = arguments.start_time;
     let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
-    if !(start.is_finite() && stop.is_finite() && stop > start) {
-        bail!("a run from {start:?} s to {stop:?} s: the stop time must be finite and after the start time");
+    if !(start.is_finite() && stop.is_finite() && stop >= start) {
+        bail!("a run from {start:?} s to {stop:?} s: the stop time must be finite and not before the start time");
     }
     let interval = match arguments.output_interval {
         Some(interval) if interval > 0.0 && interval.is_finite() => interval,

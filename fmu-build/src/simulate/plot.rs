@@ -3,6 +3,7 @@
 //! In: rows of numbers. Out: a PNG or an SVG.
 
 use super::picture::{self, COLOURS, FONT};
+use crate::files;
 use anyhow::{Context, Result, bail};
 use linkage_fmu::variables::Unit;
 use plotters::coord::Shift;
@@ -72,11 +73,19 @@ pub fn write(path: &Path, picture: &Picture) -> Result<()> {
     }
     picture::register()?;
     let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
-    let drawn = match extension(path).as_str() {
-        "svg" => draw(&SVGBackend::new(path, size).into_drawing_area(), &panels, picture, true),
-        _ => draw(&BitMapBackend::new(path, size).into_drawing_area(), &panels, picture, false),
-    };
-    drawn.with_context(|| format!("--plot: {}", path.display()))
+    files::replace(path, &content(path, size, &panels, picture).with_context(|| format!("--plot: {}", path.display()))?)
+}
+
+/// What the file holds.
+fn content(path: &Path, size: (u32, u32), panels: &[Panel], picture: &Picture) -> Result<Vec<u8>> {
+    if extension(path) == "svg" {
+        let mut text = String::new();
+        draw(&SVGBackend::with_string(&mut text, size).into_drawing_area(), panels, picture, true)?;
+        return Ok(text.into_bytes());
+    }
+    let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
+    draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), panels, picture, false)?;
+    picture::to_png(&pixels, size)
 }
 
 /// The panels, and how many variables are in none.

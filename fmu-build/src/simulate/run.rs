@@ -23,7 +23,7 @@ const TICKS: f64 = 1e4;
 pub struct Span {
     /// Time at the start.
     pub start: f64,
-    /// Time at the end, > `start`.
+    /// Time at the end, >= `start`; at `start` the model is initialised only.
     pub stop: f64,
     /// From one communication point to the next, > 0.
     pub interval: f64,

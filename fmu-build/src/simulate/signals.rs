@@ -1,6 +1,7 @@
 //! Input signals: values over time from a CSV file, as FMPy interpolates them.
 //!
-//! In: the file. Out: at any time the values and slopes of the inputs; times at which an input jumps.
+//! In: the file. Out: at any time the values of the inputs and their slopes for the next step; times at which a step must
+//! end.
 
 use crate::csv_file;
 use crate::start_values::{decimal_comma, find, truth};
@@ -55,7 +56,7 @@ pub struct Signals {
     continuous: Vec<Signal>,
     /// Booleans, 1 for true, held until they change.
     discrete: Vec<Signal>,
-    /// Times at which an input jumps, ascending.
+    /// Times at which a step must end, ascending: jumps, and with slopes every corner.
     events: Vec<f64>,
     /// Whether slopes are set as derivatives of the inputs.
     with_slopes: bool,
@@ -127,20 +128,16 @@ impl Signals {
         self.continuous.iter().chain(&self.discrete)
     }
 
-    /// Times that stand twice, and those at which a Boolean changes.
+    /// Times that stand twice, and those at which a Boolean changes; with slopes all times, as a slope holds to the next one.
     fn find_events(&self) -> Vec<f64> {
-        let mut events = Vec::new();
-        for (k, pair) in self.times.windows(2).enumerate() {
-            let changes = self.discrete.iter().any(|signal| signal.values[k] != signal.values[k + 1]);
-            if pair[0] == pair[1] || changes {
-                events.push(pair[1]);
-            }
-        }
+        let changes = |k: usize| self.discrete.iter().any(|signal| signal.values[k] != signal.values[k - 1]);
+        let is_event = |k: usize| self.with_slopes || k > 0 && (self.times[k] == self.times[k - 1] || changes(k));
+        let mut events: Vec<f64> = (0..self.times.len()).filter(|&k| is_event(k)).map(|k| self.times[k]).collect();
         events.dedup();
         events
     }
 
-    /// The next time after `time` at which an input jumps; infinite if there is none.
+    /// The next time after `time` at which a step must end; infinite if there is none.
     pub fn next_event(&self, time: f64) -> f64 {
         let after = self.events.partition_point(|event| *event <= time);
         self.events[after..].iter().copied().find(|event| !is_close(*event, time)).unwrap_or(f64::INFINITY)
@@ -171,7 +168,7 @@ impl Signals {
         self.all().map(|signal| signal.reference)
     }
 
-    /// Set the inputs to their values at `time`: at a jump those after it, or those before it.
+    /// Set the inputs to their values at `time`, as [`Self::settings`].
     ///
     /// # Errors
     /// The model refuses a value.
@@ -179,20 +176,15 @@ impl Signals {
         self.settings(time, after_event).try_for_each(|(reference, setting)| setting.apply(model, reference))
     }
 
-    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. The slope is that
-    /// which FMPy sets, at a corner the one before it, and none at the first time.
+    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. A slope is that of
+    /// the step from `time` on. FMPy sets the slope of the step before, with which a corner is seen one step late.
     pub fn settings(&self, time: f64, after_event: bool) -> impl Iterator<Item = (Reference, Setting)> {
-        self.settings_at(self.place(time, after_event), self.row(time, after_event), time)
-    }
-
-    /// What the inputs are set to for a step from `time` on to the next corner at most: the slope is that of the step.
-    pub fn settings_from(&self, time: f64) -> impl Iterator<Item = (Reference, Setting)> {
-        self.settings_at(self.place_from(time), self.row(time, true), time)
-    }
-
-    fn settings_at(&self, place: Place, row: usize, time: f64) -> impl Iterator<Item = (Reference, Setting)> {
+        let next = self.place_from(time);
+        let place = if self.with_slopes && after_event { next } else { self.place(time, after_event) };
+        let row = self.row(time, after_event);
         let continuous = self.continuous.iter().flat_map(move |signal| {
-            let [value, slope] = place.interpolate(&self.times, &signal.values, time);
+            let [value, _] = place.interpolate(&self.times, &signal.values, time);
+            let [_, slope] = next.interpolate(&self.times, &signal.values, time);
             let slope = self.with_slopes.then_some((signal.reference, Setting::Slope(slope)));
             std::iter::once((signal.reference, Setting::Real(value))).chain(slope)
         });
@@ -214,7 +206,7 @@ impl Signals {
         row
     }
 
-    /// Where the continuous inputs are at `time`.
+    /// Where the continuous inputs are at `time`, as FMPy has it.
     fn place(&self, time: f64, after_event: bool) -> Place {
         let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = times.partition_point(|t| *t < time);
@@ -225,19 +217,16 @@ impl Signals {
         if !(is_close(time, times[row]) && is_jump(row)) {
             return Place::Between(row - 1);
         }
-        if !after_event {
-            return Place::At { row, slope: Some(row - 1) };
-        }
-        while is_jump(row) {
+        while after_event && is_jump(row) {
             row += 1;
         }
-        Place::At { row, slope: (row < last).then_some(row) }
+        Place::At { row, slope: None }
     }
 
     /// Where the continuous inputs are at the beginning of a step from `time` on.
     fn place_from(&self, time: f64) -> Place {
-        let reached = self.times.iter().rposition(|t| *t <= time || is_close(*t, time));
-        match reached {
+        let behind = self.times.partition_point(|t| *t <= time || is_close(*t, time));
+        match behind.checked_sub(1) {
             None => Place::At { row: 0, slope: None },
             Some(row) if row + 1 == self.times.len() => Place::At { row, slope: None },
             Some(row) if is_close(self.times[row], time) => Place::At { row, slope: Some(row) },
@@ -296,21 +285,20 @@ mod tests {
         signals
     }
 
-    fn at(signals: &Signals, time: f64, after: bool) -> ([f64; 2], f64) {
-        let place = signals.place(time, after);
-        let row = signals.row(time, after);
-        (place.interpolate(&signals.times, &signals.continuous[0].values, time), signals.discrete[0].values[row])
+    fn at(signals: &Signals, time: f64, after: bool) -> (f64, f64) {
+        let [value, _] = signals.place(time, after).interpolate(&signals.times, &signals.continuous[0].values, time);
+        (value, signals.discrete[0].values[signals.row(time, after)])
     }
 
     #[test]
     fn signals_are_interpolated_and_jump_where_a_time_stands_twice() {
         let signals = signals(&[0.0, 1.0, 1.0, 3.0], &[0.0, 2.0, 10.0, 14.0], &[0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(at(&signals, -1.0, true), ([0.0, 0.0], 0.0));
-        assert_eq!(at(&signals, 0.25, true), ([0.5, 2.0], 0.0));
-        assert_eq!(at(&signals, 1.0, false), ([2.0, 2.0], 0.0));
-        assert_eq!(at(&signals, 1.0, true), ([10.0, 2.0], 1.0));
-        assert_eq!(at(&signals, 2.0, true), ([12.0, 2.0], 1.0));
-        assert_eq!(at(&signals, 9.0, true), ([14.0, 0.0], 1.0));
+        assert_eq!(at(&signals, -1.0, true), (0.0, 0.0));
+        assert_eq!(at(&signals, 0.25, true), (0.5, 0.0));
+        assert_eq!(at(&signals, 1.0, false), (2.0, 0.0));
+        assert_eq!(at(&signals, 1.0, true), (10.0, 1.0));
+        assert_eq!(at(&signals, 2.0, true), (12.0, 1.0));
+        assert_eq!(at(&signals, 9.0, true), (14.0, 1.0));
         assert_eq!([0.0, 0.5, 1.0].map(|time| signals.next_event(time)), [1.0, 1.0, f64::INFINITY]);
     }
 

@@ -107,7 +107,7 @@ impl Scenario {
         }
         // A host sets values in the order of the variables: what one is checked against may depend on one before.
         start.sort_by_key(|(reference, _)| *reference);
-        let at_start = all.iter().flat_map(|signals| signals.settings_from(0.0));
+        let at_start = all.iter().flat_map(|signals| signals.settings(0.0, true));
         start.extend(at_start.map(|(reference, setting)| (reference, Set::Input(setting))));
         let stop_at = stated.stop_at.as_ref().map(|flag| event("scenario.stop_at", flag, model)).transpose()?;
         let steps = steps(stop, stated.output_interval, &all, instants);
@@ -144,7 +144,7 @@ fn steps(stop: f64, interval: Option<f64>, all: &[Signals], instants: &[f64]) ->
                 next = earlier;
             }
         }
-        let settings = all.iter().flat_map(|signals| signals.settings_from(time)).collect();
+        let settings = all.iter().flat_map(|signals| signals.settings(time, true)).collect();
         steps.push(Step { start: time, end: next, settings });
         time = next;
         if is_close(next, regular) {

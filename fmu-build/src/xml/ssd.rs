@@ -69,11 +69,7 @@ impl System<'_> {
         ];
         document("ssd:SystemStructureDescription", &header, |xml| {
             element(xml, "ssd:System", &[("name", self.name.to_owned())], |xml| self.write_system(xml))?;
-            let variables = (0..self.parts.len()).flat_map(|part| self.connectors(part));
-            let units: BTreeSet<Unit> = variables.filter_map(|variable| variable.unit).collect();
-            group(xml, "ssd:Units", |xml| {
-                units.into_iter().try_for_each(|unit| write_unit(xml, unit, ["ssc:Unit", "ssc:BaseUnit", ""]))
-            })?;
+            write_units(xml, "ssd:Units", (0..self.parts.len()).flat_map(|part| self.connectors(part)))?;
             let experiment = [("startTime", number(0.0)), ("stopTime", number(self.stop_time))];
             empty(xml, "ssd:DefaultExperiment", &experiment)
         })
@@ -160,22 +156,34 @@ impl System<'_> {
                 return Ok(());
             }
             let header = [("version", "1.0".to_owned()), ("name", VALUES.to_owned())];
+            let variable = |name: &str| self.parts[index].variables.iter().find(|variable| variable.name == name);
+            let write_set = |xml: &mut Xml| {
+                group(xml, "ssv:Parameters", |xml| {
+                    values.iter().try_for_each(|(parameter, value)| {
+                        write_value(xml, parameter, value, variable(parameter).and_then(|variable| variable.unit))
+                    })
+                })?;
+                // A set is read by itself, and so has the units that it names (SSP 1.0.1, 6).
+                write_units(xml, "ssv:Units", values.iter().filter_map(|(parameter, _)| variable(parameter)))
+            };
             group(xml, "ssd:ParameterBindings", |xml| {
                 group(xml, "ssd:ParameterBinding", |xml| {
-                    group(xml, "ssd:ParameterValues", |xml| {
-                        element(xml, "ssv:ParameterSet", &header, |xml| {
-                            group(xml, "ssv:Parameters", |xml| {
-                                values.iter().try_for_each(|(parameter, value)| {
-                                    let unit = self.parts[index].variables.iter().find(|v| v.name == *parameter);
-                                    write_value(xml, parameter, value, unit.and_then(|v| v.unit))
-                                })
-                            })
-                        })
-                    })
+                    group(xml, "ssd:ParameterValues", |xml| element(xml, "ssv:ParameterSet", &header, write_set))
                 })
             })
         })
     }
+}
+
+/// The units of these variables, each once; no element without one.
+fn write_units<'a>(xml: &mut Xml, name: &str, variables: impl Iterator<Item = &'a Variable>) -> io::Result<()> {
+    let units: BTreeSet<Unit> = variables.filter_map(|variable| variable.unit).collect();
+    if units.is_empty() {
+        return Ok(());
+    }
+    group(xml, name, |xml| {
+        units.into_iter().try_for_each(|unit| write_unit(xml, unit, ["ssc:Unit", "ssc:BaseUnit", ""]))
+    })
 }
 
 fn write_connector(xml: &mut Xml, variable: &Variable) -> io::Result<()> {

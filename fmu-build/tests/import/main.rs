@@ -131,6 +131,8 @@ fn pyslvs_and_a_table() {
     assert_says(&refusal(Form::Pyslvs, "M[J[Q, P[0, 0], L[ground, a]]]"), &["joint 1", "R, P or RP"]);
     assert_says(&refusal(Form::Table, "type,x,y\nR,0,0\n"), &["no column \"links\""]);
     assert_says(&refusal(Form::Table, "type,x,y,links\nR,0,b,ground a\n"), &["line 2", "\"b\" is no number"]);
+    let far = table.replace("-0.4,0", "-1e308,1e308");
+    assert_says(&refusal(Form::Table, &far), &["bodies.link_2.", "is not finite", "choose larger units"]);
 }
 
 /// The slider-crank upright in the plane of x and z, its rod a capsule, its slider on a damped slide with a spring.

@@ -85,7 +85,13 @@ fn link_of_pmks_plus() {
         ("E.x", "tip.x", 0.0),
         ("E.velocity_x", "tip.velocity_x", 0.0),
     ];
-    compare(Form::PmksPlus, PLUS_LINK, &hand, [("drive.torque", 3.0), ("motor.torque", 3.0)], &pairs);
+    // The weld is at the joint of the parts, where the coupler is pinned; and at the ground, which is no part of a weld.
+    let at_pin = PLUS_LINK.replacen(".GC,C,", ".OC,C,", 1).replacen(".OE,E,", ".GE,E,", 1);
+    let at_ground = at_pin.replacen(".KD,D,", ".SD,D,", 1);
+    assert!(at_pin != PLUS_LINK && at_ground != at_pin);
+    for link in [PLUS_LINK, &at_pin, &at_ground] {
+        compare(Form::PmksPlus, link, &hand, [("drive.torque", 3.0), ("motor.torque", 3.0)], &pairs);
+    }
     // The parts of the weld are no bodies of their own.
     assert_eq!(definition(Form::PmksPlus, PLUS_LINK)["bodies"].as_object().unwrap().len(), 4);
 }

@@ -20,8 +20,7 @@ fn rows_are_those_of_simulate_to_the_bit() {
     let lines =
         points.map(|(force, load, mass, angle, friction)| format!("{force},{load},{mass},{angle},{friction}\n"));
     fs::write(folder.0.join("points.csv"), names.join(",") + "\n" + &lines.concat()).unwrap();
-    // FMPy sets the slope after a corner if its time stands twice, and not at the first time.
-    fs::write(folder.0.join("air.csv"), "time,airspeed\n-1,0\n0,0\n0,0\n0.05,80\n0.05,80\n0.14,60\n").unwrap();
+    fs::write(folder.0.join("air.csv"), "time,airspeed\n0,0\n0.05,80\n0.14,60\n").unwrap();
     let rows = folder.rows(json!({
         "points": "points.csv",
         "start_values": { "uplock.engage": true },
@@ -158,7 +157,7 @@ fn a_failed_run_is_a_row() {
 fn a_hydraulic_mechanism_is_swept() {
     let folder = Folder::new("hydraulic");
     let gear = Workspace::locate().descriptions().join("LandingGearRetractionHydraulic");
-    fs::write(folder.0.join("valve.csv"), "time,valve.command\n-1,0\n0,0\n0,0\n0.02,1\n0.02,1\n0.3,1\n").unwrap();
+    fs::write(folder.0.join("valve.csv"), "time,valve.command\n0,0\n0.02,1\n0.3,1\n").unwrap();
     let rows = folder.rows(json!({
         "mechanism": gear,
         "factors": {

@@ -164,7 +164,7 @@ pub fn all() -> Vec<Call> {
             "start time is infinite" "EEEEE" (|_t| 0, 0.0, -INFINITE, 0, 0.0);
             "stop time is NaN" "EEEEE" (|_t| 0, 0.0, 0.0, 1, NAN);
             "stop time is infinite" "EEEEE" (|_t| 0, 0.0, 0.0, 1, INFINITE);
-            "stop time is start time" "EEEEE" (|_t| 0, 0.0, 1.0, 1, 1.0);
+            "stop time is start time, to initialise only" "OEEEE" (|_t| 0, 0.0, 1.0, 1, 1.0);
             "stop before start" "EEEEE" (|_t| 0, 0.0, 1.0, c_int::MIN, 0.0);
             "tolerance is NaN" "EEEEE" (|_t| 1, NAN, 0.0, 0, 0.0);
             "tolerance is 0, which is none" "OEEEE" (|_t| 1, 0.0, 0.0, 0, 0.0);

@@ -164,7 +164,7 @@ impl Player {
             Op::Setup(tolerance, start, length) => ok_if(
                 legal("fmi2SetupExperiment")
                     && start.is_finite()
-                    && length.is_none_or(|length| length > 0.0 && length.is_finite())
+                    && length.is_none_or(|length| start + length >= *start && length.is_finite())
                     && tolerance.is_none_or(|tolerance| tolerance == 0.0 || (1e-14..=1e-2).contains(&tolerance)),
             ),
             Op::Enter => ok_if(legal("fmi2EnterInitializationMode")),

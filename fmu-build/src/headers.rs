@@ -1,0 +1,114 @@
+//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each entry has a header of its
+//! own too: readers that unpack while they receive see the second, all others the first.
+//!
+//! In: the bytes of a zip. Out: entries that stand twice, and those whose two headers differ.
+
+use std::collections::HashSet;
+
+/// Beginning of the end of the list, of an entry in the list, and of an entry's own header.
+const END: &[u8] = b"PK\x05\x06";
+const LISTED: &[u8] = b"PK\x01\x02";
+const OWN: &[u8] = b"PK\x03\x04";
+/// Lengths of the two headers up to the name.
+const LISTED_LENGTH: usize = 46;
+const OWN_LENGTH: usize = 30;
+/// Flag of an entry whose sizes and check sum follow its content.
+const SIZES_FOLLOW: usize = 1 << 3;
+/// Stands for a size that is written elsewhere.
+const ELSEWHERE: usize = 0xffff_ffff;
+/// What both headers state: the word, place in the list, place in the own header, number of bytes.
+const FIELDS: [(&str, usize, usize, usize); 4] =
+    [("method", 10, 8, 2), ("check sum", 16, 14, 4), ("packed size", 20, 18, 4), ("size", 24, 22, 4)];
+
+/// What is wrong with the headers, each in a line.
+pub fn faults(zip: &[u8]) -> Vec<String> {
+    let mut faults = Vec::new();
+    if read(zip, &mut faults).is_none() {
+        faults.push("the list of the archive's entries is cut short; pack the FMU again".to_owned());
+    }
+    faults
+}
+
+/// A number of so many bytes, the lowest first.
+fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
+    Some(bytes.get(at..at + count)?.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)))
+}
+
+/// Compare the headers of all entries; None where the list ends before its time.
+fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
+    let end = zip.windows(END.len()).rposition(|bytes| bytes == END)?;
+    let (count, mut at) = (number(zip, end + 10, 2)?, number(zip, end + 16, 4)?);
+    let mut names = HashSet::new();
+    for _ in 0..count {
+        let listed = zip.get(at..).filter(|rest| rest.starts_with(LISTED))?;
+        let name = listed.get(LISTED_LENGTH..LISTED_LENGTH + number(listed, 28, 2)?)?;
+        let shown = String::from_utf8_lossy(name);
+        if !names.insert(name) {
+            faults.push(format!("{shown} stands twice in the archive, and hosts read one or the other; remove one"));
+        }
+        let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
+        if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {
+            faults.push(format!(
+                "{shown}: its {what} in the list of the archive is not that of its own header, so that hosts read different \
+                 files; pack the FMU again"
+            ));
+        }
+        at += LISTED_LENGTH + name.len() + number(listed, 30, 2)? + number(listed, 32, 2)?;
+    }
+    Some(())
+}
+
+/// The first thing in which an entry's own header differs from that in the list.
+fn difference(listed: &[u8], own: &[u8], name: &[u8]) -> Option<&'static str> {
+    let own_name = number(own, 26, 2).and_then(|length| own.get(OWN_LENGTH..OWN_LENGTH + length));
+    if own_name != Some(name) {
+        return Some("name");
+    }
+    let is_stated = number(own, 6, 2).is_some_and(|flags| flags & SIZES_FOLLOW == 0);
+    let differs = |&&(what, in_list, in_own, count): &&(&str, usize, usize, usize)| {
+        let (expected, found) = (number(listed, in_list, count), number(own, in_own, count));
+        (is_stated || what == "method") && found != Some(ELSEWHERE) && expected != Some(ELSEWHERE) && expected != found
+    };
+    FIELDS.iter().find(differs).map(|(what, ..)| *what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, Write};
+    use zip::ZipWriter;
+    use zip::write::SimpleFileOptions;
+
+    fn zip() -> Vec<u8> {
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        for name in ["entry1", "entry2"] {
+            zip.start_file(name, SimpleFileOptions::default()).unwrap();
+            zip.write_all(b"some words, some words").unwrap();
+        }
+        zip.finish().unwrap().into_inner()
+    }
+
+    /// Places of these bytes.
+    fn places(zip: &[u8], bytes: &[u8]) -> Vec<usize> {
+        (0..zip.len()).filter(|at| zip[*at..].starts_with(bytes)).collect()
+    }
+
+    #[test]
+    fn headers_that_differ_and_names_that_stand_twice_are_found() {
+        assert_eq!(faults(&zip()), Vec::<String>::new());
+        let [own, listed] = places(&zip(), b"entry2")[..] else { panic!("two headers") };
+        for (at, what) in
+            [(own, "entry2: its name"), (own - 30 + 8, "entry2: its method"), (own - 30 + 14, "check sum")]
+        {
+            let mut zip = zip();
+            zip[at] ^= 1;
+            let faults = faults(&zip);
+            assert!(faults.len() == 1 && faults[0].contains(what), "{what}: {faults:?}");
+        }
+        let mut twice = zip();
+        (twice[own + 5], twice[listed + 5]) = (b'1', b'1');
+        assert_eq!(faults(&twice), ["entry1 stands twice in the archive, and hosts read one or the other; remove one"]);
+        let whole = zip();
+        assert!(faults(&whole[..whole.len() - 30])[0].contains("cut short"));
+    }
+}
