@@ -241,7 +241,7 @@ impl Mechanism {
             ("supply.pressure".to_owned(), circuit.supply.pressure),
             ("tank.pressure".into(), circuit.tank.pressure),
         ];
-        circuit.clone().parameters([(); 2], &mut |parameter, value| values.push((parameter.name.concat(), *value)));
+        circuit.clone().parameters(&mut |parameter, value| values.push((parameter.name.concat(), *value)));
         let value = |name: &str| values.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
         all.extend(circuit_warnings(&format!("actuators.{drive}.hydraulics."), value));
     }
