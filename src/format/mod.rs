@@ -32,20 +32,25 @@ pub struct DefinitionError {
 impl DefinitionError {
     /// A missing key, a key that excludes another, or a text that is not JSON of this format.
     pub fn key(key: impl Display, message: impl Display) -> Self {
-        let path = key.to_string();
-        Self { text: format!("{path}: {message}"), path }
+        Self::new(&key, format_args!(": {message}"))
     }
 
     /// A number or text out of its range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
-        let path = key.to_string();
-        Self { text: format!("{path} = {value}: must be {allowed}"), path }
+        Self::new(&key, format_args!(" = {value}: must be {allowed}"))
     }
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
+        Self::new(&key, format_args!(" = \"{name}\": there is none; {allowed}"))
+    }
+
+    /// One copy of this for all types of keys and texts.
+    #[cold]
+    #[inline(never)]
+    fn new(key: &dyn Display, text: fmt::Arguments) -> Self {
         let path = key.to_string();
-        Self { text: format!("{path} = \"{name}\": there is none; {allowed}"), path }
+        Self { text: format!("{path}{text}"), path }
     }
 
     /// Path of the key at fault, such as `bodies.crank.length`.

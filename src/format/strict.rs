@@ -201,16 +201,28 @@ struct Entries<'r, 'de, A> {
     reading: &'r Reading<'r>,
 }
 
+impl<'de, A: MapAccess<'de>> Entries<'_, 'de, A> {
+    /// Read the next key; whether there is one.
+    #[inline(never)]
+    fn read_key(&mut self) -> Result<bool, A::Error> {
+        let next = self.inner.next_key()?.map(|Key(key)| self.key = key);
+        Ok(next.is_some())
+    }
+}
+
 impl<'de, A: MapAccess<'de>> MapAccess<'de> for Entries<'_, 'de, A> {
     type Error = A::Error;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
-        let Some(Key(key)) = self.inner.next_key()? else { return Ok(None) };
-        self.key = key;
+        if !self.read_key()? {
+            return Ok(None);
+        }
         let key: StrDeserializer<A::Error> = (&*self.key).into_deserializer();
         seed.deserialize(key).map(Some).inspect_err(|_| self.reading.leave(format_args!(".{}", self.key)))
     }
 
+    // One copy for each type of a value, not for each key.
+    #[inline(never)]
     fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
         self.inner.next_value_seed(Inside { seed, part: format_args!(".{}", self.key), reading: self.reading })
     }
@@ -226,6 +238,7 @@ struct List<'r, A> {
 impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for List<'_, A> {
     type Error = A::Error;
 
+    #[inline(never)]
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
         let index = self.index;
         self.index += 1;
