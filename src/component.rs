@@ -3,7 +3,7 @@
 //! In: the text of a definition file, values by reference, steps. Out: what describes the model, values, saved states,
 //! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
-//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS`, and one arm in
+//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS` and `INSPECTORS`, and one arm in
 //! each `match` of this module. Its model has methods of the same names, whose errors convert to [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
@@ -51,20 +51,13 @@ pub enum Component {
 type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
 type Inspector = fn(&str) -> Inspection;
 
-/// Definition file of each kind of model, how a component is made from its text and what was kept of its tables, and how
-/// the text is inspected.
-const KINDS: [(&str, Constructor, Inspector); 2] = [
-    (
-        "mechanism.json",
-        |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?)),
-        mechanism::inspection::inspect,
-    ),
-    (
-        "hydraulics.json",
-        |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
-        hydraulics::inspection::inspect,
-    ),
+/// Definition file of each kind of model, and how a component is made from its text and what was kept of its tables.
+const KINDS: [(&str, Constructor); 2] = [
+    ("mechanism.json", |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?))),
+    ("hydraulics.json", |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?)))),
 ];
+/// How the text of each kind is inspected. A table apart, so that a library that inspects nothing is without the code.
+const INSPECTORS: [Inspector; KINDS.len()] = [mechanism::inspection::inspect, hydraulics::inspection::inspect];
 
 #[cold]
 fn no_kind(file: &str) -> Refused {
@@ -99,8 +92,8 @@ impl Component {
     }
 
     fn construct(file: &str, text: &str, tables: Option<Arc<Sections>>) -> Result<Self, Refused> {
-        match KINDS.iter().find(|(name, ..)| *name == file) {
-            Some((_, construct, _)) => construct(text, tables),
+        match KINDS.iter().find(|(name, _)| *name == file) {
+            Some((_, construct)) => construct(text, tables),
             None => Err(no_kind(file)),
         }
     }
@@ -110,8 +103,8 @@ impl Component {
     /// # Errors
     /// No kind of model has such a file.
     pub fn inspect(file: &str, text: &str) -> Result<Inspection, Refused> {
-        match KINDS.iter().find(|(name, ..)| *name == file) {
-            Some((.., inspect)) => Ok(inspect(text)),
+        match KINDS.iter().zip(INSPECTORS).find(|((name, _), _)| *name == file) {
+            Some((_, inspect)) => Ok(inspect(text)),
             None => Err(no_kind(file)),
         }
     }

@@ -1,10 +1,8 @@
-//! Expressions in the place of numbers: arithmetic of names, numbers and functions, by the crate exmex.
+//! Expressions in the place of numbers: arithmetic of names, numbers and functions.
 //!
-//! In: the text of an expression, then values of its names. Out: its value. What is handed to exmex has variables `{0}`,
-//! `{1}`, ... in the place of names and numbers and no signs, so that the usual precedence holds: -x^2 is -(x^2), of equal
-//! operators the left one comes first. It must not know what the names mean.
-use exmex::{BinOp, Express, FlatEx, MakeOperators, Operator};
-use std::collections::HashMap;
+//! In: the text of an expression, then values of its names. Out: its value. Operators have the usual precedence, read by
+//! precedence climbing: -x^2 is -(x^2), of equal operators the left one comes first. It must not know what the names
+//! mean.
 use std::f64::consts::{E, PI};
 
 /// Most bytes of an expression.
@@ -13,29 +11,28 @@ pub const LONGEST_EXPRESSION: usize = 1000;
 const DEEPEST: usize = 30;
 /// Constants by name.
 const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("e", E)];
-/// Sign of what follows, as an operator between 0 and it: below a power, above a product.
-const SIGN: &str = "~";
+/// Strength of a power, the operator that binds most; a sign binds less than a power and more than a product.
+const POWER: u8 = 2;
 
 /// An expression, read.
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
-    program: FlatEx<f64, Functions>,
     /// Names that the expression reads, each once.
     names: Vec<String>,
-    /// Of each variable of the program, in exmex's order: a number, or the index of a name.
-    variables: Vec<Operand>,
+    /// What gives the value: each step stands behind those whose values it takes.
+    steps: Vec<Step>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Operand {
+/// A step of the evaluation, which puts one value in the place of those that it takes.
+#[derive(Clone, Copy, Debug)]
+enum Step {
     Number(f64),
+    /// Value of the name with this index.
     Name(usize),
+    Unary(fn(f64) -> f64),
+    Binary(fn(f64, f64) -> f64),
 }
-
-/// Operators and functions of expressions.
-#[derive(Clone, Debug)]
-struct Functions;
 
 /// A function of one argument with its name, and one of two.
 type Unary = (&'static str, fn(f64) -> f64);
@@ -67,21 +64,18 @@ const BINARY: [Binary; 4] = [
     ("max", |a, b| if a.is_nan() || a > b { a } else { b }),
 ];
 
-impl MakeOperators<f64> for Functions {
-    fn make<'a>() -> Vec<Operator<'a, f64>> {
-        // No operator is called commutative: terms are taken from left to right.
-        let binary = |name, apply, prio| Operator::make_bin(name, BinOp { apply, prio, is_commutative: false });
-        let operators: [(Binary, i64); 6] = [
-            (("+", |a, b| a + b), 0),
-            (("-", |a, b| a - b), 0),
-            (("*", |a, b| a * b), 1),
-            (("/", |a, b| a / b), 1),
-            ((SIGN, |_, b| -b), 2),
-            (("^", power), 3),
-        ];
-        let operators = operators.into_iter().map(|((name, apply), prio)| binary(name, apply, prio));
-        let functions = BINARY.into_iter().map(|(name, apply)| binary(name, apply, 4));
-        operators.chain(functions).chain(UNARY.map(|(name, apply)| Operator::make_unary(name, apply))).collect()
+/// Strength and law of an operator between two values.
+type Operator = (u8, fn(f64, f64) -> f64);
+
+/// The operator that a token is.
+fn operator(token: Option<Token>) -> Option<Operator> {
+    match token {
+        Some(Token::Symbol('+')) => Some((0, |a, b| a + b)),
+        Some(Token::Symbol('-')) => Some((0, |a, b| a - b)),
+        Some(Token::Symbol('*')) => Some((1, |a, b| a * b)),
+        Some(Token::Symbol('/')) => Some((1, |a, b| a / b)),
+        Some(Token::Symbol('^')) => Some((POWER, power)),
+        _ => None,
     }
 }
 
@@ -104,15 +98,13 @@ enum Token<'t> {
 
 /// Whether a name means a constant or a function in every expression.
 pub fn is_reserved(name: &str) -> bool {
-    CONSTANTS.iter().any(|(constant, _)| *constant == name) || is_function(name)
+    CONSTANTS.iter().any(|(constant, _)| *constant == name) || function(name).is_some()
 }
 
-fn is_function(name: &str) -> bool {
-    UNARY.iter().any(|(function, _)| *function == name) || is_binary(name)
-}
-
-fn is_binary(name: &str) -> bool {
-    BINARY.iter().any(|(function, _)| *function == name)
+/// The function of this name, and how many values it takes.
+fn function(name: &str) -> Option<(Step, usize)> {
+    let unary = UNARY.iter().find(|(function, _)| *function == name).map(|(_, apply)| (Step::Unary(*apply), 1));
+    unary.or_else(|| BINARY.iter().find(|(function, _)| *function == name).map(|(_, apply)| (Step::Binary(*apply), 2)))
 }
 
 /// All functions, for messages.
@@ -133,62 +125,15 @@ impl Expression {
                 text.len()
             ));
         }
-        let tokens = tokens(text)?;
-        check(&tokens)?;
-        let mut operands: Vec<Operand> = Vec::new();
-        let mut names: Vec<String> = Vec::new();
-        let mut indices: HashMap<&str, usize> = HashMap::new();
-        let mut written = String::new();
-        let mut operand = |written: &mut String, operand| {
-            written.push_str(&format!("{{{}}}", operands.len()));
-            operands.push(operand);
-        };
-        // Of each open parenthesis the function of two arguments before it, which is written between these.
-        let mut open: Vec<Option<&str>> = Vec::new();
-        for (at, token) in tokens.iter().enumerate() {
-            let before = at.checked_sub(1).map(|i| tokens[i]);
-            match *token {
-                Token::Number(number) => operand(&mut written, Operand::Number(number)),
-                Token::Symbol(sign @ ('+' | '-')) if !ends_operand(before) => {
-                    if sign == '-' {
-                        operand(&mut written, Operand::Number(0.0));
-                        written.push_str(SIGN);
-                    }
-                }
-                Token::Symbol('(') => {
-                    open.push(match before {
-                        Some(Token::Name(name)) if is_binary(name) => Some(name),
-                        _ => None,
-                    });
-                    written.push_str(if open.last().is_some_and(Option::is_some) { "((" } else { "(" });
-                }
-                Token::Symbol(',') => {
-                    let function = open.last().copied().flatten().unwrap_or_default();
-                    written.extend([") ", function, " ("]);
-                }
-                Token::Symbol(')') => written.push_str(if open.pop().flatten().is_some() { "))" } else { ")" }),
-                Token::Symbol(symbol) => written.push(symbol),
-                Token::Name(name) if is_binary(name) => {}
-                Token::Name(name) if is_function(name) => written.push_str(name),
-                Token::Name(name) => match CONSTANTS.iter().find(|(constant, _)| *constant == name) {
-                    Some((_, value)) => operand(&mut written, Operand::Number(*value)),
-                    None => {
-                        let index = *indices.entry(name).or_insert_with(|| {
-                            names.push(name.to_owned());
-                            names.len() - 1
-                        });
-                        operand(&mut written, Operand::Name(index));
-                    }
-                },
-            }
+        let mut reader = Reader { tokens: tokens(text)?, at: 0, open: 0, names: Vec::new(), steps: Vec::new() };
+        if reader.tokens.is_empty() {
+            return Err("it is empty: write a number, or an expression such as \"2 * crank.length\"".to_owned());
         }
-        let unreadable = |error: exmex::ExError| format!("it cannot be read: {error}");
-        let program = FlatEx::<f64, Functions>::parse(&written).map_err(unreadable)?;
-        let own =
-            |name: &String| name.trim_matches(['{', '}']).parse().ok().and_then(|i: usize| operands.get(i)).copied();
-        let variables = program.var_names().iter().map(own).collect::<Option<Vec<_>>>();
-        let variables = variables.ok_or_else(|| "it cannot be read".to_owned())?;
-        Ok(Self { text: text.to_owned(), program, names, variables })
+        reader.terms(0)?;
+        if reader.peek().is_some() {
+            return Err(reader.misplaced());
+        }
+        Ok(Self { text: text.to_owned(), names: reader.names, steps: reader.steps })
     }
 
     /// The text as it was written.
@@ -203,17 +148,144 @@ impl Expression {
 
     /// Value of the expression with `value` of each name, by its index; NaN or infinite where it has none.
     pub fn evaluate(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let operands = self.variables.iter().map(|operand| match operand {
-            Operand::Number(number) => *number,
-            Operand::Name(index) => value(*index),
-        });
-        self.program.eval_vec(operands.collect()).unwrap_or(f64::NAN)
+        let mut values = Vec::with_capacity(self.steps.len());
+        for step in &self.steps {
+            let found = match *step {
+                Step::Number(number) => Some(number),
+                Step::Name(index) => Some(value(index)),
+                Step::Unary(apply) => values.pop().map(apply),
+                Step::Binary(apply) => values.pop().and_then(|b| values.pop().map(|a| apply(a, b))),
+            };
+            values.extend(found);
+        }
+        values.pop().unwrap_or(f64::NAN)
     }
 }
 
-/// Whether an operand ends with this token, so that what follows stands behind it.
-fn ends_operand(token: Option<Token>) -> bool {
-    matches!(token, Some(Token::Number(_) | Token::Name(_) | Token::Symbol(')')))
+/// Reads the pieces of an expression from left to right, and writes its steps.
+struct Reader<'t> {
+    tokens: Vec<Token<'t>>,
+    /// Index of the next piece.
+    at: usize,
+    /// Number of open parentheses.
+    open: usize,
+    names: Vec<String>,
+    steps: Vec<Step>,
+}
+
+impl<'t> Reader<'t> {
+    fn peek(&self) -> Option<Token<'t>> {
+        self.tokens.get(self.at).copied()
+    }
+
+    fn is_next(&self, symbol: char) -> bool {
+        self.peek() == Some(Token::Symbol(symbol))
+    }
+
+    /// A value and the operators behind it that bind at least with this strength, each with the value that it acts on.
+    fn terms(&mut self, least: u8) -> Result<(), String> {
+        self.value(least)?;
+        while let Some((strength, apply)) = operator(self.peek()).filter(|(strength, _)| *strength >= least) {
+            self.at += 1;
+            self.terms(strength + 1)?;
+            if strength == POWER && self.is_next('^') {
+                return Err("a power of a power: put one of the two in parentheses".to_owned());
+            }
+            self.steps.push(Step::Binary(apply));
+        }
+        Ok(())
+    }
+
+    /// A value behind an operator for which at least this strength binds.
+    fn value(&mut self, least: u8) -> Result<(), String> {
+        let Some(token) = self.peek() else {
+            return Err(if self.open > 0 { "`)` is missing" } else { "it ends before its last value" }.to_owned());
+        };
+        self.at += 1;
+        match token {
+            Token::Number(number) => self.steps.push(Step::Number(number)),
+            Token::Name(name) => return self.named(name),
+            Token::Symbol('(') => return self.list("( )", 1),
+            Token::Symbol(sign @ ('+' | '-')) if least > POWER => {
+                return Err(format!("`{sign}` after an operator: put what it changes in parentheses"));
+            }
+            Token::Symbol(sign @ ('+' | '-')) => {
+                if let Some(Token::Symbol(second @ ('+' | '-'))) = self.peek() {
+                    return Err(format!(
+                        "`{second}` after a sign: write one sign for the two, or put what the first one changes in parentheses"
+                    ));
+                }
+                self.terms(POWER)?;
+                if sign == '-' {
+                    self.steps.push(Step::Unary(|x| -x));
+                }
+            }
+            Token::Symbol(symbol) => return Err(format!("a value is missing before `{symbol}`")),
+        }
+        Ok(())
+    }
+
+    /// A constant, a function with its values, or a name whose value comes later.
+    fn named(&mut self, name: &str) -> Result<(), String> {
+        let is_called = self.is_next('(');
+        if let Some((function, count)) = function(name) {
+            if !is_called {
+                return Err(format!("`{name}` is a function: write {name}(...)"));
+            }
+            self.at += 1;
+            self.list(name, count)?;
+            self.steps.push(function);
+        } else if is_called {
+            return Err(format!("`{name}` is no function: there are {}", functions()));
+        } else if let Some((_, value)) = CONSTANTS.iter().find(|(constant, _)| *constant == name) {
+            self.steps.push(Step::Number(*value));
+        } else {
+            let known = self.names.iter().position(|known| known == name);
+            self.steps.push(Step::Name(known.unwrap_or(self.names.len())));
+            if known.is_none() {
+                self.names.push(name.to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// As many values as `of` takes, behind its parenthesis, with the one that closes it.
+    fn list(&mut self, of: &str, count: usize) -> Result<(), String> {
+        self.open += 1;
+        if self.open > DEEPEST {
+            return Err(format!(
+                "more than {DEEPEST} parentheses are open at one place: split it by parameters of its own"
+            ));
+        }
+        self.terms(0)?;
+        let mut found = 1;
+        while count > 1 && self.is_next(',') {
+            self.at += 1;
+            self.terms(0)?;
+            found += 1;
+        }
+        if !self.is_next(')') {
+            return Err(self.misplaced());
+        }
+        if found != count {
+            return Err(format!("`{of}` takes {count} values"));
+        }
+        self.at += 1;
+        self.open -= 1;
+        Ok(())
+    }
+
+    /// What is wrong with the next piece, which can stand behind no value.
+    fn misplaced(&self) -> String {
+        match self.peek() {
+            None => "`)` is missing".to_owned(),
+            Some(Token::Symbol(')')) => "`)` closes nothing: remove it".to_owned(),
+            Some(Token::Symbol(',')) => {
+                "decimals are written with a point, such as 0.5: `,` separates two values".to_owned()
+            }
+            Some(token) => format!("an operator is missing before `{}`", shown(token)),
+        }
+    }
 }
 
 /// The text in pieces.
@@ -260,97 +332,6 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
         at = next;
     }
     Ok(tokens)
-}
-
-/// Refuse what cannot be read, or what could be read in two ways.
-fn check(tokens: &[Token]) -> Result<(), String> {
-    // Of each open parenthesis the function before it, its number of commas, and whether the last operator is a power.
-    let mut open: Vec<(Option<&str>, usize, bool)> = vec![(None, 0, false)];
-    let mut before: Option<Token> = None;
-    for &token in tokens {
-        let is_after = ends_operand(before);
-        let function = match before {
-            Some(Token::Name(name)) if is_function(name) => Some(name),
-            _ => None,
-        };
-        if let (Some(name), false) = (function, token == Token::Symbol('(')) {
-            return Err(format!("`{name}` is a function: write {name}(...)"));
-        }
-        let deepest = open.len() - 1;
-        let (of, commas, is_power) = &mut open[deepest];
-        match token {
-            Token::Number(_) | Token::Name(_) if is_after => {
-                return Err(format!("an operator is missing before `{}`", shown(token)));
-            }
-            Token::Number(_) | Token::Name(_) => {}
-            Token::Symbol('(') => {
-                if is_after && function.is_none() {
-                    return Err(match before {
-                        Some(Token::Name(name)) => format!("`{name}` is no function: there are {}", functions()),
-                        _ => "an operator is missing before `(`".to_owned(),
-                    });
-                }
-                open.push((function, 0, false));
-                if open.len() > DEEPEST + 1 {
-                    return Err(format!(
-                        "more than {DEEPEST} parentheses are open at one place: split it by parameters of its own"
-                    ));
-                }
-            }
-            Token::Symbol(symbol @ (')' | ',')) if !is_after => {
-                return Err(format!("a value is missing before `{symbol}`"));
-            }
-            Token::Symbol(')') => {
-                let (of, commas) = (*of, *commas);
-                if deepest == 0 {
-                    return Err("`)` closes nothing: remove it".to_owned());
-                }
-                let wanted = usize::from(of.is_some_and(is_binary));
-                if commas != wanted {
-                    let name = of.unwrap_or("( )");
-                    return Err(format!("`{name}` takes {} value{}", wanted + 1, if wanted == 0 { "" } else { "s" }));
-                }
-                open.pop();
-            }
-            Token::Symbol(',') => {
-                if !of.is_some_and(is_binary) {
-                    return Err("decimals are written with a point, such as 0.5: `,` separates two values".to_owned());
-                }
-                (*commas, *is_power) = (*commas + 1, false);
-            }
-            Token::Symbol('^') if is_after && *is_power => {
-                return Err("a power of a power: put one of the two in parentheses".to_owned());
-            }
-            Token::Symbol(sign @ ('+' | '-')) if !is_after => {
-                match before {
-                    Some(Token::Symbol('^')) => {
-                        return Err(format!("`{sign}` after an operator: put what it changes in parentheses"));
-                    }
-                    Some(Token::Symbol('~')) => {
-                        return Err(format!(
-                            "`{sign}` after a sign: write one sign for the two, or put what the first one changes in parentheses"
-                        ));
-                    }
-                    _ => {}
-                }
-                before = Some(Token::Symbol('~'));
-                *is_power = false;
-                continue;
-            }
-            Token::Symbol(symbol) if !is_after => return Err(format!("a value is missing before `{symbol}`")),
-            Token::Symbol(symbol) => *is_power = symbol == '^',
-        }
-        before = Some(token);
-    }
-    if open.len() > 1 {
-        return Err("`)` is missing".to_owned());
-    }
-    match before {
-        None => Err("it is empty: write a number, or an expression such as \"2 * crank.length\"".to_owned()),
-        Some(Token::Name(name)) if is_function(name) => Err(format!("`{name}` is a function: write {name}(...)")),
-        last if !ends_operand(last) => Err("it ends before its last value".to_owned()),
-        _ => Ok(()),
-    }
 }
 
 fn shown(token: Token) -> String {

@@ -19,9 +19,8 @@ pub use numbers::{Numbers, index_of};
 pub use parameter::{Flag, Owner, Parameter, Range};
 
 use serde::de::DeserializeOwned;
-use serde_path_to_error::{Path, Segment};
 use std::fmt::{self, Display};
-use strict::Strict;
+use strict::{Reading, Strict};
 
 /// A refused definition; the text names the key, the value and what is allowed.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,20 +32,25 @@ pub struct DefinitionError {
 impl DefinitionError {
     /// A missing key, a key that excludes another, or a text that is not JSON of this format.
     pub fn key(key: impl Display, message: impl Display) -> Self {
-        let path = key.to_string();
-        Self { text: format!("{path}: {message}"), path }
+        Self::new(&key, format_args!(": {message}"))
     }
 
     /// A number or text out of its range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
-        let path = key.to_string();
-        Self { text: format!("{path} = {value}: must be {allowed}"), path }
+        Self::new(&key, format_args!(" = {value}: must be {allowed}"))
     }
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
+        Self::new(&key, format_args!(" = \"{name}\": there is none; {allowed}"))
+    }
+
+    /// One copy of this for all types of keys and texts.
+    #[cold]
+    #[inline(never)]
+    fn new(key: &dyn Display, text: fmt::Arguments) -> Self {
         let path = key.to_string();
-        Self { text: format!("{path} = \"{name}\": there is none; {allowed}"), path }
+        Self { text: format!("{path}{text}"), path }
     }
 
     /// Path of the key at fault, such as `bodies.crank.length`.
@@ -133,35 +137,13 @@ pub fn read_with<T: DeserializeOwned>(kind: &str, text: &str, numbers: &Numbers)
     // Some editors begin a file with a byte order mark.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut json = serde_json::Deserializer::from_str(text);
-    let plain = T::deserialize(Strict::new(&mut json, numbers));
-    if let Ok(read) = plain.and_then(|read| json.end().map(|()| read)) {
-        return Ok(read);
-    }
-    // The path of the key at fault costs more than all the rest of the reading: it is kept in a second one.
-    numbers.restart();
-    let mut json = serde_json::Deserializer::from_str(text);
-    let malformed = |key: String, error: &serde_json::Error| {
-        let message = message(error, text, key.is_empty());
+    let reading = Reading::new(numbers);
+    let read = T::deserialize(Strict::new(&mut json, &reading)).and_then(|read| json.end().map(|()| read));
+    read.map_err(|error| {
+        let key = reading.into_path();
+        let message = message(&error, text, key.is_empty());
         DefinitionError::key(if key.is_empty() { format!("no {kind}") } else { key }, message)
-    };
-    let read = serde_path_to_error::deserialize(Strict::new(&mut json, numbers))
-        .map_err(|error| malformed(key(error.path()), error.inner()))?;
-    json.end().map(|()| read).map_err(|error| malformed(String::new(), &error))
-}
-
-/// Path of a key, such as `bodies.crank.points.tip[1]`; empty at the top.
-fn key(path: &Path) -> String {
-    let mut key = String::new();
-    for segment in path {
-        match segment {
-            Segment::Map { key: name } if key.is_empty() => key.push_str(name),
-            Segment::Map { key: name } => key.extend([".", name]),
-            Segment::Seq { index } => key.push_str(&format!("[{index}]")),
-            // The word of an enum is a value; a key that cannot be read has no name.
-            Segment::Enum { .. } | Segment::Unknown => {}
-        }
-    }
-    key
+    })
 }
 
 /// The parser's message, for whoever writes the file; `is_top`: about the text as a whole.

@@ -27,14 +27,6 @@ impl Numbers {
         Self { values, ..Self::with_expressions() }
     }
 
-    /// As before anything was read.
-    pub(super) fn restart(&self) {
-        self.count.set(0);
-        if let Some(texts) = &self.texts {
-            texts.borrow_mut().clear();
-        }
-    }
-
     /// The texts that were read.
     pub fn into_texts(self) -> Vec<String> {
         self.texts.map(RefCell::into_inner).unwrap_or_default()

@@ -158,6 +158,12 @@ impl<'a, R> Parameter<'a, R> {
     ) -> Self {
         Self { name: name.into(), key: key.into(), description: description.into(), unit, range, role }
     }
+
+    /// The same parameter with another role.
+    pub fn with<S>(self, role: S) -> Parameter<'a, S> {
+        let Self { name, key, description, unit, range, .. } = self;
+        Parameter { name, key, description, unit, range, role }
+    }
 }
 
 /// A Boolean parameter without its value.
@@ -199,6 +205,7 @@ impl<'a, 'v, R: Copy> Owner<'a, 'v, R> {
     }
 
     /// Visit the parameter `owner.quantity`, if it has a value; `words`: its description, without the owner's name.
+    #[inline]
     pub fn add<'x>(
         &mut self,
         quantity: &'static str,
@@ -207,7 +214,14 @@ impl<'a, 'v, R: Copy> Owner<'a, 'v, R> {
         range: Range,
         value: impl Into<Option<&'x mut f64>>,
     ) {
-        let Some(value) = value.into() else { return };
+        if let Some(value) = value.into() {
+            self.list(quantity, words, unit, range, value);
+        }
+    }
+
+    /// One copy of this for all that is added.
+    #[inline(never)]
+    fn list(&mut self, quantity: &'static str, words: &'static str, unit: Unit, range: Range, value: &mut f64) {
         let (name, kind) = ([self.name, ".", quantity], (unit, range, self.role));
         let parameter = match self.group {
             Some(group) => {

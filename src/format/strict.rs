@@ -2,23 +2,53 @@
 //!
 //! serde's derived types also take an array for an object (values in the order of the fields), null for an optional
 //! key, and an object for a word; in a definition all three are faults. A text in the place of a number is an expression
-//! where [`Numbers`] take it.
+//! where [`Numbers`] take it. An error leaves the path of its key: each object and list that it leaves adds its part.
 use super::numbers::Numbers;
 use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 use serde::forward_to_deserialize_any;
+use std::borrow::Cow;
+use std::cell::RefCell;
 use std::fmt;
 
-/// Deserializer, access or seed that reads to the letter, and so does all inside it.
-pub struct Strict<'n, T> {
-    inner: T,
+/// What is common to all that is read from one text.
+pub struct Reading<'n> {
+    /// Takes the texts in the place of numbers.
     numbers: &'n Numbers,
+    /// Path of the key at fault, as far as the error has come: `.crank.points[1]`; empty while there is none.
+    path: RefCell<String>,
 }
 
-impl<'n, T> Strict<'n, T> {
-    /// Reads to the letter; texts in the place of numbers go to `numbers`.
-    pub fn new(inner: T, numbers: &'n Numbers) -> Self {
-        Self { inner, numbers }
+impl<'n> Reading<'n> {
+    /// Nothing is read yet.
+    pub fn new(numbers: &'n Numbers) -> Self {
+        Self { numbers, path: RefCell::default() }
+    }
+
+    /// Path of the key at fault, such as `bodies.crank.points.tip[1]`; empty at the top.
+    pub fn into_path(self) -> String {
+        let path = self.path.into_inner();
+        path.strip_prefix('.').unwrap_or(&path).to_owned()
+    }
+
+    /// An error leaves this part of the text.
+    #[cold]
+    fn leave(&self, part: fmt::Arguments) {
+        let mut path = self.path.borrow_mut();
+        *path = format!("{part}{path}");
+    }
+}
+
+/// Deserializer that reads to the letter, and so does all inside it.
+pub struct Strict<'r, D> {
+    inner: D,
+    reading: &'r Reading<'r>,
+}
+
+impl<'r, D> Strict<'r, D> {
+    /// Reads to the letter.
+    pub fn new(inner: D, reading: &'r Reading<'r>) -> Self {
+        Self { inner, reading }
     }
 }
 
@@ -26,15 +56,15 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
     type Error = D::Error;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        self.inner.deserialize_any(Any { visitor, numbers: self.numbers })
+        self.inner.deserialize_any(Any { visitor, reading: self.reading })
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        self.inner.deserialize_any(Number(Any { visitor, numbers: self.numbers }))
+        self.inner.deserialize_any(Number(Any { visitor, reading: self.reading }))
     }
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, D::Error> {
-        self.inner.deserialize_map(Object(Any { visitor, numbers: self.numbers }))
+        self.inner.deserialize_map(Object(Any { visitor, reading: self.reading }))
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -68,7 +98,7 @@ impl<'de, D: Deserializer<'de>> Deserializer<'de> for Strict<'_, D> {
 /// Visitor of any value; objects and lists are read to the letter.
 struct Any<'n, V> {
     visitor: V,
-    numbers: &'n Numbers,
+    reading: &'n Reading<'n>,
 }
 
 /// The visits of JSON's values that are no text, passed on.
@@ -84,12 +114,12 @@ macro_rules! pass_on {
 
         fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<V::Value, A::Error> {
             let any = self.any();
-            any.visitor.visit_seq(Strict::new(list, any.numbers))
+            any.visitor.visit_seq(List { inner: list, index: 0, reading: any.reading })
         }
 
         fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<V::Value, A::Error> {
             let any = self.any();
-            any.visitor.visit_map(Strict::new(map, any.numbers))
+            any.visitor.visit_map(Entries { inner: map, key: Cow::default(), reading: any.reading })
         }
     };
 }
@@ -139,7 +169,7 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Number<'_, V> {
     }
 
     fn visit_str<E: Error>(self, text: &str) -> Result<V::Value, E> {
-        match self.0.numbers.take(text) {
+        match self.0.reading.numbers.take(text) {
             Some(number) => self.0.visitor.visit_f64(number.map_err(E::custom)?),
             None => self.0.visitor.visit_str(text),
         }
@@ -163,23 +193,56 @@ impl<'de, V: Visitor<'de>> Visitor<'de> for Object<'_, V> {
     }
 }
 
-impl<'de, A: MapAccess<'de>> MapAccess<'de> for Strict<'_, A> {
-    type Error = A::Error;
+/// Entries of an object.
+struct Entries<'r, 'de, A> {
+    inner: A,
+    /// The key that was read last.
+    key: Cow<'de, str>,
+    reading: &'r Reading<'r>,
+}
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
-        self.inner.next_key_seed(seed)
-    }
-
-    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
-        self.inner.next_value_seed(Strict::new(seed, self.numbers))
+impl<'de, A: MapAccess<'de>> Entries<'_, 'de, A> {
+    /// Read the next key; whether there is one.
+    #[inline(never)]
+    fn read_key(&mut self) -> Result<bool, A::Error> {
+        let next = self.inner.next_key()?.map(|Key(key)| self.key = key);
+        Ok(next.is_some())
     }
 }
 
-impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for Strict<'_, A> {
+impl<'de, A: MapAccess<'de>> MapAccess<'de> for Entries<'_, 'de, A> {
     type Error = A::Error;
 
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, A::Error> {
+        if !self.read_key()? {
+            return Ok(None);
+        }
+        let key: StrDeserializer<A::Error> = (&*self.key).into_deserializer();
+        seed.deserialize(key).map(Some).inspect_err(|_| self.reading.leave(format_args!(".{}", self.key)))
+    }
+
+    // One copy for each type of a value, not for each key.
+    #[inline(never)]
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, A::Error> {
+        self.inner.next_value_seed(Inside { seed, part: format_args!(".{}", self.key), reading: self.reading })
+    }
+}
+
+/// Elements of a list.
+struct List<'r, A> {
+    inner: A,
+    index: usize,
+    reading: &'r Reading<'r>,
+}
+
+impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for List<'_, A> {
+    type Error = A::Error;
+
+    #[inline(never)]
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, A::Error> {
-        self.inner.next_element_seed(Strict::new(seed, self.numbers))
+        let index = self.index;
+        self.index += 1;
+        self.inner.next_element_seed(Inside { seed, part: format_args!("[{index}]"), reading: self.reading })
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -187,11 +250,45 @@ impl<'de, A: SeqAccess<'de>> SeqAccess<'de> for Strict<'_, A> {
     }
 }
 
-impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Strict<'_, S> {
+/// Seed of a value inside an object or a list.
+struct Inside<'r, S> {
+    seed: S,
+    /// The value's part of a path.
+    part: fmt::Arguments<'r>,
+    reading: &'r Reading<'r>,
+}
+
+impl<'de, S: DeserializeSeed<'de>> DeserializeSeed<'de> for Inside<'_, S> {
     type Value = S::Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<S::Value, D::Error> {
-        self.inner.deserialize(Strict::new(deserializer, self.numbers))
+        let read = self.seed.deserialize(Strict::new(deserializer, self.reading));
+        read.inspect_err(|_| self.reading.leave(self.part))
+    }
+}
+
+/// A key, a part of the text where it has no escapes.
+struct Key<'de>(Cow<'de, str>);
+
+impl<'de> Deserialize<'de> for Key<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Letters;
+        impl<'de> Visitor<'de> for Letters {
+            type Value = Key<'de>;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("a key")
+            }
+
+            fn visit_borrowed_str<E: Error>(self, text: &'de str) -> Result<Key<'de>, E> {
+                Ok(Key(text.into()))
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Key<'de>, E> {
+                Ok(Key(text.to_owned().into()))
+            }
+        }
+        deserializer.deserialize_str(Letters)
     }
 }
 

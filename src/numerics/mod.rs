@@ -11,6 +11,7 @@ pub mod gapped;
 pub mod gauss;
 pub mod kronrod;
 pub mod monotone;
+pub mod order;
 pub mod passage;
 pub mod periodic;
 pub mod piecewise;

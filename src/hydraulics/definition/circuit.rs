@@ -119,26 +119,26 @@ pub fn check_pressure(name: &str, pressure: f64, ambient: f64) -> Result<(), Def
 impl Circuit {
     /// Call `visit` with every parameter and its value, in the order of the file. `roles`: role of the parameters of a
     /// law, and of those of the start.
-    pub fn parameters<R: Copy>(&mut self, roles: [R; 2], visit: &mut Visit<'_, R>) {
-        self.fluid.parameters(roles, visit);
-        self.cylinder.parameters(roles, visit);
-        self.chamber_a.parameters(roles, visit);
-        self.chamber_b.parameters(roles, visit);
-        self.valve.parameters(roles, visit);
-        self.restrictor_a.parameters(roles, visit);
-        self.restrictor_b.parameters(roles, visit);
-        self.check.parameters(roles, visit);
-        self.cushion_a.parameters(roles, visit);
-        self.cushion_b.parameters(roles, visit);
-        self.relief.parameters(roles, visit);
-        self.anticavitation.parameters(roles, visit);
-        self.leakage.parameters(roles, visit);
-        self.seal.parameters(roles, visit);
-        self.hose.parameters(roles, visit);
-        self.lock_valve.parameters(roles, visit);
-        self.command.parameters(roles, visit);
-        self.accumulator.parameters(roles, visit);
-        self.pump.parameters(roles, visit);
+    pub fn parameters(&mut self, visit: &mut Visit) {
+        self.fluid.parameters(visit);
+        self.cylinder.parameters(visit);
+        self.chamber_a.parameters(visit);
+        self.chamber_b.parameters(visit);
+        self.valve.parameters(visit);
+        self.restrictor_a.parameters(visit);
+        self.restrictor_b.parameters(visit);
+        self.check.parameters(visit);
+        self.cushion_a.parameters(visit);
+        self.cushion_b.parameters(visit);
+        self.relief.parameters(visit);
+        self.anticavitation.parameters(visit);
+        self.leakage.parameters(visit);
+        self.seal.parameters(visit);
+        self.hose.parameters(visit);
+        self.lock_valve.parameters(visit);
+        self.command.parameters(visit);
+        self.accumulator.parameters(visit);
+        self.pump.parameters(visit);
     }
 
     /// Check each number and what they must be to each other.
@@ -147,7 +147,7 @@ impl Circuit {
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
         let mut ranges = Ranges::default();
-        self.clone().parameters([(); 2], &mut |parameter, value| ranges.check(&parameter, *value));
+        self.clone().parameters(&mut |parameter, value| ranges.check(&parameter, *value));
         ranges.0?;
         let cylinder = &self.cylinder;
         if cylinder.rod >= cylinder.bore {

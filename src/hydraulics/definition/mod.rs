@@ -24,7 +24,7 @@ pub enum Role {
 }
 
 /// Function that is called with each parameter and its value.
-pub type Visit<'v, R> = dyn FnMut(Parameter<'_, R>, &mut f64) + 'v;
+pub type Visit<'v> = dyn FnMut(Parameter<'_, Role>, &mut f64) + 'v;
 
 /// The first parameter out of its range; only that one is named, as names are put together.
 struct Ranges(Result<(), DefinitionError>);
@@ -36,7 +36,7 @@ impl Default for Ranges {
 }
 
 impl Ranges {
-    fn check<R>(&mut self, parameter: &Parameter<'_, R>, value: f64) {
+    fn check(&mut self, parameter: &Parameter<'_, Role>, value: f64) {
         if self.0.is_ok() && !parameter.range.contains(value) {
             self.0 = parameter.range.check(parameter.name.concat(), value);
         }
@@ -114,8 +114,8 @@ impl Default for Solver {
 }
 
 impl Solver {
-    fn parameters<R: Copy>(&mut self, role: R, visit: &mut Visit<'_, R>) {
-        let mut list = Owner::new(None, "solver", role, visit);
+    fn parameters(&mut self, visit: &mut Visit) {
+        let mut list = Owner::new(None, "solver", Role::Tolerance, visit);
         let words = "Relative tolerance of the integration";
         list.add("tolerance", words, Unit::One, Range::Tolerance, &mut self.tolerance);
         let words = "Most steps of the integration in one communication step";
@@ -180,7 +180,7 @@ impl HydraulicActuator {
         self.circuit.check()?;
         let mut ranges = Ranges::default();
         let mut solver = self.solver;
-        solver.parameters((), &mut |parameter, value| ranges.check(&parameter, *value));
+        solver.parameters(&mut |parameter, value| ranges.check(&parameter, *value));
         ranges.0?;
         Range::NonNegative.check("actuator.length", self.actuator.length)?;
         Range::Finite.check("actuator.speed", self.actuator.speed)?;
@@ -189,9 +189,9 @@ impl HydraulicActuator {
     }
 
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
-    pub fn parameters(&mut self, visit: &mut Visit<'_, Role>) {
-        self.circuit.parameters([Role::Law, Role::Start], visit);
-        self.solver.parameters(Role::Tolerance, visit);
+    pub fn parameters(&mut self, visit: &mut Visit) {
+        self.circuit.parameters(visit);
+        self.solver.parameters(visit);
     }
 }
 

@@ -18,6 +18,7 @@
 //! unknowns: what is left of a step in p are conditions on p alone, of all places together.
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::{Linkage, Point};
+use crate::numerics::order::{ascending, sorted};
 use crate::numerics::plane::Vec2;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -95,12 +96,10 @@ impl<'a> Singular<'a> {
         let values = &svd.singular_values;
         let rights = svd.v_t.as_ref()?;
         // Ascending order of the singular values.
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let order = ascending(values.as_slice());
         let value = |k: usize| order.get(k).map_or(1.0, |index| values[*index].max(1e-6));
         let ratio = |k: usize| value(k) / value(k - 1);
-        let mut counts: Vec<usize> = (1..=rows).collect();
-        counts.sort_by(|a, b| ratio(*b).total_cmp(&ratio(*a)));
+        let mut counts = sorted((1..=rows).collect(), |count| -ratio(*count));
         counts.truncate(2);
         if counts[0] > COMBINATIONS {
             return None;

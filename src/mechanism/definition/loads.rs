@@ -2,7 +2,7 @@
 use super::motion::PrescribedMotion;
 use super::{AXES, Role, Visit};
 use crate::format::{Flag, Owner, Parameter, Range};
-use crate::hydraulics::definition::Circuit;
+use crate::hydraulics::definition::{Circuit, Role as CircuitRole};
 use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -233,7 +233,10 @@ impl Actuator {
             list.add("screw.inertia", words, unit, Range::NonNegative, &mut screw.inertia);
         }
         if let Some(circuit) = &mut self.hydraulics {
-            circuit.parameters([Role::Circuit, Role::CircuitStart], visit);
+            circuit.parameters(&mut |parameter, value| {
+                let is_start = parameter.role == CircuitRole::Start;
+                visit(parameter.with(if is_start { Role::CircuitStart } else { Role::Circuit }), value);
+            });
         }
         if let Some(motion) = &mut self.motion {
             motion.parameters(name, is_rotary, visit);

@@ -8,6 +8,7 @@ use super::{JointKind, Range};
 use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
+use crate::numerics::order::sorted;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
@@ -180,7 +181,7 @@ impl Mechanism {
                 sizes.push((size, name));
             }
         }
-        sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let sizes = sorted(sizes, |(size, _)| *size);
         let (Some(first), Some(last)) = (sizes.first(), sizes.last()) else { return };
         let gap = sizes.windows(2).map(|pair| (pair[1].0 / pair[0].0, pair[1])).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((ratio, above)) = gap.filter(|(ratio, _)| *ratio >= APART[0] && last.0 / first.0 >= APART[1]) {
@@ -241,7 +242,7 @@ impl Mechanism {
             ("supply.pressure".to_owned(), circuit.supply.pressure),
             ("tank.pressure".into(), circuit.tank.pressure),
         ];
-        circuit.clone().parameters([(); 2], &mut |parameter, value| values.push((parameter.name.concat(), *value)));
+        circuit.clone().parameters(&mut |parameter, value| values.push((parameter.name.concat(), *value)));
         let value = |name: &str| values.iter().find(|(known, _)| known == name).map(|(_, value)| *value);
         all.extend(circuit_warnings(&format!("actuators.{drive}.hydraulics."), value));
     }

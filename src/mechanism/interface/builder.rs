@@ -49,12 +49,14 @@ impl<'a> Builder<'a> {
     }
 
     /// Real input; its index is the value reference.
+    #[inline(never)]
     pub fn input(&mut self, name: String, text: &[&str], unit: Unit, start: f64) {
         let quantity = Quantity::Input(self.list.len());
         self.known(name, self.text(|| text.concat()), Causality::Input, (Some(unit), Value::Real(start)), quantity);
     }
 
     /// Input or parameter, which has a start value.
+    #[inline(never)]
     pub fn known(
         &mut self,
         name: String,
@@ -79,17 +81,20 @@ impl<'a> Builder<'a> {
     }
 
     /// Real output `owner.suffix`.
+    #[inline(never)]
     pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: Needs) {
         let quantity = Quantity::Output(output);
         self.any_output([owner, ".", suffix].concat(), self.text(|| text.concat()), Some(unit), quantity, needs);
     }
 
     /// Output, Boolean where it has no unit.
+    #[inline(never)]
     pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
         self.add((name, text), Causality::Output, (unit, None), quantity, needs);
     }
 
     /// Real that is computed to be looked at; no dependencies of it are told.
+    #[inline(never)]
     pub fn local(&mut self, name: String, text: String, unit: Unit, output: Output) {
         let quantity = Quantity::Output(output);
         self.add((name, text), Causality::Local, (Some(unit), None), quantity, Needs::default());

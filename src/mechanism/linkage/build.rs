@@ -154,8 +154,9 @@ impl Linkage {
 
     fn bodies_of(mechanism: &Mechanism) -> Result<Self, DefinitionError> {
         let named: Vec<(&str, &definition::Body)> = mechanism.bodies.iter().collect();
-        let mut order: Vec<usize> = (0..named.len()).filter(|&i| named[i].1.fixed_to.is_none()).collect();
-        order.sort_by_key(|&i| named[i].0 != definition::GROUND);
+        let own = (0..named.len()).filter(|&i| named[i].1.fixed_to.is_none());
+        let (mut order, others): (Vec<usize>, Vec<usize>) = own.partition(|&i| named[i].0 == definition::GROUND);
+        order.extend(others);
         let mut carriers = vec![GROUND; named.len()];
         for (carrier, &i) in order.iter().enumerate() {
             carriers[i] = carrier;

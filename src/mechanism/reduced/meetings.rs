@@ -6,6 +6,7 @@ use crate::mechanism::curve::{Configuration, Curve, Ends, Scratch};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::bracket::bisect;
+use crate::numerics::order::sorted;
 
 /// Distance of two ends, in sizes of the linkage, below which they coincide.
 pub(super) const MEET: f64 = 1e-3;
@@ -41,8 +42,8 @@ impl Meeting {
 /// ends coincide nowhere, or at the guess.
 pub(super) fn arcs(curve: &Curve, loading: &Loading) -> Vec<Arc> {
     let loads = loading.loads.iter().enumerate().filter(|(_, load)| matches!(load.along(), Load::Pair { .. }));
-    let mut met: Vec<Meeting> = loads.flat_map(|(index, _)| Pair::new(curve, loading, index).meetings()).collect();
-    met.sort_by(|a, b| a.range.0.total_cmp(&b.range.0));
+    let met = loads.flat_map(|(index, _)| Pair::new(curve, loading, index).meetings()).collect();
+    let met = sorted(met, |meeting: &Meeting| meeting.range.0);
     let (first, last) = curve.range;
     let period = matches!(curve.ends, Ends::Closed(_)).then_some(last - first);
     if met.is_empty() || met.iter().any(|meeting| meeting.range.0 <= 0.0 && meeting.range.1 >= 0.0) {
@@ -64,9 +65,7 @@ pub(super) fn arcs(curve: &Curve, loading: &Loading) -> Vec<Arc> {
     if period.is_none() && from < last {
         arcs.push(Arc { range: (from, last), ends: [reason, None] });
     }
-    let distance = |arc: &Arc| arc.range.0.max(-arc.range.1).max(0.0);
-    arcs.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-    arcs
+    sorted(arcs, |arc: &Arc| arc.range.0.max(-arc.range.1).max(0.0))
 }
 
 /// Two points along the curve.

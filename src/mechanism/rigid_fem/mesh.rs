@@ -87,9 +87,9 @@ impl Mesh {
         let (groups, of_joint) = group(linkage);
         let is_fixed = |group: &Vec<Point>| group.iter().any(|p| p.body == GROUND);
         // Moving nodes first, else in the order of the joints.
-        let mut order: Vec<usize> = (0..groups.len()).collect();
-        order.sort_by_key(|&g| is_fixed(&groups[g]));
-        let moving = groups.iter().filter(|g| !is_fixed(g)).count();
+        let (mut order, fixed): (Vec<usize>, Vec<usize>) = (0..groups.len()).partition(|&g| !is_fixed(&groups[g]));
+        let moving = order.len();
+        order.extend(fixed);
         let on_ground = |g: &usize| groups[*g].iter().find(|p| p.body == GROUND).map(|p| p.local);
         let mut mesh = Self {
             moving,
