@@ -9,7 +9,6 @@ use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -56,8 +55,12 @@ impl Start {
         if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
             // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
             let loading = reduced.loading();
-            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
-            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
+            for stop in loading.stops.iter().filter(|stop| stop.enabled) {
+                match loading.loads[stop.load] {
+                    Load::Torque { body: of, shift } if of == body => beyond_stop(stop, angle - own + shift)?,
+                    _ => {}
+                }
+            }
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
