@@ -35,7 +35,7 @@ pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
-use warnings::{Clipped, LiftOff};
+use warnings::{Clipped, Parting};
 
 /// Section of the kept tables with the GUID of the interface.
 const GUID: &str = "guid";
@@ -58,7 +58,7 @@ pub struct Model {
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
     clipped: Clipped,
-    lift_off: LiftOff,
+    parting: Parting,
     told: Told,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
@@ -137,7 +137,7 @@ impl Model {
         }
         let jump = State::jump_at_start(&reduced, &mechanism, &inputs);
         found.extend(jump.and_then(|jump| of_jump(&mechanism, jump)));
-        let lift_off = LiftOff::new(&mechanism, &reduced);
+        let parting = Parting::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
         let original = Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found };
@@ -150,7 +150,7 @@ impl Model {
             is_placed: false,
             has_told: false,
             clipped: Clipped::default(),
-            lift_off,
+            parting,
             told: Told::default(),
             exchange: None,
             original: Arc::new(original),
@@ -194,7 +194,7 @@ impl Model {
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
-        self.lift_off.restart();
+        self.parting.restart();
         self.told.restart();
         self.begin_exchange()?;
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
@@ -278,8 +278,8 @@ impl Model {
         if let Some(command) = clipped {
             self.clipped.raise(command);
         }
-        if self.lift_off.watches {
-            self.look_for_lift_off(point.map(|point| point + reached.time(h)));
+        if self.parting.watches {
+            self.look_for_parting(point.map(|point| point + reached.time(h)));
         }
         Ok(reached)
     }
@@ -293,7 +293,7 @@ impl Model {
         self.is_placed = false;
         self.has_told = false;
         self.clipped = Clipped::default();
-        self.lift_off.restart();
+        self.parting.restart();
         self.told.restart();
         self.exchange = self.exchange.map(|_| Exchange::default());
     }

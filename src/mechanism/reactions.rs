@@ -9,7 +9,7 @@ use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Thrust};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
 use crate::numerics::plane::{Vec2, cross, perp};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, Dyn};
 
 /// Reaction of a joint or a coupling: force and moment of its first-named body on its second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -136,13 +136,13 @@ impl Columns {
                     term[joint] = Reaction { force: Vec2::new(x[i], y[i]), moment: moment[i] };
                 }
             });
-            reactions.chunks_exact_mut(joints).for_each(|term| self_stresses.subtract_from(term));
-            for (term, reactions) in (skipped + SIDE * block..).zip(reactions.chunks_exact_mut(joints)) {
-                // The force of a coupling that does no work is a part of its reaction.
-                if let Some(Load::Separation { coupling, lean }) = term.checked_sub(2).map(|load| &loads[load]) {
-                    let coupling = &linkage.couplings[*coupling];
-                    reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).separation(*lean);
-                }
+        }
+        self_stresses.subtract_from(&mut self.reactions);
+        for (term, reactions) in (skipped..).zip(self.reactions.chunks_exact_mut(joints)) {
+            // The force of a coupling that does no work is a part of its reaction.
+            if let Some(Load::Separation { coupling, lean }) = term.checked_sub(2).map(|load| &loads[load]) {
+                let coupling = &linkage.couplings[*coupling];
+                reactions[coupling.joint].force += linkage.contact(coupling, &c.positions).separation(*lean);
             }
         }
         &self.reactions
@@ -152,30 +152,44 @@ impl Columns {
 /// States of self-stress: reactions in balance with one another, which exist only with redundant joints. They are
 /// subtracted from the reactions, which leaves those of least norm, the sum of |force|^2 + (moment / size)^2.
 struct SelfStresses {
-    states: Vec<Vec<Reaction>>,
+    /// A column for each state: forces and moments over the size of all joints.
+    states: DMatrix<f64>,
     /// Inverse of the matrix of their inner products.
-    inverse: DMatrix<f64>,
+    inverse: Inverse,
     size: f64,
 }
+
+/// Inverse of a matrix of inner products.
+enum Inverse {
+    /// By Cholesky's factor.
+    Factor(Cholesky<f64, Dyn>),
+    /// The pseudo-inverse, where vectors are dependent but for rounding.
+    Pseudo(DMatrix<f64>),
+}
+
+/// Rows of a joint among the states of self-stress.
+const ROWS: usize = 3;
 
 impl SelfStresses {
     fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
         let linkage = &*closure.linkage;
         let size = linkage.size;
-        let mut states = Vec::new();
+        let slides = |joint: &&usize| matches!(linkage.joints[**joint].freedom, Freedom::Prismatic(_));
+        let count = linkage.rows() - closure.rows().len() + linkage.cuts.iter().filter(slides).count();
+        let mut states = DMatrix::zeros(if count == 0 { 0 } else { ROWS * linkage.joints.len() }, count);
         let mut terms = Terms::<1>::default();
+        let mut columns = states.column_iter_mut();
         let mut state = |terms: &mut Terms<1>, twisted: Option<usize>| {
             terms.demand.clear();
             terms.demand.resize(linkage.bodies.len(), Demand::NONE);
-            let mut reactions = vec![Reaction::default(); linkage.joints.len()];
+            let Some(mut column) = columns.next() else { return };
             terms.inward(closure, c, twisted, &mut |joint, [[x], [y]], [moment]| {
-                reactions[joint] = Reaction { force: Vec2::new(x, y), moment };
+                column.rows_mut(ROWS * joint, ROWS).copy_from_slice(&[x, y, moment / size]);
             });
-            states.push(reactions);
         };
         if closure.redundant() {
             let jacobian = linkage.jacobian(&c.positions, &c.q);
-            for extra in (0..linkage.rows()).filter(|r| !closure.rows().contains(r)) {
+            for extra in (0..linkage.rows()).filter(|r| closure.rows().binary_search(r).is_err()) {
                 terms.general.clear();
                 terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
                 terms.balance(closure, c, normal);
@@ -184,40 +198,51 @@ impl SelfStresses {
             }
         }
         // A prismatic joint outside the tree connects bodies of one angle: its moment is indeterminate.
-        for &joint in linkage.cuts.iter().filter(|&&j| matches!(linkage.joints[j].freedom, Freedom::Prismatic(_))) {
+        for &joint in linkage.cuts.iter().filter(slides) {
             terms.all_multipliers.clear();
             terms.all_multipliers.resize(linkage.rows(), [0.0]);
             state(&mut terms, Some(joint));
         }
-        let n = states.len();
-        if n == 0 {
-            return Self { states, inverse: DMatrix::zeros(0, 0), size };
-        }
-        let gram = DMatrix::from_fn(n, n, |i, j| product(&states[i], &states[j], size));
-        let inverse = gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n));
+        let inverse = match count {
+            0 => Inverse::Pseudo(DMatrix::zeros(0, 0)),
+            _ => inverse(states.transpose() * &states),
+        };
         Self { states, inverse, size }
     }
 
-    /// Subtract the projection of the reactions on the states of self-stress.
+    /// Subtract from the reactions of all joints, term by term, their projections on the states of self-stress.
     fn subtract_from(&self, reactions: &mut [Reaction]) {
         if self.states.is_empty() {
             return;
         }
-        let parts = DVector::from_iterator(
-            self.states.len(),
-            self.states.iter().map(|state| product(state, reactions, self.size)),
-        );
-        for (state, part) in self.states.iter().zip((&self.inverse * parts).iter()) {
-            for (r, s) in reactions.iter_mut().zip(state) {
-                r.force -= *part * s.force;
-                r.moment -= part * s.moment;
-            }
+        let rows = self.states.nrows();
+        let each = reactions.iter().flat_map(|r| [r.force.x, r.force.y, r.moment / self.size]);
+        let all = DMatrix::from_iterator(rows, ROWS * reactions.len() / rows, each);
+        let products = self.states.transpose() * all;
+        let projected = &self.states
+            * match &self.inverse {
+                Inverse::Factor(factor) => factor.solve(&products),
+                Inverse::Pseudo(inverse) => inverse * products,
+            };
+        for (r, part) in reactions.iter_mut().zip(projected.as_slice().chunks_exact(ROWS)) {
+            r.force -= Vec2::new(part[0], part[1]);
+            r.moment -= self.size * part[2];
         }
     }
 }
 
-fn product(a: &[Reaction], b: &[Reaction], size: f64) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.force.dot(&b.force) + a.moment * b.moment / (size * size)).sum()
+fn inverse(gram: DMatrix<f64>) -> Inverse {
+    /// Least square of a diagonal entry of Cholesky's factor, as a part of the largest.
+    const INDEPENDENT: f64 = 1e-8;
+    let factor = gram.clone().cholesky().filter(|factor| {
+        let diagonal = factor.l_dirty().diagonal();
+        diagonal.min().powi(2) > INDEPENDENT * diagonal.max().powi(2)
+    });
+    let n = gram.nrows();
+    match factor {
+        Some(factor) => Inverse::Factor(factor),
+        None => Inverse::Pseudo(gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n))),
+    }
 }
 
 /// Demand of each body for these accelerations, as the term with index `i`.

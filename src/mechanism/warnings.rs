@@ -10,6 +10,7 @@ use super::closure::guessed;
 use super::curve::{Near, NearMiss, cure};
 use super::definition::Mechanism;
 use super::linkage::{Freedom, GROUND, Joint, Linkage, Point};
+use super::loads::unit_load::Load;
 use super::motion::contact::Travel;
 use super::reduced::Reduced;
 use crate::inspection::Finding;
@@ -30,6 +31,7 @@ const SAME: f64 = 1e-9;
 pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().guess);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
+    warn_of_idle_loads(mechanism, reduced, &mut all);
     warn_of_joints_given_twice(reduced.linkage(), &mut all);
     cams::warn_of_cams(reduced.linkage(), &mut all);
     belts::warn_of_overlaps(reduced.linkage(), &mut all);
@@ -188,6 +190,25 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
             let message = format!("acts on {at}, which does not move, so it does nothing");
             let remedy = if key == "at" { "name a point that moves" } else { "name a body that moves" };
             all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
+        }
+    }
+}
+
+/// Drives and springs between two points whose distance is one in every position.
+fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Finding>) {
+    let loading = reduced.loading();
+    let drives = mechanism.actuators.names().into_iter().enumerate().map(|(load, name)| ("actuators", name, load));
+    let springs = loading.springs.iter().map(|spring| ("springs", spring.name.as_str(), spring.load));
+    for (group, name, load) in drives.chain(springs) {
+        let load = loading.loads[load].along();
+        if matches!(load, Load::Pair { is_idle: true, .. }) {
+            let length = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
+            let message = format!(
+                "its two ends are {} m apart in every position, so that it never moves the mechanism and only loads joints",
+                Decimal::rounded(length)
+            );
+            let remedy = "name two points whose distance changes";
+            all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
     }
 }

@@ -93,3 +93,24 @@ fn a_follower_that_lifts_off_at_the_start() {
     });
     assert_eq!(about_lift(&grooved), [""; 0]);
 }
+
+#[test]
+fn a_belt_that_goes_slack_in_a_run_is_told_once() {
+    let mut run = Run::new(&belt(json!({ "pretension": 80 }))).started();
+    let mut told = Vec::new();
+    for (k, torque) in [3.0, 3.0, 60.0, 60.0].into_iter().enumerate() {
+        run.set("motor.torque", torque);
+        run.0.model_mut().step_from(Some(0.01 * k as f64), 0.01).unwrap();
+        told.push(run.0.model_mut().take_warning());
+    }
+    let force = run.get("loop.transmitted_force");
+    assert!(0.5 * force > 80.0, "{force}");
+    let [None, None, Some(warning), None] = &told[..] else { panic!("{told:?}") };
+    let force = format!("transmits {force:.2}");
+    assert_says(warning, &["loop ", &force[..13], "at t = 0.03 s", "the pretension of 80 N", "slack"]);
+    // After the next initialisation it is told again.
+    run.initialize();
+    run.set("motor.torque", -60.0);
+    run.step(0.01);
+    assert!(run.0.model_mut().take_warning().is_some());
+}

@@ -1,6 +1,8 @@
 //! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
 
 use crate::support::{Run, assert_says, read_all};
+use linkage_fmu::mechanism::inspection::inspect;
+use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
@@ -200,7 +202,7 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
 
 #[test]
 fn the_check_tells_where_the_motion_ends() {
-    let inspection = linkage_fmu::mechanism::inspection::inspect(&arm(&json!({})));
+    let inspection = inspect(&arm(&json!({})));
     // A motion that gets there ends its run: one warning for each side.
     assert_eq!(inspection.findings.len(), 2, "{:?}", inspection.findings);
     for finding in &inspection.findings {
@@ -213,4 +215,44 @@ fn the_check_tells_where_the_motion_ends() {
     let ends: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic == "Ends of travel").collect();
     assert_eq!(ends.len(), 2);
     ends.iter().for_each(|fact| assert_says(&fact.text, &["cylinder.force: its two ends coincide near arm = "]));
+}
+
+/// A drive between ends that never move to or from one another: rejected on one pin, else without effect, and told.
+#[test]
+fn ends_that_keep_their_distance_have_no_effect() {
+    let bars = json!({ "name": "Bars",
+        "bodies": { "ground": { "length": 0.4 }, "crank": { "length": 0.1, "mass": 1 }, "rocker": { "length": 0.25, "mass": 1 },
+            "rod": { "length": 0.4, "mass": 2 }, "twin": { "length": 0.4, "mass": 1, "points": { "eye": [0.2, 0.1] } } },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
+            "b": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "b2": { "type": "revolute", "first": "crank.end", "second": "twin.origin" },
+            "c": { "type": "revolute", "first": "rod.end", "second": "rocker.end" },
+            "c2": { "type": "revolute", "first": "twin.end", "second": "rocker.end" },
+            "d": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" } },
+        "start": { "body": "crank", "angle": 0.6, "speed": 1 }, "guess": { "crank": 0.6, "rod": 0.5, "twin": 0.5, "rocker": 1.4 } });
+    let between = |group: &str, first: &str, second: &str| {
+        let mut text = bars.clone();
+        text[group] = json!({ "idle": { "first": first, "second": second } });
+        text.to_string()
+    };
+    // Both ends on one pin, by way of the crank.
+    let error = Simulation::open(&between("actuators", "rod.origin", "twin.origin")).unwrap_err();
+    assert_says(error, &["actuators.idle", "the one point of b", "name two points"]);
+    // The ends of a crank, and two points of bars that move as one.
+    for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {
+        let mut run = Run::new(&between("actuators", first, second)).started();
+        run.set("idle.force", 1e3);
+        run.step(0.1);
+        assert_eq!([run.get("idle.speed"), run.get("idle.holding_force")], [0.0; 2], "{first}");
+        assert_eq!(run.get("idle.reduced_mass"), f64::MAX, "{first}");
+        assert_says(run.undefined("idle.required_force"), &["indeterminate"]);
+        for group in ["actuators", "springs"] {
+            let told = inspect(&between(group, first, second)).findings;
+            let path = format!("{group}.idle");
+            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            assert!(texts.any(|text| text.contains("apart in every position, so that it never moves")), "{told:?}");
+        }
+    }
+    assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
 }

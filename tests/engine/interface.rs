@@ -2,6 +2,8 @@
 
 use crate::support::{CURVES, GEAR, Run, reals, replaced, values};
 use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
+use linkage_fmu::mechanism::interface::initial_dependencies;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value, Variable};
 
 #[test]
@@ -173,4 +175,27 @@ fn check_dependencies(base: &Run, exactly: bool) {
             compare("between steps", cause, effect, listed, seen);
         }
     }
+}
+
+/// Whatever runs can be packed: a number that may not change alone, as two keys must agree, has dependencies too.
+#[test]
+fn every_mechanism_has_dependencies_of_initial_values() {
+    let gears = r#"{ "name": "Gears", "bodies": { "ground": { "points": { "far": [0.3, 0] } },
+            "one": { "mass": 1, "inertia": 0.1 }, "two": { "mass": 1, "inertia": 0.1 } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin", "pin_radius": 0.01 },
+            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin", "pin_radius": 0.01 } },
+        "couplings": { "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin",
+            "first_teeth": 20, "second_teeth": 20, "pressure_angle": 0 } },
+        "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 },
+        "start": { "body": "one", "angle": 0 }, "guess": { "one": 0, "two": 0 } }"#;
+    let rails = r#"{ "name": "Rails", "bodies": { "ground": { "points": { "upper": [0, 0.2] } },
+            "carriage": { "mass": 2, "points": { "upper": [0, 0.2] } } },
+        "joints": { "lower": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin", "angle": 0 },
+            "upper": { "type": "prismatic", "first": "ground.upper", "second": "carriage.upper", "angle": 0 } },
+        "start": { "joint": "lower", "position": 0 }, "guess": { "lower": 0 } }"#;
+    assert!(initial_dependencies(&Mechanism::from_json(gears).unwrap()).unwrap().is_some());
+    let model = Run::new(rails).started();
+    let [parameter, output] = ["lower.angle", "upper.force_y"].map(|name| model.0.reference(name).unwrap());
+    let dependencies = initial_dependencies(&Mechanism::from_json(rails).unwrap()).unwrap().unwrap();
+    assert!(dependencies[output as usize].contains(&parameter));
 }

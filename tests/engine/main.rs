@@ -46,6 +46,7 @@ mod prescribed;
 mod random_linkages;
 mod redundant;
 mod rigid_fem;
+mod same_mechanism;
 mod screws;
 mod several_stops;
 mod singular;

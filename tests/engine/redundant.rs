@@ -1,7 +1,8 @@
 //! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
 
-use crate::support::Run;
+use crate::support::{Run, assert_says};
 use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::inspection::inspect;
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 
@@ -133,4 +134,48 @@ fn wedges_move_although_their_sliders_hold_the_angle_twice() {
     let (fx, fy) = (run.get("z.force_x"), run.get("z.force_y"));
     assert!((fx * 0.6f64.cos() + fy * 0.6f64.sin()).abs() < 1e-9);
     assert!((fx + acceleration).abs() < 1e-9, "on b; a needs 1 kg times its acceleration: {fx}");
+}
+
+/// What the check tells of the joints of a definition that follow from others.
+fn redundant(definition: &Value) -> Vec<String> {
+    let facts = inspect(&definition.to_string()).facts.into_iter().filter(|fact| fact.topic == "Redundant joints");
+    facts.map(|fact| format!("{} {}", fact.of, fact.text)).collect()
+}
+
+/// With one coordinate and redundant joints there is no independent loop equation at all.
+#[test]
+fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
+    let mut carriage = json!({ "name": "Carriage", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+        "bodies": { "ground": { "points": { "upper": [0, 0.2] } }, "carriage": { "mass": 2, "points": { "upper": [0, 0.2] } } },
+        "joints": { "lower": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" },
+            "upper": { "type": "prismatic", "first": "ground.upper", "second": "carriage.upper" } },
+        "forces": { "push": { "at": "carriage.upper", "force": [6, 0] } },
+        "start": { "joint": "lower", "position": 0 }, "guess": { "lower": 0 } });
+    let mut run = Run::new(&carriage.to_string()).started();
+    run.step(0.5);
+    assert!((run.get("lower.position") - 0.5 * 3.0 * 0.25).abs() < 1e-9);
+    // Each rail carries half of the weight; the moment of the push and the weight at 0.375 m is shared evenly too.
+    for rail in ["lower", "upper"] {
+        assert!((run.get(&format!("{rail}.force_y")) - 9.81).abs() < 1e-9, "{rail}");
+        assert!(
+            (run.get(&format!("{rail}.torque")) - 0.6).abs() < 1e-9,
+            "{rail}: {}",
+            run.get(&format!("{rail}.torque"))
+        );
+    }
+    let [told] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
+    assert_says(told, &["upper", "share the reactions"]);
+    // Friction on each rail, which presses with half of the weight.
+    carriage["friction"] = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1, "law": "stick",
+        "static_speed": 0, "kinetic_speed": 0 });
+    let mut run = Run::new(&carriage.to_string()).started();
+    run.step(0.5);
+    assert!((run.get("lower.position") - 0.125 * (3.0 - 0.981)).abs() < 1e-9, "{}", run.get("lower.position"));
+    let door = json!({ "name": "Door", "bodies": { "ground": {}, "door": { "length": 1, "mass": 2, "shape": "uniform_rod" } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "door.origin" },
+            "b": { "type": "revolute", "first": "ground.origin", "second": "door.origin" } },
+        "start": { "body": "door", "angle": 0, "speed": 3 }, "guess": { "door": 0 } });
+    let mut run = Run::new(&door.to_string()).started();
+    assert!((run.get("a.force_x") + 4.5).abs() < 1e-12 && (run.get("b.force_x") + 4.5).abs() < 1e-12);
+    assert_eq!(redundant(&door).len(), 1);
 }

@@ -323,3 +323,52 @@ fn a_stop_beyond_all_numbers_is_never_met() {
         assert!(!crank.0.boolean("far.reached").unwrap());
     }
 }
+
+/// A block of 2 kg that stands on rubber of 10 kN/m: it sinks in by m g / k = 1.962 mm.
+#[test]
+fn a_mechanism_may_start_on_its_bumper() {
+    const DEPTH: f64 = 2.0 * 9.81 / 1e4;
+    let block = |start: serde_json::Value| {
+        let text = serde_json::json!({ "name": "Block", "bodies": { "ground": {}, "block": { "mass": 2 } },
+            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin", "axis_angle": std::f64::consts::FRAC_PI_2 } },
+            "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+            "stops": { "rubber": { "joint": "s", "limit": "lower", "position": 0, "rigid": false, "stiffness": 1e4, "damping": 50 },
+                "end": { "joint": "s", "limit": "lower", "position": -0.01 } },
+            "start": start, "guess": { "s": 0.1 } });
+        text.to_string()
+    };
+    for start in [
+        serde_json::json!("equilibrium"),
+        serde_json::json!({ "joint": "s", "position": -DEPTH }),
+        serde_json::json!({ "joint": "s", "position": 0.05, "equilibrium": true }),
+    ] {
+        let mut run = Run::new(&block(start.clone())).started();
+        for _ in 0..10 {
+            // The tolerance of positions is relative to 1 rad, which is 1 m here.
+            assert!((run.get("s.position") + DEPTH).abs() < 1e-8, "{start}: {}", run.get("s.position"));
+            assert!((run.get("rubber.force") - 2.0 * 9.81).abs() < 1e-4 && run.is("rubber.reached"), "{start}");
+            run.step(0.1);
+        }
+        let equilibria = run.equilibria().unwrap();
+        let [only] = &equilibria[..] else { panic!("{equilibria:?}") };
+        assert!(
+            only.is_stable && (only.stiffness - 5e3).abs() < 1e-6 && (only.damping - 25.0).abs() < 1e-8,
+            "{only:?}"
+        );
+    }
+    // From half of the depth it sinks as a damped oscillator does.
+    let mut run = Run::new(&block(serde_json::json!({ "joint": "s", "position": -0.5 * DEPTH }))).started();
+    let (rate, omega) = (12.5, (5e3f64 - 12.5 * 12.5).sqrt());
+    for k in 1..=20 {
+        run.step(0.002);
+        let t = 0.002 * f64::from(k);
+        let (sin, cos) = (omega * t).sin_cos();
+        let exact = -DEPTH + 0.5 * DEPTH * (-rate * t).exp() * (cos + rate / omega * sin);
+        assert!((run.get("s.position") - exact).abs() < 1e-8, "{k}: {} {exact}", run.get("s.position"));
+    }
+    assert!(run.get("energy.drift").abs() < 1e-8);
+    // A rigid stop is not passed.
+    let beyond = block(serde_json::json!({ "joint": "s", "position": -0.011 }));
+    let error = linkage_fmu::simulation::Simulation::open(&beyond).unwrap_err();
+    assert_says(error, &["end.position", "beyond this stop"]);
+}

@@ -338,12 +338,14 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
     let (all, joints) = (linkage.jacobian(&c.positions, &c.q), linkage.row_joints());
     let kept = closure.rows();
     let independent = DMatrix::from_fn(all.ncols(), kept.len(), |column, k| all[(kept[k], column)]);
-    let svd = independent.svd(true, true);
+    // A single coordinate has no independent equation.
+    let svd = (!kept.is_empty()).then(|| independent.svd(true, true));
     let mut told: Vec<(usize, Vec<usize>)> = Vec::new();
     for row in (0..linkage.rows()).filter(|row| !kept.contains(row)) {
         let right = DVector::from_fn(all.ncols(), |column, _| all[(row, column)]);
-        let Ok(parts) = svd.solve(&right, 1e-12) else { continue };
-        let others = (0..kept.len()).filter(|&k| parts[k].abs() > 1e-6).map(|k| joints[kept[k]]);
+        let parts = svd.as_ref().and_then(|svd| svd.solve(&right, 1e-12).ok());
+        let follows = |k: &usize| parts.as_ref().is_some_and(|parts| parts[*k].abs() > 1e-6);
+        let others = (0..kept.len()).filter(follows).map(|k| joints[kept[k]]);
         match told.iter_mut().find(|(joint, _)| *joint == joints[row]) {
             Some((_, known)) => known.extend(others),
             None => told.push((joints[row], others.collect())),

@@ -73,7 +73,7 @@ pub(super) fn add_stops(b: &mut Builder) {
         let n = stop.name.as_str();
         let stated = defined.flag.clone();
         let position = match s.loading.loads[stop.load] {
-            Load::Torque { body } => s.position(&[body]),
+            Load::Torque { body, .. } => s.position(&[body]),
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };

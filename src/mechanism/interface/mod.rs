@@ -60,7 +60,7 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 /// on every input and every parameter.
 ///
 /// # Errors
-/// As [`variables`]; a parameter that may not change a little.
+/// As [`variables`].
 pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Reference>>>, DefinitionError> {
     let source = Source::new(mechanism)?;
     let parameters = || Known::new(&mut mechanism.clone(), false);
@@ -70,7 +70,7 @@ pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Refe
     if (known.len() - first).saturating_mul(elements.max(first)) > MOST_COMPARISONS {
         return Ok(None);
     }
-    let causes = causes(&source)?;
+    let causes = causes(&source);
     Ok(Some(build(&source, parameters(), Some((first as Reference, causes)), false).initial))
 }
 

@@ -1,6 +1,6 @@
 //! What the value of an output follows from, and what a parameter acts on.
 use super::source::Source;
-use crate::mechanism::definition::{DefinitionError, FrictionLaw, Mechanism, Role};
+use crate::mechanism::definition::{FrictionLaw, Mechanism, Role};
 use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
@@ -99,8 +99,9 @@ fn between(causes: &[Cause], first: Cause, last: Cause) -> &[Cause] {
     &causes[from..to]
 }
 
-/// What each parameter acts on, ascending, found by a small change and a comparison: numbers, flags, then the method if stated.
-pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError> {
+/// What each parameter acts on, ascending, found by a small change and a comparison: numbers, flags, then the method if
+/// stated. A number that no small change leaves in range, as where two keys must agree, may act on everything.
+pub(super) fn causes(source: &Source) -> Vec<Vec<Cause>> {
     let mechanism = source.mechanism;
     let (mut roles, mut flags) = (Vec::new(), 0);
     mechanism.clone().parameters(&mut |p, _| roles.push(p.role));
@@ -108,19 +109,14 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
     let changed = |change: &mut dyn FnMut(&mut Mechanism)| {
         let mut other = mechanism.clone();
         change(&mut other);
-        Ok(differences(source, &Source::new(&other)?))
+        Source::new(&other).ok().map(|other| differences(source, &other))
     };
-    let of_number = |(index, role): (usize, &Role)| match role {
-        Role::StartPosition => Ok(vec![Cause::Position]),
-        Role::StartSpeed => Ok(vec![Cause::Speed]),
-        Role::Elasticity => Ok(vec![Cause::Elasticity]),
-        Role::Circuit | Role::CircuitStart => Ok(vec![Cause::Circuit]),
-        Role::Tolerance | Role::Step | Role::Scale | Role::Named => Ok(Vec::new()),
-        Role::Geometry | Role::Inertia | Role::Load | Role::Law => changed(&mut |other| {
+    let by = |index: usize, sign: f64| {
+        changed(&mut |other| {
             let mut indices = 0..;
             other.parameters(&mut |_, value| {
                 if indices.next() == Some(index) {
-                    *value = *value * 1.001 + 1e-4;
+                    *value += sign * (*value * 1e-3 + 1e-4);
                 }
             });
             // V_d must stay above V_S, whichever of the two changes.
@@ -131,21 +127,42 @@ pub(super) fn causes(source: &Source) -> Result<Vec<Vec<Cause>>, DefinitionError
                     raise_static_coefficients(other);
                 }
             }
-        }),
+        })
+    };
+    let of_number = |(index, role): (usize, &Role)| match role {
+        Role::StartPosition => vec![Cause::Position],
+        Role::StartSpeed => vec![Cause::Speed],
+        Role::Elasticity => vec![Cause::Elasticity],
+        Role::Circuit | Role::CircuitStart => vec![Cause::Circuit],
+        Role::Tolerance | Role::Step | Role::Scale | Role::Named => Vec::new(),
+        Role::Geometry | Role::Inertia | Role::Load | Role::Law => {
+            by(index, 1.0).or_else(|| by(index, -1.0)).unwrap_or_else(|| anything(source))
+        }
     };
     let of_flag = |index: usize| {
         changed(&mut |other| {
             let mut indices = 0..;
             other.flags(&mut |_, value| *value ^= indices.next() == Some(index));
         })
+        .unwrap_or_else(|| anything(source))
     };
-    let method = mechanism.solver.method.map(|_| Ok(vec![Cause::Elasticity]));
-    let all: Result<Vec<_>, _> =
+    let method = mechanism.solver.method.map(|_| vec![Cause::Elasticity]);
+    let mut causes: Vec<Vec<Cause>> =
         roles.iter().enumerate().map(of_number).chain((0..flags).map(of_flag)).chain(method).collect();
-    all.map(|mut causes: Vec<Vec<Cause>>| {
-        pass_to_bases(mechanism, &mut causes);
-        causes
-    })
+    pass_to_bases(mechanism, &mut causes);
+    causes
+}
+
+/// All causes that a parameter of geometry, of loads or of laws may be.
+fn anything(source: &Source) -> Vec<Cause> {
+    let joints = (0..source.linkage.joints.len()).map(Cause::Joint);
+    let loads = (0..source.loading.loads.len()).flat_map(|load| [Cause::Load(load), Cause::Radius(load)]);
+    let drives = (0..source.loading.drives.len()).map(Cause::Efficiency);
+    let markers = (0..source.markers.len()).map(Cause::Marker);
+    let others = [Cause::Inertia, Cause::Masses, Cause::Statics];
+    let mut all: Vec<Cause> = joints.chain(loads).chain(drives).chain(markers).chain(others).collect();
+    all.sort_unstable();
+    all
 }
 
 /// What a calculated parameter acts on, the parameters that decide it act on in its place.

@@ -111,9 +111,9 @@ impl<'a> Source<'a> {
     /// What the displacement of a load follows from, apart from its own constants.
     pub fn displacement(&self, load: usize) -> Needs<'static> {
         match *self.loading.loads[load].along() {
-            Load::Pair { first, second } => self.position(&[first.body, second.body]),
-            Load::Couple { first, second } => self.position(&[first, second]),
-            Load::Slide { joint } => {
+            Load::Pair { first, second, .. } => self.position(&[first.body, second.body]),
+            Load::Couple { first, second, .. } => self.position(&[first, second]),
+            Load::Slide { joint, .. } => {
                 let joint = &self.linkage.joints[joint];
                 self.position(&[joint.first.body, joint.second.body])
             }

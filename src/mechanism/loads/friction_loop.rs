@@ -53,6 +53,10 @@ pub struct FrictionLoop<T> {
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
+    /// Unknowns that some friction affects: not the components across the axes of prismatic joints, which are 0.
+    active: Vec<usize>,
+    /// Index of each unknown in `active`, or [`NONE`].
+    places: Vec<usize>,
     before: Vec<T>,
     /// Magnitudes of the solution before.
     last: Vec<f64>,
@@ -80,6 +84,9 @@ impl fmt::Display for Locked {
 /// when this is below this part of the largest reaction, which is rounding of the friction.
 const CONVERGED: f64 = 1e-14;
 
+/// Mark of an unknown that no friction affects.
+const NONE: usize = usize::MAX;
+
 /// Largest number of iterations from the frictionless reactions. With more, Newton's method may converge to a solution
 /// that is not connected with the frictionless one.
 const FEW: u32 = 4;
@@ -96,6 +103,8 @@ impl<T: Number> FrictionLoop<T> {
             flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
+            active: Vec::with_capacity(unknowns),
+            places: vec![NONE; unknowns],
             before: vec![zero; unknowns],
             last: vec![0.0; n],
             rest: vec![zero; unknowns],

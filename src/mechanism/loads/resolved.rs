@@ -5,6 +5,7 @@
 //! not know the state.
 mod air;
 mod couplings;
+mod ends;
 mod friction;
 
 use super::laws::gas::Gas;
@@ -15,16 +16,15 @@ use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
 use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
-use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
+use crate::mechanism::linkage::{GROUND, Linkage, Point};
 use crate::numerics::monotone::monotone;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::plane::Vec2;
 use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
+use ends::{Hinges, between};
 pub use friction::{FrictionJoint, JointFriction};
-use std::collections::HashMap;
-use std::fmt;
 
 /// All loads of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -143,74 +143,6 @@ pub struct DriveCurve {
     pub force: Piecewise,
 }
 
-/// The joints between each two bodies, so that nobody searches all joints.
-struct JointsBetween(HashMap<[usize; 2], Vec<usize>>);
-
-impl JointsBetween {
-    fn new(linkage: &Linkage) -> Self {
-        let mut joints: HashMap<_, Vec<usize>> = HashMap::new();
-        for (index, joint) in linkage.joints.iter().enumerate() {
-            joints.entry(Self::pair(joint.first.body, joint.second.body)).or_default().push(index);
-        }
-        Self(joints)
-    }
-
-    fn pair(a: usize, b: usize) -> [usize; 2] {
-        [a.min(b), a.max(b)]
-    }
-
-    /// Indices of the joints between two bodies, ascending.
-    fn of(&self, a: usize, b: usize) -> impl Iterator<Item = usize> {
-        self.0.get(&Self::pair(a, b)).into_iter().flatten().copied()
-    }
-}
-
-/// Load between two points, or in a joint.
-fn between(
-    mechanism: &Mechanism,
-    linkage: &Linkage,
-    joints_between: &JointsBetween,
-    key: fmt::Arguments,
-    first: &Option<String>,
-    second: &Option<String>,
-    joint: &Option<String>,
-) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::key(key, "give first and second, or joint");
-    if let (Some(first), Some(second)) = (first, second) {
-        let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
-        let (first, second) = (end("first", first)?, end("second", second)?);
-        if first.body == second.body {
-            let message =
-                format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
-            return Err(DefinitionError::key(key, message));
-        }
-        let ends = [first, second];
-        let is_at = |a: Point, b: Point| a.body == b.body && (a.local - b.local).norm() <= 1e-12 * linkage.size;
-        let joined = joints_between.of(first.body, second.body).map(|joint| &linkage.joints[joint]).find(|j| {
-            let points = [[j.first, j.second], [j.second, j.first]];
-            j.freedom == Freedom::Revolute && points.iter().any(|p| is_at(p[0], ends[0]) && is_at(p[1], ends[1]))
-        });
-        if let Some(joint) = joined {
-            let message =
-                format!("its two ends are the one point of {}, so its length is zero: name two points", joint.name);
-            return Err(DefinitionError::key(key, message));
-        }
-        return Ok(Load::Pair { first, second });
-    }
-    let name = joint.as_ref().ok_or_else(missing)?;
-    let joint = mechanism.joints.position(name).ok_or_else(missing)?;
-    Ok(joint_load(linkage, joint))
-}
-
-/// Load in a joint: a couple between the bodies of a revolute joint, a force along the axis of a prismatic one.
-fn joint_load(linkage: &Linkage, joint: usize) -> Load {
-    let j = &linkage.joints[joint];
-    match j.freedom {
-        Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body },
-        Freedom::Prismatic(_) | Freedom::Coupling(_) => Load::Slide { joint },
-    }
-}
-
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the joint
 /// turns round and round.
 fn is_sized_by_state(spring: &definition::Spring, load: &Load) -> bool {
@@ -231,20 +163,13 @@ impl Loading {
     /// # Errors
     /// A point, body or joint does not exist; the two ends of a load are on one body or at one point.
     pub fn new(mechanism: &Mechanism, linkage: &Linkage) -> Result<Self, DefinitionError> {
-        let joints_between = &JointsBetween::new(linkage);
+        let hinges = &Hinges::new(linkage);
         let mut sized: Vec<(String, Load)> = Vec::new();
         let mut constant: Vec<(f64, Load)> = Vec::new();
         let mut drives = Vec::new();
         for (name, a) in mechanism.actuators.iter() {
-            let load = between(
-                mechanism,
-                linkage,
-                joints_between,
-                format_args!("actuators.{name}"),
-                &a.first,
-                &a.second,
-                &a.joint,
-            )?;
+            let load =
+                between(mechanism, linkage, hinges, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
             let load = match a.screw {
                 Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
                 None => load,
@@ -276,7 +201,7 @@ impl Loading {
             }
         }
         for (name, t) in mechanism.torques.iter() {
-            let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body) };
+            let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body), shift: 0.0 };
             if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
         }
         for (coupling, (_, defined)) in mechanism.couplings.iter().enumerate() {
@@ -289,15 +214,8 @@ impl Loading {
         loads.extend(more);
         let mut springs = Vec::new();
         for (name, s) in mechanism.springs.iter() {
-            let load = between(
-                mechanism,
-                linkage,
-                joints_between,
-                format_args!("springs.{name}"),
-                &s.first,
-                &s.second,
-                &s.joint,
-            )?;
+            let load =
+                between(mechanism, linkage, hinges, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
             springs.push(Spring {
                 name: name.into(),
                 load: loads.len(),
@@ -323,7 +241,7 @@ impl Loading {
         let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
         let mut loading =
             Self { loads, inputs, constants, springs, drives, gravity, hydraulics, motion, ..Self::default() };
-        loading.add_stops(mechanism, linkage, joints_between)?;
+        loading.add_stops(mechanism, linkage, hinges)?;
         loading.add_springs_of_state(mechanism);
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
@@ -331,33 +249,21 @@ impl Loading {
         Ok(loading)
     }
 
-    fn add_stops(
-        &mut self,
-        mechanism: &Mechanism,
-        linkage: &Linkage,
-        joints_between: &JointsBetween,
-    ) -> Result<(), DefinitionError> {
+    fn add_stops(&mut self, mechanism: &Mechanism, linkage: &Linkage, hinges: &Hinges) -> Result<(), DefinitionError> {
         for (name, s) in mechanism.stops.iter() {
-            let mut value = s.angle.or(s.position).or(s.length).unwrap_or(0.0);
+            let value = s.angle.or(s.position).or(s.length).unwrap_or(0.0);
             let load = match &s.body {
                 Some(body) => {
-                    let (carrier, angle) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
+                    let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
                         let message = format!("{body} does not turn: name a turning body, a joint or two points");
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
-                    value -= angle;
-                    Load::Torque { body: carrier }
+                    Load::Torque { body: carrier, shift }
                 }
-                None => between(
-                    mechanism,
-                    linkage,
-                    joints_between,
-                    format_args!("stops.{name}"),
-                    &s.first,
-                    &s.second,
-                    &s.joint,
-                )?,
+                None => {
+                    between(mechanism, linkage, hinges, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?
+                }
             };
             let quantity = match load {
                 Load::Torque { .. } | Load::Couple { .. } => "angle",

@@ -25,18 +25,24 @@ pub enum Load {
         first: Point,
         /// The other end.
         second: Point,
+        /// Whether the distance is one in every position, so that its derivatives are 0 and not rounding.
+        is_idle: bool,
     },
-    /// 1 N.m on a body. S is its angle [rad].
+    /// 1 N.m on a body. S is its angle plus a constant [rad].
     Torque {
         /// Index of the body.
         body: usize,
+        /// Angle of the body that the definition names, in the frame of the one that carries it [rad].
+        shift: f64,
     },
-    /// 1 N.m on one body and -1 N.m on another. S is the angle between them [rad].
+    /// 1 N.m on one body and -1 N.m on another. S is the angle between them plus a constant [rad].
     Couple {
         /// Index of the body with -1 N.m.
         first: usize,
         /// Index of the body with 1 N.m.
         second: usize,
+        /// S less the angle between the two: from the bodies that the definition names [rad].
+        shift: f64,
     },
     /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one another
     /// do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
@@ -54,10 +60,12 @@ pub enum Load {
         /// 2 pi over the lead [rad/m].
         ratio: f64,
     },
-    /// 1 N along the axis of a prismatic joint. S is the joint's position [m].
+    /// 1 N along the axis of a prismatic joint. S is the joint's position [m], or its opposite.
     Slide {
         /// Index of the joint.
         joint: usize,
+        /// 1 for the force on the joint's second body, -1 for the force on its first body.
+        sign: f64,
     },
 }
 
@@ -96,12 +104,32 @@ impl Load {
         if let Self::Screw { along, .. } = self { along } else { self }
     }
 
+    /// Mark the load between two points as idle, if their distance is one in each of these configurations but for
+    /// rounding. Whether it is idle.
+    pub fn mark_idle(&mut self, mut at: impl Iterator<Item = Configuration>) -> bool {
+        /// Part of the speeds of the two points below which the rate of their distance is rounding.
+        const ROUNDING: f64 = 1e-12;
+        match self {
+            Self::Screw { along, .. } => along.mark_idle(at),
+            Self::Pair { first, second, is_idle } => {
+                *is_idle = at.all(|c| {
+                    let [(x1, v1), (x2, v2)] =
+                        [*first, *second].map(|end| (c.positions.point(end), c.positions.velocity(&c.rates, end)));
+                    let rate = (v2 - v1).dot(&(x2 - x1));
+                    rate.abs() <= ROUNDING * (v1.norm() + v2.norm()) * (x2 - x1).norm()
+                });
+                *is_idle
+            }
+            _ => false,
+        }
+    }
+
     /// Growth of S over one revolution of a closed curve; 0 for another curve.
     pub fn growth(&self, curve: &Curve) -> f64 {
         let body = |b: usize| curve.linkage().bodies[b].angle_coordinate.map_or(0.0, |angle| curve.growth(angle));
         match *self {
-            Self::Torque { body: b } => body(b),
-            Self::Couple { first, second } => body(second) - body(first),
+            Self::Torque { body: b, .. } => body(b),
+            Self::Couple { first, second, .. } => body(second) - body(first),
             _ => 0.0,
         }
     }
@@ -111,13 +139,13 @@ impl Load {
         match *self {
             Self::Gravity(_) | Self::Separation { .. } => 0.0,
             Self::Force { at, direction } => direction.dot(&p.point(at)),
-            Self::Pair { first, second } => (p.point(second) - p.point(first)).norm(),
-            Self::Torque { body } => p.angle[body],
-            Self::Couple { first, second } => p.angle[second] - p.angle[first],
+            Self::Pair { first, second, .. } => (p.point(second) - p.point(first)).norm(),
+            Self::Torque { body, shift } => p.angle[body] + shift,
+            Self::Couple { first, second, shift } => p.angle[second] - p.angle[first] + shift,
             Self::Screw { ref along, ratio } => ratio * along.displacement_at(linkage, p),
-            Self::Slide { joint } => {
+            Self::Slide { joint, sign } => {
                 let (first, second, axis) = axis(linkage, p, joint);
-                axis.dot(&(p.point(second) - p.point(first)))
+                sign * axis.dot(&(p.point(second) - p.point(first)))
             }
         }
     }
@@ -139,7 +167,8 @@ impl Load {
             Self::Separation { .. } => [0.0; 3],
             Self::Screw { ref along, ratio } => along.displacement(linkage, c).map(|s| ratio * s),
             Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
-            Self::Pair { first, second } => {
+            Self::Pair { first, second, is_idle: true } => [(p.point(second) - p.point(first)).norm(), 0.0, 0.0],
+            Self::Pair { first, second, .. } => {
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let (x, v, a) = (x2 - x1, v2 - v1, a2 - a1);
                 let length = x.norm();
@@ -147,18 +176,18 @@ impl Load {
                 let rate = along.dot(&v);
                 [length, rate, along.dot(&a) + (v.norm_squared() - rate * rate) / length]
             }
-            Self::Torque { body } => [p.angle[body], c.rates.angle[body], c.second.angle[body]],
-            Self::Couple { first, second } => {
+            Self::Torque { body, shift } => [p.angle[body] + shift, c.rates.angle[body], c.second.angle[body]],
+            Self::Couple { first, second, shift } => {
                 let of = |angle: &[f64]| angle[second] - angle[first];
-                [of(&p.angle), of(&c.rates.angle), of(&c.second.angle)]
+                [of(&p.angle) + shift, of(&c.rates.angle), of(&c.second.angle)]
             }
-            Self::Slide { joint } => {
+            Self::Slide { joint, sign } => {
                 // The gap is s e, with e fixed in the first body: gap'' = (s'' - s omega^2) e + (...) e_normal.
                 let (first, second, axis) = axis(linkage, p, joint);
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let s = axis.dot(&(x2 - x1));
                 let omega = c.rates.angle[first.body];
-                [s, axis.dot(&(v2 - v1)), axis.dot(&(a2 - a1)) + s * omega * omega]
+                [s, axis.dot(&(v2 - v1)), axis.dot(&(a2 - a1)) + s * omega * omega].map(|s| sign * s)
             }
         }
     }
@@ -181,7 +210,7 @@ impl Load {
                     .for_each(|i| act(at(center(linkage, i), linkage.bodies[i].mass * acceleration)));
             }
             Self::Force { at: point, direction } => act(at(point, direction)),
-            Self::Pair { first, second } => {
+            Self::Pair { first, second, .. } => {
                 let along = (p.point(second) - p.point(first)).normalize();
                 act(at(first, -along));
                 act(at(second, along));
@@ -197,13 +226,14 @@ impl Load {
             Self::Screw { ref along, ratio } => along.exert(linkage, p, &mut |Wrench { body, force, moment }| {
                 act(Wrench { body, force: ratio * force, moment: ratio * moment });
             }),
-            Self::Torque { body } => act(couple(body, 1.0)),
-            Self::Couple { first, second } => {
+            Self::Torque { body, .. } => act(couple(body, 1.0)),
+            Self::Couple { first, second, .. } => {
                 act(couple(first, -1.0));
                 act(couple(second, 1.0));
             }
-            Self::Slide { joint } => {
+            Self::Slide { joint, sign } => {
                 let (first, second, axis) = axis(linkage, p, joint);
+                let axis = sign * axis;
                 // Both forces act at the second point, where the bodies are in contact.
                 let moment = cross(p.point(second) - p.origin[first.body], -axis);
                 act(at(second, axis));

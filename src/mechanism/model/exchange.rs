@@ -256,8 +256,8 @@ impl Model {
     /// Not initialised.
     pub fn completed_step(&mut self) -> Result<bool, ModelError> {
         let is_due = self.due()?.is_some();
-        if self.lift_off.watches {
-            self.look_for_lift_off(None);
+        if self.parting.watches {
+            self.look_for_parting(None);
         }
         if !is_due {
             self.remember()?;

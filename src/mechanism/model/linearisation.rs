@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::contact::{Contact, Place};
 use crate::mechanism::motion::equilibrium::{AtRest, Equilibrium};
 use crate::mechanism::motion::samples::ends;
+use crate::mechanism::motion::travel::pressed_bumpers;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
 use crate::mechanism::reduced::Reduced;
@@ -90,7 +91,7 @@ impl Model {
         let (motion, reduced) = self.motion_at_rest()?;
         let here = motion.state.sigma + motion.state.revolutions * reduced.period().unwrap_or(0.0);
         let range = ends(&reduced, &motion.state.travel, here);
-        let mut at_rest = AtRest::new(&reduced, &self.inputs, here)?;
+        let mut at_rest = AtRest::new(&reduced, &motion.state.travel, &self.inputs, here)?;
         let mut all = at_rest.between(range);
         for (side, end) in motion.state.travel.rigid.iter().enumerate() {
             let place = Place::rigid(side);
@@ -209,6 +210,8 @@ impl Model {
         let mut inputs = self.inputs.clone();
         inputs.signal.clear();
         motion.move_to(sigma, 0.0, revolutions);
+        let touching = pressed_bumpers(reduced, &motion.state.travel, position, 0.0);
+        motion.state.contact.set_touching(touching);
         let mut out = Linearised::default();
         let loads = reduced.loading().inputs.len();
         if let Some((index, drive)) = what.held_by.and_then(|input| Some((input as usize, self.drive_of(input)?))) {

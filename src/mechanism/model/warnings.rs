@@ -5,7 +5,7 @@
 use super::{Formulation, Model};
 use crate::hydraulics::inputs::clipping;
 use crate::inspection::Finding;
-use crate::mechanism::definition::Mechanism;
+use crate::mechanism::definition::{CouplingKind, Mechanism};
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::linkage::{Coupling, Kind};
@@ -43,34 +43,46 @@ impl Clipped {
 /// Part of the natural size of a force of the mechanism below which a contact force is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Followers that nothing but their load presses on their cams, of which a host is told once each where one lifts off.
+/// Contacts that only pressure keeps closed: of followers on cams without a groove, and of belts, of which a host is told
+/// once each where one parts.
 #[derive(Clone, Debug, Default)]
-pub struct LiftOff {
-    /// Joints of the couplings of these cams, and whether their followers have been told to lift off.
-    cams: Vec<(usize, bool)>,
-    /// Whether a cam is left whose follower has not been told to lift off.
+pub struct Parting {
+    /// Joints of the couplings of these cams and belts, and whether they have been told to part.
+    contacts: Vec<(usize, bool)>,
+    /// Whether a contact is left that has not been told to part.
     pub watches: bool,
-    /// Joint, contact force [N] and time [s] of the follower that is to be told next.
+    /// Joint, contact force or transmitted force [N] and time [s] of the contact that is to be told next.
     pending: Option<(usize, f64, Option<f64>)>,
 }
 
-impl LiftOff {
-    /// The cams of a mechanism that have no groove.
+impl Parting {
+    /// The cams of a mechanism that have no groove, and its belts.
     pub fn new(mechanism: &Mechanism, reduced: &Reduced) -> Self {
         let linkage = reduced.linkage();
-        let is_open = |joint: usize| {
-            mechanism.couplings.get(&linkage.joints[joint].name).is_none_or(|cam| cam.grooved != Some(true))
+        let can_part = |coupling: &&Coupling| match coupling.kind {
+            Kind::Cam(_) => {
+                let defined = mechanism.couplings.get(&linkage.joints[coupling.joint].name);
+                defined.is_none_or(|cam| cam.grooved != Some(true))
+            }
+            Kind::Belt { .. } => true,
+            _ => false,
         };
-        let cams = linkage.couplings.iter().filter(|coupling| matches!(coupling.kind, Kind::Cam(_)));
-        let cams: Vec<_> = cams.map(|coupling| (coupling.joint, false)).filter(|(joint, _)| is_open(*joint)).collect();
-        Self { watches: !cams.is_empty(), cams, pending: None }
+        let contacts: Vec<_> =
+            linkage.couplings.iter().filter(can_part).map(|coupling| (coupling.joint, false)).collect();
+        Self { watches: !contacts.is_empty(), contacts, pending: None }
     }
 
     /// Nothing has been told.
     pub fn restart(&mut self) {
-        self.cams.iter_mut().for_each(|(_, is_told)| *is_told = false);
-        (self.watches, self.pending) = (!self.cams.is_empty(), None);
+        self.contacts.iter_mut().for_each(|(_, is_told)| *is_told = false);
+        (self.watches, self.pending) = (!self.contacts.is_empty(), None);
     }
+}
+
+/// Pretension of the belt of this joint [N]; None of another coupling.
+fn pretension(mechanism: &Mechanism, reduced: &Reduced, joint: usize) -> Option<f64> {
+    let defined = mechanism.couplings.get(&reduced.linkage().joints[joint].name)?;
+    (defined.kind == CouplingKind::Belt).then_some(defined.pretension.unwrap_or(0.0))
 }
 
 impl Model {
@@ -78,39 +90,49 @@ impl Model {
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
         let clipped = self.clipped.pending.take().map(clipping);
-        clipped.or_else(|| self.lift_off.pending.take().map(|lifted| self.lifting(lifted)))
+        clipped.or_else(|| {
+            let (joint, force, time) = self.parting.pending.take()?;
+            let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
+            let [message, remedy] = self.parted(joint, force, &when);
+            Some(format!("{message}; {remedy}"))
+        })
     }
 
-    /// Look for a follower that lifts off in the present state, at the time `time` [s] of the host if it tells one. What
-    /// has no value is not told.
+    /// Look for a contact that parts in the present state, at the time `time` [s] of the host if it tells one. What has no
+    /// value is not told.
     #[cold]
     #[inline(never)]
-    pub(super) fn look_for_lift_off(&mut self, time: Option<f64>) {
+    pub(super) fn look_for_parting(&mut self, time: Option<f64>) {
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return };
-        let lift_off = &mut self.lift_off;
-        if lift_off.pending.is_some() {
+        let parting = &mut self.parting;
+        if parting.pending.is_some() {
             return;
         }
-        let rounding = rounding(motion, reduced, &self.inputs);
-        for (joint, is_told) in lift_off.cams.iter_mut().filter(|(_, is_told)| !is_told) {
+        let (rounding, mechanism) = (rounding(motion, reduced, &self.inputs), self.parameter_values.mechanism());
+        for (joint, is_told) in parting.contacts.iter_mut().filter(|(_, is_told)| !is_told) {
             let output = Output::Reaction { joint: *joint, part: ReactionPart::Moment };
             let Ok(force) = motion.output(reduced, &self.inputs, output) else { continue };
-            if force < -rounding {
+            let lacks = pretension(mechanism, reduced, *joint).map_or(-force, |tension| 0.5 * force.abs() - tension);
+            if lacks > rounding {
                 *is_told = true;
-                lift_off.pending = Some((*joint, force, time));
+                parting.pending = Some((*joint, force, time));
                 break;
             }
         }
-        lift_off.watches = lift_off.cams.iter().any(|(_, is_told)| !is_told);
+        parting.watches = parting.contacts.iter().any(|(_, is_told)| !is_told);
     }
 
-    /// The words for a follower that lifts off.
+    fn name_of_joint(&self, joint: usize) -> &str {
+        &self.original.reduced.linkage().joints[joint].name
+    }
+
+    /// The words for a contact that parts under this contact force or transmitted force [N], and the remedy.
     #[cold]
-    fn lifting(&self, (joint, force, time): (usize, f64, Option<f64>)) -> String {
-        let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
-        let name = self.original.reduced.linkage().joints[joint].name.as_str();
-        let [message, remedy] = lifting_words(name, force, &when);
-        format!("{message}; {remedy}")
+    fn parted(&self, joint: usize, force: f64, when: &str) -> [String; 2] {
+        match pretension(self.parameter_values.mechanism(), &self.original.reduced, joint) {
+            Some(tension) => of_slack_belt(self.name_of_joint(joint), force, tension, when),
+            None => lifting_words(self.name_of_joint(joint), force, when),
+        }
     }
 
     /// Warnings about contacts that would part at the start: followers that lift off their cams, spans of belts that are
@@ -121,24 +143,14 @@ impl Model {
         if self.initialize().is_err() {
             return all;
         }
-        self.look_for_lift_off(None);
-        while let Some((joint, force, _)) = self.lift_off.pending.take() {
-            let name = self.original.reduced.linkage().joints[joint].name.as_str();
-            let [message, remedy] = lifting_words(name, force, " at the start");
-            all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
-            self.look_for_lift_off(None);
-        }
-        let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return all };
-        let belts = |coupling: &&Coupling| matches!(coupling.kind, Kind::Belt { .. });
-        for joint in reduced.linkage().couplings.iter().filter(belts).map(|coupling| coupling.joint) {
-            let name = reduced.linkage().joints[joint].name.as_str();
-            let defined = self.original.parameter_values.mechanism().couplings.get(name);
-            let pretension = defined.and_then(|belt| belt.pretension).unwrap_or(0.0);
-            let output = Output::Reaction { joint, part: ReactionPart::Moment };
-            let Ok(transmitted) = motion.output(reduced, &self.inputs, output) else { continue };
-            if 0.5 * transmitted.abs() - pretension > rounding(motion, reduced, &self.inputs) {
-                all.push(of_slack_belt(name, transmitted, pretension));
-            }
+        self.look_for_parting(None);
+        while let Some((joint, force, _)) = self.parting.pending.take() {
+            let [message, remedy] = self.parted(joint, force, " at the start");
+            let is_belt = pretension(self.parameter_values.mechanism(), &self.original.reduced, joint).is_some();
+            let key = if is_belt { ".pretension" } else { "" };
+            let path = format!("couplings.{}{key}", self.name_of_joint(joint));
+            all.push(Finding::warning(path, message, remedy));
+            self.look_for_parting(None);
         }
         all
     }

@@ -6,6 +6,7 @@
 use super::contact::{Place, Travel};
 use super::samples::positions;
 use super::state::{airspeed, blows_under, state_loads};
+use super::travel::pressed_bumpers;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -40,15 +41,15 @@ pub struct Equilibrium {
 pub enum NoEquilibrium {
     /// No load acts anywhere on the travel.
     Neutral,
-    /// The loads press the mechanism against this bumper, by the index of its stop.
-    Bumper(usize),
     /// The loads move the mechanism on wherever it is.
     None,
 }
 
-/// The loads at rest, without friction and losses of drives, as a function of sigma counted on over whole revolutions.
+/// The loads at rest, bumpers among them, without friction and losses of drives, as a function of sigma counted on over
+/// whole revolutions.
 pub struct AtRest<'a> {
     reduced: &'a Reduced,
+    travel: &'a Travel,
     sizes: Vec<f64>,
     airspeed: f64,
     air: bool,
@@ -57,16 +58,16 @@ pub struct AtRest<'a> {
 }
 
 impl<'a> AtRest<'a> {
-    /// Under these inputs, from a position on.
+    /// Under these inputs, from a position on, with the bumpers of this travel.
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
-    pub fn new(reduced: &'a Reduced, inputs: &Inputs, position: f64) -> Result<Self, ModelError> {
+    pub fn new(reduced: &'a Reduced, travel: &'a Travel, inputs: &Inputs, position: f64) -> Result<Self, ModelError> {
         let (sigma, revolutions) = reduced.unwound(position);
         let air = blows_under(reduced, inputs);
         let scratch = Scratch::new(state_loads(reduced.at(sigma), air, revolutions)?);
         let (sizes, airspeed) = (reduced.sizes(&inputs.reals), airspeed(reduced, inputs));
-        Ok(Self { reduced, sizes, airspeed, air, scratch, revolutions })
+        Ok(Self { reduced, travel, sizes, airspeed, air, scratch, revolutions })
     }
 
     /// sigma_ddot and its derivatives along sigma and sigma_dot; not a number where friction has no solution.
@@ -80,7 +81,8 @@ impl<'a> AtRest<'a> {
         let Ok(state_loads) = reduced.state_loads(self.air) else { return [f64::NAN; 3] };
         self.scratch.panel_force.on_stretch(reduced.stretch);
         let applied = AppliedLoads { sizes: &self.sizes, airspeed: self.airspeed, revolutions, change: None };
-        let (mode, scratch, time, locked, ports) = (Mode::default(), &mut self.scratch, 0.0, false, None);
+        let mode = Mode { touching: pressed_bumpers(whole, self.travel, position, 0.0), ..Mode::default() };
+        let (scratch, time, locked, ports) = (&mut self.scratch, 0.0, false, None);
         let mut equation =
             EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
         match equation.tangent(sigma, 0.0) {
@@ -93,7 +95,12 @@ impl<'a> AtRest<'a> {
     pub fn between(&mut self, ends: [f64; 2]) -> Vec<Equilibrium> {
         let mut samples: Vec<(f64, f64)> = Vec::new();
         let mut last: Option<(f64, [f64; 3])> = None;
-        for position in positions(self.reduced, ends) {
+        let mut all = positions(self.reduced, ends);
+        // The force of a bumper begins with a kink.
+        let begins = self.travel.bumpers.iter().flat_map(|bumper| bumper.positions).flatten();
+        all.extend(begins.filter(|at| (ends[0]..=ends[1]).contains(at)));
+        all.sort_by(f64::total_cmp);
+        for position in all {
             let here = self.gradient(position);
             if let Some((before, [a, slope, _])) = last {
                 // Where the acceleration turns between two samples, it may pass through 0 twice.
@@ -147,34 +154,27 @@ impl<'a> AtRest<'a> {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn nearest(&mut self, travel: &Travel, here: f64) -> Result<Equilibrium, NoEquilibrium> {
+    pub fn nearest(&mut self, here: f64) -> Result<Equilibrium, NoEquilibrium> {
         let reduced = self.reduced;
-        let limits = [0, 1].map(|side| {
-            let own = travel.places().filter(|(place, _)| place.side == side);
-            own.min_by(|(_, a), (_, b)| (a - here).abs().total_cmp(&(b - here).abs()))
-        });
+        let limits = [0, 1].map(|side| self.travel.end(side));
         let winds = reduced.components().winding.is_some();
         let most = match reduced.period() {
             Some(_) if winds => REVOLUTIONS,
             Some(_) => 1,
             None => STRETCHES,
         };
-        let (mut is_neutral, mut bumper) = (true, None);
+        let mut is_neutral = true;
         for ring in 0..most {
-            let windows = [0, 1].map(|side| window(reduced, here, side, ring, limits[side].map(|(_, at)| at)));
+            let windows = [0, 1].map(|side| window(reduced, here, side, ring, limits[side]));
             let mut all: Vec<Equilibrium> = match windows {
                 // Around the start in one piece, so that it may be the equilibrium.
                 [Some([low, _]), Some([_, high])] if ring == 0 => self.between([low, high]),
                 _ => windows.into_iter().flatten().flat_map(|ends| self.between(ends)).collect(),
             };
             all.retain(|found| found.is_stable);
-            for ((place, at), side) in limits.into_iter().zip(0..2).filter_map(|(limit, side)| Some((limit?, side))) {
-                let is_met = windows[side].is_none_or(|ends| ends[side] == at);
-                if let (true, Some(found)) = (is_met, self.pressed(place, at)) {
-                    match place.bumper {
-                        Some(index) => bumper = Some(travel.bumpers[index].stop),
-                        None => all.push(found),
-                    }
+            for (side, at) in limits.into_iter().enumerate().filter_map(|(side, limit)| Some((side, limit?))) {
+                if windows[side].is_none_or(|ends| ends[side] == at) {
+                    all.extend(self.pressed(Place::rigid(side), at));
                 }
             }
             let distance = |found: &Equilibrium| (found.position - here).abs();
@@ -183,11 +183,7 @@ impl<'a> AtRest<'a> {
             }
             is_neutral &= windows.iter().flatten().flatten().all(|at| self.gradient(*at)[0] == 0.0);
         }
-        Err(match bumper {
-            Some(stop) => NoEquilibrium::Bumper(stop),
-            None if is_neutral => NoEquilibrium::Neutral,
-            None => NoEquilibrium::None,
-        })
+        Err(if is_neutral { NoEquilibrium::Neutral } else { NoEquilibrium::None })
     }
 }
 

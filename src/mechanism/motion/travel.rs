@@ -27,7 +27,7 @@ struct Passages {
 /// The places of all stops for a start at `sigma` after `revolutions` whole revolutions.
 ///
 /// # Errors
-/// The start is beyond a stop; a stop's quantity is not smooth; there are more bumpers than may be enabled.
+/// The start is beyond a rigid stop; a stop's quantity is not smooth; there are more bumpers than may be enabled.
 pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel, ModelError> {
     let stops = &reduced.loading().stops;
     let bumpers = stops.iter().filter(|stop| stop.enabled && !stop.rigid).count();
@@ -44,6 +44,8 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
     for side in 0..2 {
         let all = || met.iter().filter_map(|m| Some((m.stop, m.positions[side]?)));
         let distance = |position: f64| (position - here).abs();
+        // A bumper that is compressed at the start begins behind it.
+        let ahead = |position: f64| (position - here) * outward(side);
         let rigid = || all().filter(|(stop, _)| stops[*stop].rigid);
         // Of rigid stops at one place the first of the definition acts.
         let nearest = rigid().map(|(_, position)| distance(position)).fold(f64::INFINITY, f64::min);
@@ -56,10 +58,10 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
             slope: 0.0,
         });
         let beside = all().filter(|(stop, position)| {
-            (distance(*position) - end).abs() <= one_place && acting.is_some_and(|(acting, _)| acting != *stop)
+            (ahead(*position) - end).abs() <= one_place && acting.is_some_and(|(acting, _)| acting != *stop)
         });
         travel.beside.extend(beside.map(|(stop, _)| (side, stop)));
-        place_bumpers(&mut travel.bumpers, side, all(), |position| distance(position) < end - one_place, one_place);
+        place_bumpers(&mut travel.bumpers, side, all(), |position| ahead(position) < end - one_place, one_place);
     }
     add_slopes(&mut travel, reduced);
     Ok(travel)
@@ -111,6 +113,17 @@ fn passages(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Vec<Passa
         let (table, growth) = (displacement(at_start, stop, revolutions)?, reduced.load_growth(stop.load));
         let at = table.position(sigma);
         let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
+        if !stop.rigid && stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs()) {
+            let inward = [-slope * stop.sign(), slope * stop.sign()].map(|sign| if sign < 0.0 { -1.0 } else { 1.0 });
+            let mut found = inward.into_iter().filter_map(|direction| {
+                let begins = begins_behind(reduced, stop, (sigma, revolutions), direction)?;
+                Some((usize::from(direction < 0.0), begins))
+            });
+            if let Some((side, begins)) = found.next() {
+                positions[side] = Some(begins);
+                continue;
+            }
+        }
         beyond_stop(stop, s)?;
         let is_near = stop.beyond(s) > -AT_STOP * (1.0 + stop.value.abs());
         *positions = [-1.0, 1.0].map(|direction| (is_near && slope * stop.sign() * direction > 0.0).then_some(here));
@@ -139,6 +152,39 @@ fn passages(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Vec<Passa
         }
     }
     Ok(met)
+}
+
+/// Where a bumper begins that is compressed at a start, in a direction from there.
+fn begins_behind(reduced: &Reduced, stop: &Stop, (sigma, revolutions): (f64, f64), direction: f64) -> Option<f64> {
+    let (mut stretch, mut from) = (reduced.at(sigma), Some(sigma));
+    loop {
+        let table = displacement(stretch, stop, revolutions).ok()?;
+        let growth = reduced.load_growth(stop.load);
+        // The bumper is passed from beyond it.
+        let search = Search { reduced: stretch, table, growth, wanted: stop.value, sign: -stop.sign() };
+        if let Some(found) = search.first(from, revolutions, direction) {
+            return Some(found);
+        }
+        (stretch, from) = (reduced.next(stretch, usize::from(direction > 0.0)).ok()?, None);
+    }
+}
+
+/// The bumpers that push at a position, counted on over whole revolutions, and a speed: of those past whose places the
+/// position is the ones that would not pull.
+pub fn pressed_bumpers(reduced: &Reduced, travel: &Travel, position: f64, sigma_dot: f64) -> BumperSet {
+    let (sigma, revolutions) = reduced.unwound(position);
+    let stretch = reduced.at(sigma);
+    BumperSet::of(travel.bumpers.len(), |bumper| {
+        let BumperPlaces { stop, positions, .. } = travel.bumpers[bumper];
+        let is_past = |side: usize| positions[side].is_some_and(|begins| (position - begins) * outward(side) > 0.0);
+        let stop = &reduced.loading().stops[stop];
+        let pushes = |table: &Table| {
+            let at = table.position(sigma);
+            let beyond = stop.beyond(table.value(at, 0) + revolutions * reduced.load_growth(stop.load));
+            beyond > 0.0 && stop.push(beyond, stop.sign() * table.value(at, 1) * sigma_dot) > 0.0
+        };
+        (is_past(0) || is_past(1)) && stretch.displacement(stop.load).is_ok_and(pushes)
+    })
 }
 
 /// Displacement of a stop's load on a stretch of the curve.

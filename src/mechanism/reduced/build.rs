@@ -195,10 +195,10 @@ impl Reduced {
         of: Origin,
     ) -> Result<Self, ReductionError> {
         let noise = NOISE.max(16.0 * f64::EPSILON * curve.farthest);
-        let (length, stored) = match of {
-            Origin::Guess(_) => (None, None),
-            Origin::Stored(_, stored) => (None, Some(stored)),
-            Origin::Whole(whole, _) => (Some(whole.scale()), None),
+        let (loading, length, stored) = match of {
+            Origin::Guess(_) => (meetings::with_idle(&curve, loading), None, None),
+            Origin::Stored(_, stored) => (meetings::with_idle(&curve, loading), None, Some(stored)),
+            Origin::Whole(whole, _) => (loading, Some(whole.scale()), None),
         };
         let borders = match stored {
             Some(stored) => stored.borders.to_vec(),

@@ -17,8 +17,9 @@ pub enum NodalLoad {
     Force(MeshPoint, Vec2),
     /// 1 N that pushes two points apart. S is the points' distance [m].
     Pair(MeshPoint, MeshPoint),
-    /// 1 N.m on the second element and -1 N.m on the first; None is the ground. S is the angle between them [rad].
-    Couple(Option<usize>, Option<usize>),
+    /// 1 N.m on the second element and -1 N.m on the first; None is the ground. S is the angle between them plus a
+    /// constant [rad].
+    Couple([Option<usize>; 2], f64),
 }
 
 /// Forces at the two nodes of every element [N].
@@ -31,12 +32,12 @@ impl NodalLoad {
         Some(match *load {
             Load::Gravity(acceleration) => Self::Weight(acceleration),
             Load::Force { at, direction } => Self::Force(mesh.locate(at), direction),
-            Load::Pair { first, second } => Self::Pair(mesh.locate(first), mesh.locate(second)),
-            Load::Torque { body } => Self::Couple(element(GROUND), element(body)),
-            Load::Couple { first, second } => Self::Couple(element(first), element(second)),
+            Load::Pair { first, second, .. } => Self::Pair(mesh.locate(first), mesh.locate(second)),
+            Load::Torque { body, shift } => Self::Couple([element(GROUND), element(body)], shift),
+            Load::Couple { first, second, shift } => Self::Couple([element(first), element(second)], shift),
             // No mesh has a coupling.
             Load::Separation { .. } | Load::Screw { .. } => return None,
-            Load::Slide { joint } => {
+            Load::Slide { joint, .. } => {
                 debug_assert!(joint < linkage.joints.len());
                 return None;
             }
@@ -63,7 +64,10 @@ impl NodalLoad {
                     _ => (apart(1).norm_squared() + gap.dot(&apart(2)) - rate() * rate()) / length,
                 }
             }
-            Self::Couple(first, second) => mesh.angle(second, at, order) - mesh.angle(first, at, order),
+            Self::Couple([first, second], shift) => {
+                let angle = mesh.angle(second, at, order) - mesh.angle(first, at, order);
+                if order == 0 { angle + shift } else { angle }
+            }
         }
     }
 
@@ -82,7 +86,7 @@ impl NodalLoad {
                 push_at(second, force, forces);
                 push_at(first, -force, forces);
             }
-            Self::Couple(first, second) => {
+            Self::Couple([first, second], _) => {
                 for (element, moment) in [(first, -size), (second, size)] {
                     if let Some(i) = element {
                         let span = mesh.span(i, at.x);

@@ -28,16 +28,16 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
     }
 }
 
-/// The warning about a belt that transmits a force at the start for which its pretension is too small [N].
-pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64) -> Finding {
+/// The words about a belt that transmits a force for which its pretension is too small [N], at a time, and the remedy.
+pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64, when: &str) -> [String; 2] {
     let half = Decimal::rounded(0.5 * transmitted.abs());
     let message = format!(
-        "transmits {} N at the start, half of which, {half} N, is above the pretension of {} N: a belt would be slack in one \
+        "{name} transmits {} N{when}, half of which, {half} N, is above the pretension of {} N: a belt would be slack in one \
          span, which here pushes with {} N, so that the forces in the joints are wrong",
         Decimal::rounded(transmitted),
         Decimal::rounded(pretension),
         Decimal::rounded(0.5 * transmitted.abs() - pretension)
     );
     let remedy = format!("give a pretension of more than {half} N, or of just that for a chain");
-    Finding::warning(format_args!("couplings.{name}.pretension"), message, remedy)
+    [message, remedy]
 }

@@ -2,7 +2,7 @@
 //!
 //! In: arms, reactions as affine functions of the friction. Out: the solution, by Newton's method, if need be continued
 //! from the frictionless one. It must not know the law of friction.
-use super::{Balance, CONVERGED, FEW, FrictionLoop, Locked, are_near, greater, length_bound, norm};
+use super::{Balance, CONVERGED, FEW, FrictionLoop, Locked, NONE, are_near, greater, length_bound, norm};
 use crate::numerics::dual::Number;
 
 impl<T: Number> FrictionLoop<T> {
@@ -33,6 +33,7 @@ impl<T: Number> FrictionLoop<T> {
         for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
             *z = total(row, &self.size);
         }
+        self.find_active();
         self.keep_sizes();
         let contracts = self.contracts(balance);
         if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
@@ -54,6 +55,19 @@ impl<T: Number> FrictionLoop<T> {
             }
         }
         Ok(())
+    }
+
+    /// Find the unknowns that some friction affects.
+    fn find_active(&mut self) {
+        self.active.clear();
+        self.places.fill(NONE);
+        let rows = self.effect.chunks_exact(self.arm.len());
+        for ((k, row), place) in rows.enumerate().zip(&mut self.places) {
+            if row.iter().any(|effect| effect.value() != 0.0 || !effect.is_constant()) {
+                *place = self.active.len();
+                self.active.push(k);
+            }
+        }
     }
 
     /// Whether friction changes the reactions by less than these change, of any number of joints and groups.
@@ -86,7 +100,7 @@ impl<T: Number> FrictionLoop<T> {
     /// Newton's method from the current unknowns with a part of the arms. False if it does not converge in `most`
     /// iterations, or if a determinant is not positive.
     fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
-        let (n, unknowns) = (self.arm.len(), self.unknown.len());
+        let (n, unknowns, zero) = (self.arm.len(), self.active.len(), T::constant(0.0));
         let mut converged = false;
         for iteration in 1..=most {
             self.iterations = iteration;
@@ -107,42 +121,43 @@ impl<T: Number> FrictionLoop<T> {
                 self.direction[i] = [along, unit[0], unit[1]];
                 scale = scale.max(self.size[i].value().abs());
             }
-            self.matrix.fill(0.0);
-            for k in 0..unknowns {
+            let (matrix, rest) = (&mut self.matrix[..unknowns * unknowns], &mut self.rest[..unknowns]);
+            matrix.fill(0.0);
+            for (place, &k) in self.active.iter().enumerate() {
                 let row = &self.effect[k * n..(k + 1) * n];
-                self.rest[k] = total(row, &self.size) * T::constant(part) - self.unknown[k];
-                let out = &mut self.matrix[k * unknowns..(k + 1) * unknowns];
-                out[k] = 1.0;
+                rest[place] = total(row, &self.size) * T::constant(part) - self.unknown[k];
+                let out = &mut matrix[place * unknowns..(place + 1) * unknowns];
+                out[place] = 1.0;
                 for (j, effect) in row.iter().enumerate() {
                     let of = 1 + 2 * balance.groups[j];
-                    let [along, x, y] = self.direction[j].map(|slope| part * effect.value() * slope);
-                    out[0] -= along;
-                    out[of] -= x;
-                    out[of + 1] -= y;
+                    for (k, slope) in [0, of, of + 1].into_iter().zip(self.direction[j]) {
+                        if let Some(out) = out.get_mut(self.places[k]) {
+                            *out -= part * effect.value() * slope;
+                        }
+                    }
                 }
             }
-            let determinant = eliminate(&mut self.matrix, &mut self.rest);
+            let determinant = eliminate(matrix, rest);
             if determinant.is_nan() || determinant <= 0.0 {
                 return false;
             }
             let mut error: f64 = 0.0;
+            let change = |k: usize| rest.get(self.places[k]).copied().unwrap_or(zero);
             for i in 0..n {
                 let of = 1 + 2 * balance.groups[i];
                 let [along, x, y] = self.direction[i];
-                let more = self.rest[0] * T::constant(along)
-                    + self.rest[of] * T::constant(x)
-                    + self.rest[of + 1] * T::constant(y);
-                let step = [0, 1].map(|axis| {
-                    balance.inertial[axis][i].value() * self.rest[0].value() + self.rest[of + axis].value()
-                });
+                let more =
+                    change(0) * T::constant(along) + change(of) * T::constant(x) + change(of + 1) * T::constant(y);
+                let step = [0, 1]
+                    .map(|axis| balance.inertial[axis][i].value() * change(0).value() + change(of + axis).value());
                 if self.sign[i] == 0.0 {
                     let size = self.size[i].value().max(f64::MIN_POSITIVE);
                     error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
                 }
                 self.size[i] = self.size[i] + more;
             }
-            for (z, step) in self.unknown.iter_mut().zip(&self.rest) {
-                *z = *z + *step;
+            for (&k, step) in self.active.iter().zip(&*rest) {
+                self.unknown[k] = self.unknown[k] + *step;
             }
             if !error.is_finite() {
                 return false;

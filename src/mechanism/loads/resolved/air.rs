@@ -60,7 +60,7 @@ impl Loading {
             surfaces.push(Surface { name: name.into(), start, line, drag, load: self.loads.len() });
             self.loads.push(Load::Force { at: start, direction: Vec2::x() });
             self.loads.push(Load::Force { at: start, direction: Vec2::y() });
-            self.loads.push(Load::Torque { body: start.body });
+            self.loads.push(Load::Torque { body: start.body, shift: 0.0 });
         }
         let flow = turned(Vec2::x(), air.flow_angle);
         self.air = Some(Air { density: air.density, flow, relative_wind: air.relative_wind, surfaces });

@@ -1,7 +1,8 @@
 //! The joints with friction, each with its law.
 //!
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
-use super::{Loading, joint_load};
+use super::Loading;
+use super::ends::joint_load;
 use crate::mechanism::definition::{DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
@@ -83,14 +84,14 @@ impl Loading {
             }
             let joint = &linkage.joints[coupling.joint];
             let (load, radius) = match (coupling.second, &coupling.kind) {
-                (Second::Position { joint, .. }, _) => (Load::Slide { joint }, 1.0),
+                (Second::Position { joint, sign, .. }, _) => (Load::Slide { joint, sign }, 1.0),
                 (Second::Angle { .. }, kind) => {
                     let [_, slope, _] = coupling.law.at(0.0);
                     let radius = match kind {
                         Kind::Belt { radii, .. } => radii[1],
                         _ => linkage.hinge_distance(coupling.carrier, joint) / (slope - 1.0).abs(),
                     };
-                    (Load::Couple { first: coupling.carrier, second: joint.second.body }, radius)
+                    (Load::Couple { first: coupling.carrier, second: joint.second.body, shift: 0.0 }, radius)
                 }
             };
             let coefficient = 1.0 - efficiency;
@@ -142,7 +143,7 @@ impl Loading {
             }
             let (load, is_coupling, back) = (self.loads.len(), false, 1.0);
             friction_joints.push(FrictionJoint { joint, load, radius, is_coupling, back, law });
-            self.loads.push(joint_load(linkage, joint));
+            self.loads.push(joint_load(linkage, joint, 0.0));
         }
         Ok(())
     }

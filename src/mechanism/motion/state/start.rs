@@ -9,7 +9,6 @@ use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::laws::stop::Stop;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -17,7 +16,7 @@ use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::memory::CircuitState;
 use crate::mechanism::motion::saved::SavedState;
-use crate::mechanism::motion::travel::{beyond_stop, can_hold, travel};
+use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
 use crate::numerics::decimal::Decimal;
@@ -38,7 +37,7 @@ impl Start {
     /// The start that a definition states.
     ///
     /// # Errors
-    /// The start is not on the curve, or beyond a stop; its speed is stated at a toggle; a lock holds nothing; the
+    /// The start is not on the curve, or beyond a rigid stop; its speed is stated at a toggle; a lock holds nothing; the
     /// drive's cylinder does not have its length.
     pub fn new(reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let start = &mechanism.start;
@@ -56,8 +55,12 @@ impl Start {
         if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
             // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
             let loading = reduced.loading();
-            let is_own = |stop: &&Stop| stop.enabled && loading.loads[stop.load] == Load::Torque { body };
-            loading.stops.iter().filter(is_own).try_for_each(|stop| beyond_stop(stop, angle - own))?;
+            for stop in loading.stops.iter().filter(|stop| stop.enabled && stop.rigid) {
+                match loading.loads[stop.load] {
+                    Load::Torque { body: of, shift } if of == body => beyond_stop(stop, angle - own + shift)?,
+                    _ => {}
+                }
+            }
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
@@ -120,15 +123,11 @@ impl Start {
     /// The stable equilibrium under these inputs that is nearest to this start, with the stated speed.
     fn at_equilibrium(&self, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
         let here = self.sigma + self.revolutions * reduced.period().unwrap_or(0.0);
-        let found = AtRest::new(reduced, inputs, here)?.nearest(&self.travel, here).map_err(|none| {
+        let found = AtRest::new(reduced, &self.travel, inputs, here)?.nearest(here).map_err(|none| {
             let near = reduced.describe(self.sigma, self.revolutions);
             let (reason, remedy) = match none {
                 NoEquilibrium::Neutral => {
                     ("no load acts at rest, so that every position is one".to_owned(), "state the start by a position")
-                }
-                NoEquilibrium::Bumper(stop) => {
-                    let name = &reduced.loading().stops[stop].name;
-                    (format!("the loads press the mechanism into the bumper {name}"), "make this stop rigid")
                 }
                 NoEquilibrium::None => (
                     "the loads move the mechanism on wherever it is".to_owned(),
@@ -199,7 +198,9 @@ impl State {
         let is_applied = check_ports(reduced, inputs, 0.0).is_ok();
         let Self { saved, before, .. } = self;
         (saved.sigma, saved.sigma_dot, saved.revolutions) = (start.sigma, start.sigma_dot, start.revolutions);
+        let here = start.sigma + start.revolutions * reduced.period().unwrap_or(0.0);
         saved.contact = Contact::at_start(start.resting);
+        saved.contact.set_touching(pressed_bumpers(reduced, &start.travel, here, start.sigma_dot));
         if !Arc::ptr_eq(&saved.travel, &start.travel) {
             saved.travel = Arc::clone(&start.travel);
         }

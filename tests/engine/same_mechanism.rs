@@ -1,0 +1,395 @@
+//! One mechanism written in several ways gives the same results: with the two sides of every joint exchanged, and with
+//! every body carried by others to which it is fixed.
+
+use crate::support::{Run, assert_says, changed};
+use linkage_fmu::variables::{Causality, Kind};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Largest difference at the start and after the steps, as a part of the largest output of the same unit. Tables are
+/// accurate to 1e-13 of a component, reactions near a singular position to less.
+const AT_START: f64 = 1e-9;
+const AFTER_STEPS: f64 = 1e-7;
+/// Tolerance of the integration.
+const TOLERANCE: f64 = 1e-12;
+/// Angles of a body in its carrier, and of that in the next one [rad, or deg in a file in degrees].
+const TURNS: [f64; 2] = [0.7, -1.9];
+
+/// What the transformed definition shows differently.
+#[derive(Default)]
+struct Differs {
+    /// Names of joints and loads whose signs are those of the order of a joint's sides.
+    mirrored: Vec<String>,
+    /// Names of bodies that others carry now.
+    carried: Vec<String>,
+}
+
+/// A number or an expression with the other sign.
+fn negative(value: &Value) -> Value {
+    match value {
+        Value::Number(number) => json!(-number.as_f64().unwrap()),
+        Value::String(text) => json!(format!("-({text})")),
+        other => panic!("no number: {other}"),
+    }
+}
+
+/// a - b.
+fn less(a: &Value, b: &Value) -> Value {
+    match (a.as_f64(), b.as_f64()) {
+        (Some(a), Some(b)) => json!(a - b),
+        _ => json!(format!("({}) - ({})", a.to_string().trim_matches('"'), b.to_string().trim_matches('"'))),
+    }
+}
+
+fn negate(of: &mut Value, keys: &[&str]) {
+    for key in keys {
+        if let Some(value) = of.get_mut(key) {
+            *value = negative(value);
+        }
+    }
+}
+
+/// Turn a curve over its argument round: f(x) becomes -f(-x).
+fn mirror(of: &mut Value, keys: &[&str]) {
+    for key in keys {
+        if let Some(Value::Array(points)) = of.get_mut(key) {
+            points.iter_mut().for_each(|pair| *pair = json!([negative(&pair[0]), negative(&pair[1])]));
+            points.reverse();
+        }
+    }
+}
+
+/// Entries of a group that stand for a load in a joint, with their names.
+fn in_joint<'v>(definition: &'v mut Value, group: &str, joint: &str) -> Vec<(String, &'v mut Value)> {
+    let entries = definition.get_mut(group).and_then(Value::as_object_mut).into_iter().flatten();
+    entries.filter(|(_, load)| load["joint"] == *joint).map(|(name, load)| (name.clone(), load)).collect()
+}
+
+/// Exchange the two sides of a joint, and turn everything round that is stated by its displacement. The axis of a
+/// prismatic joint keeps its direction, so that the position changes its sign. False if a load acts in one direction only.
+fn exchange(definition: &mut Value, joint: &str, differs: &mut Differs) -> bool {
+    let one_way = |(_, load): &(String, &mut Value)| load.get("gas").is_some() || load.get("hydraulics").is_some();
+    if ["springs", "actuators"].iter().any(|group| in_joint(definition, group, joint).iter().any(one_way)) {
+        return false;
+    }
+    let own = &mut definition["joints"][joint];
+    let [first, second] = ["first", "second"].map(|side| own[side].clone());
+    (own["first"], own["second"]) = (second, first);
+    if own["type"] == "prismatic" {
+        let [axis, angle] = ["axis_angle", "angle"].map(|key| own.get(key).cloned().unwrap_or(json!(0)));
+        (own["axis_angle"], own["angle"]) = (less(&axis, &angle), negative(&angle));
+    }
+    differs.mirrored.push(joint.to_owned());
+    for (name, drive) in in_joint(definition, "actuators", joint) {
+        negate(drive, &["force", "torque"]);
+        mirror(drive, &["points"]);
+        if let Some(motion) = drive.get_mut("motion") {
+            negate(motion, &["position", "distance"]);
+            for pair in motion.get_mut("points").and_then(Value::as_array_mut).into_iter().flatten() {
+                pair[1] = negative(&pair[1]);
+            }
+        }
+        differs.mirrored.push(name);
+    }
+    for (name, spring) in in_joint(definition, "springs", joint) {
+        negate(spring, &["free_length", "free_angle", "preload"]);
+        mirror(spring, &["points", "damping_points"]);
+        differs.mirrored.push(name);
+    }
+    for (name, stop) in in_joint(definition, "stops", joint) {
+        negate(stop, &["angle", "position"]);
+        stop["limit"] = json!(if stop["limit"] == "lower" { "upper" } else { "lower" });
+        differs.mirrored.push(name);
+    }
+    if definition["start"]["joint"] == *joint {
+        negate(&mut definition["start"], &["position", "speed"]);
+    }
+    if let Some(guess) = definition.get_mut("guess").and_then(|guess| guess.get_mut(joint)) {
+        *guess = negative(guess);
+    }
+    true
+}
+
+fn with_sides_exchanged(mut definition: Value) -> (Value, Differs) {
+    let mut differs = Differs::default();
+    let joints: Vec<String> = definition["joints"].as_object().unwrap().keys().cloned().collect();
+    for joint in joints {
+        exchange(&mut definition, &joint, &mut differs);
+    }
+    (definition, differs)
+}
+
+/// Every body that moves is fixed to another one, and that to a third one, without mass, of which the guess tells.
+fn with_bodies_carried(mut definition: Value) -> (Value, Differs) {
+    let mut differs = Differs::default();
+    let bodies: Vec<(String, Value)> = definition["bodies"].as_object().unwrap().clone().into_iter().collect();
+    for (name, body) in bodies {
+        let keeps = ["fixed_to", "drawn", "axial_stiffness"].iter().any(|key| body.get(key).is_some());
+        if keeps || name == "ground" {
+            continue;
+        }
+        let [seat, middle] = ["seat", "middle"].map(|part| format!("{name}_{part}"));
+        definition["bodies"][&seat] = json!({ "points": { "at": [0.01, -0.02] } });
+        definition["bodies"][&middle] = json!({ "fixed_to": format!("{seat}.at"), "angle": TURNS[0],
+            "points": { "at": [-0.015, 0.03] } });
+        definition["bodies"][&name]["fixed_to"] = json!(format!("{middle}.at"));
+        definition["bodies"][&name]["angle"] = json!(TURNS[1]);
+        let guess = definition["guess"].as_object_mut().unwrap_or_else(|| panic!("{name}"));
+        if let Some(angle) = guess.remove(&name) {
+            guess.insert(seat, less(&angle, &json!(TURNS[0] + TURNS[1])));
+        }
+        differs.carried.push(name);
+    }
+    (definition, differs)
+}
+
+/// Values of all outputs that do not measure errors, with their units; not a number where there is none.
+fn outputs(run: &mut Run) -> BTreeMap<String, (String, f64)> {
+    let list = run.variables().list().to_vec();
+    let mut all = BTreeMap::new();
+    for variable in list.iter().filter(|v| v.causality == Causality::Output && v.name != "energy.drift") {
+        let value = match variable.kind {
+            Kind::Boolean => f64::from(u8::from(run.is(&variable.name))),
+            _ => run.0.get(&variable.name).unwrap_or_else(|e| panic!("{}: {e}", variable.name)),
+        };
+        all.insert(variable.name.clone(), (format!("{:?}", variable.unit), value));
+    }
+    all
+}
+
+/// What the other one of the drive's directions is called.
+fn turned_round(name: &str) -> String {
+    match (name.strip_suffix("_forward"), name.strip_suffix("_backward")) {
+        (Some(force), _) => format!("{force}_backward"),
+        (_, Some(force)) => format!("{force}_forward"),
+        _ => name.to_owned(),
+    }
+}
+
+/// Compare all outputs of two models of one mechanism. Returns how many were compared.
+#[track_caller]
+fn assert_same(what: &str, [one, other]: [&mut Run; 2], joints: &Value, differs: &Differs, tolerance: f64) -> usize {
+    let (one, other) = (outputs(one), outputs(other));
+    let mut sizes: BTreeMap<&str, f64> = BTreeMap::new();
+    for (unit, value) in one.values().filter(|(_, value)| value.abs() < f64::MAX) {
+        let size = sizes.entry(unit).or_default();
+        *size = size.max(value.abs());
+    }
+    let mut compared = 0;
+    for (name, (unit, value)) in &one {
+        let of = name.split('.').next().unwrap();
+        let is_mirrored = differs.mirrored.iter().any(|own| own == of);
+        // The moment in a prismatic joint is about the second point.
+        if is_mirrored && joints[of]["type"] == "prismatic" && name.ends_with(".torque") {
+            continue;
+        }
+        let found = if is_mirrored { other.get(&turned_round(name)) } else { other.get(name) };
+        let Some((_, found)) = found else {
+            assert!(differs.carried.iter().any(|body| body == of), "{what}: no {name}");
+            continue;
+        };
+        let [a, b] = [*value, *found].map(|value| if is_mirrored { value.abs() } else { value });
+        let size = tolerance * (sizes[unit.as_str()] + 1e-3);
+        assert!(a.is_nan() && b.is_nan() || a == b || (a - b).abs() <= size, "{what}: {name} is {a}, then {b}");
+        compared += 1;
+    }
+    compared
+}
+
+/// A definition and its transform have the same outputs at the start and after some steps.
+fn check(name: &str, definition: &Value, transform: fn(Value) -> (Value, Differs)) {
+    if definition["solver"]["method"] == "rigid_fem" {
+        return;
+    }
+    let mut definition = definition.clone();
+    if definition["name"] == "Parallelogram" {
+        // Where branches cross, reactions are without bound.
+        definition["start"]["angle"] = json!(0.3);
+    }
+    if definition.get("solver").is_none() {
+        definition["solver"] = json!({});
+    }
+    definition["solver"]["tolerance"] = json!(TOLERANCE);
+    let (other, differs) = transform(definition.clone());
+    let mut runs = [&definition, &other].map(|definition| {
+        let text = definition.to_string();
+        let mut run =
+            Run(linkage_fmu::simulation::Simulation::open(&text).unwrap_or_else(|e| panic!("{name}: {e}: {text}")));
+        run.0.initialize().unwrap_or_else(|e| panic!("{name}: {e}: {text}"));
+        run
+    });
+    let joints = &definition["joints"];
+    let compared = assert_same(&format!("{name} at the start"), runs.each_mut(), joints, &differs, AT_START);
+    assert!(compared >= 5, "{name}: {compared} outputs compared");
+    let span = runs[0].experiment().stop_time.min(0.5);
+    for run in &mut runs {
+        run.steps(5, 0.2 * span);
+    }
+    assert_same(&format!("{name} after steps"), runs.each_mut(), joints, &differs, AFTER_STEPS);
+}
+
+/// Put a part of a file into a whole one, as FORMAT.md says of its examples.
+fn add_part(whole: &mut Value, part: &Map<String, Value>) {
+    for (key, value) in part {
+        match (whole.get_mut(key), value) {
+            (Some(Value::Object(group)), Value::Object(entries))
+                if !["start", "gravity", "friction"].contains(&&**key) =>
+            {
+                group.extend(entries.clone());
+            }
+            _ => whole[key] = value.clone(),
+        }
+    }
+}
+
+/// The mechanisms of the repository, those of FORMAT.md, and some that have what those lack.
+fn scenes() -> Vec<(String, Value)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
+    let mut all = Vec::new();
+    let mut folders: Vec<_> = std::fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path()).collect();
+    folders.sort();
+    for folder in folders {
+        if let Ok(text) = std::fs::read_to_string(folder.join("resources/mechanism.json")) {
+            all.push((
+                folder.file_name().unwrap().to_string_lossy().into_owned(),
+                serde_json::from_str(&text).unwrap(),
+            ));
+        }
+    }
+    let format = std::fs::read_to_string(root.join("FORMAT.md")).unwrap();
+    let mut above = Value::Null;
+    for (index, block) in format.split("```json\n").skip(1).enumerate() {
+        let example: Value = serde_json::from_str(block.split_once("```").unwrap().0).unwrap();
+        let mut whole = above.clone();
+        if example.get("name").is_some() {
+            above = example.clone();
+            whole = example;
+        } else {
+            add_part(&mut whole, example.as_object().unwrap());
+        }
+        all.push((format!("example {index} of FORMAT.md: {}", whole["name"]), whole));
+    }
+    all.push(("train with losses".into(), train()));
+    for push in [1.0, -30.0] {
+        let name = format!("train with losses, driven by {push} N");
+        all.push((
+            name,
+            serde_json::from_str(&changed(&train().to_string(), |m| {
+                m["forces"]["push"]["force"] = json!([push, 0.0]);
+                m["torques"]["motor"]["torque"] = json!(-3.0);
+            }))
+            .unwrap(),
+        ));
+    }
+    all.push(("hinges between bodies".into(), hinges()));
+    all
+}
+
+/// A shaft, gears to a second one, a belt to a third one, a rack to a table, all with losses.
+fn train() -> Value {
+    json!({ "name": "Train",
+        "bodies": { "ground": { "points": { "far": [0.3, 0], "third": [0.3, 0.4], "bed": [0.3, 0.3] } },
+            "one": { "mass": 2, "inertia": 0.02 }, "two": { "mass": 5, "inertia": 0.5 },
+            "three": { "mass": 3, "inertia": 0.7 }, "table": { "mass": 40 } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
+            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" },
+            "c": { "type": "revolute", "first": "ground.third", "second": "three.origin" },
+            "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" } },
+        "couplings": {
+            "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17, "second_teeth": 43,
+                "efficiency": 0.8 },
+            "belt": { "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
+                "second_radius": 0.1, "efficiency": 0.9 },
+            "rack": { "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 } },
+        "torques": { "motor": { "on": "one", "torque": 3 } },
+        "forces": { "push": { "at": "table.origin", "force": [-10.0, 0.0] } },
+        "start": { "body": "one", "angle": 0.4, "speed": 1 },
+        "guess": { "one": 0.4, "two": 1.1, "three": 0, "slide": 0 } })
+}
+
+/// A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between bodies that move.
+fn hinges() -> Value {
+    json!({ "name": "Hinges", "gravity": { "acceleration": 9.81, "up_angle": 1.4 },
+        "bodies": { "ground": { "length": 0.4 },
+            "crank": { "length": 0.12, "mass": 1, "shape": "uniform_rod" },
+            "rod": { "length": 0.4, "mass": 2, "shape": "uniform_rod" },
+            "rocker": { "length": 0.25, "mass": 1.5, "shape": "uniform_rod" } },
+        "joints": {
+            "a": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.01 },
+            "b": { "type": "revolute", "first": "crank.end", "second": "rod.origin", "pin_radius": 0.02 },
+            "c": { "type": "revolute", "first": "rod.end", "second": "rocker.end", "pin_radius": 0.015 },
+            "d": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" } },
+        "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 },
+        "springs": {
+            "coil": { "joint": "b", "stiffness": 3, "damping": 0.05, "free_angle": 0.4, "preload": 0.2 },
+            "curve": { "joint": "d", "points": [[0, -1], [1, 0], [2, 3], [3, 4]] },
+            "damper": { "joint": "c", "damping_points": [[-2, -1], [0, 0], [1, 2]] } },
+        "actuators": {
+            "servo": { "joint": "b", "torque": 0.7, "efficiency": 0.9 },
+            "motor": { "joint": "a", "points": [[-10, 9], [0, 3], [20, 1], [30, 0]] } },
+        "stops": {
+            "soft": { "joint": "d", "limit": "upper", "angle": 2.0, "rigid": false, "stiffness": 40, "damping": 0.2 },
+            "rigid": { "joint": "c", "limit": "upper", "angle": 1.9, "restitution": 0.4 } },
+        "start": { "body": "crank", "angle": 0.6 },
+        "guess": { "crank": 0.6, "rod": 0.4, "rocker": 1.7 } })
+}
+
+#[test]
+fn the_sides_of_joints_may_be_exchanged() {
+    scenes().iter().for_each(|(name, definition)| check(name, definition, with_sides_exchanged));
+}
+
+#[test]
+fn bodies_may_be_carried_by_others() {
+    scenes().iter().for_each(|(name, definition)| check(name, definition, with_bodies_carried));
+}
+
+/// A shaft at 0.2 rad that carries a lever at 1 rad: the angle of the hinge is that of the lever.
+#[test]
+fn the_angle_of_a_hinge_is_that_of_the_body_it_names() {
+    let shaft = json!({ "name": "Shaft",
+        "bodies": { "ground": {}, "shaft": { "mass": 1, "inertia": 0.1 }, "lever": { "fixed_to": "shaft.origin", "angle": 1.0 } },
+        "joints": { "s": { "type": "revolute", "first": "ground.origin", "second": "lever.origin" } },
+        "springs": { "coil": { "joint": "s", "stiffness": 10 } },
+        "actuators": { "servo": { "joint": "s" } },
+        "stops": { "end": { "joint": "s", "limit": "upper", "angle": 1.3 }, "own": { "body": "lever", "limit": "lower", "angle": 1.1 } },
+        "start": { "body": "shaft", "angle": 0.2 }, "guess": { "shaft": 0 } });
+    let mut run = Run::new(&shaft.to_string()).started();
+    for (name, value) in
+        [("coil.angle", 1.2), ("coil.torque", 12.0), ("servo.angle", 1.2), ("servo.holding_torque", 12.0)]
+    {
+        assert!((run.get(name) - value).abs() < 1e-12, "{name}: {}", run.get(name));
+    }
+    for (angle, stop) in [
+        (0.31, "stops.end.angle = 1.3 rad: the start, at 1.31 rad"),
+        (0.09, "stops.own.angle = 1.1 rad: the start, at 1.09 rad"),
+    ] {
+        run.set("shaft.start_angle", angle);
+        assert_says(run.refusal(), &[stop]);
+    }
+}
+
+/// A wheel drives a rack with losses; the joint may be written from either side.
+#[test]
+fn a_rack_written_first_loses_in_the_direction_of_its_power() {
+    for (torque, first, second) in
+        [(3.0, "rack.origin", "ground.r"), (3.0, "ground.r", "rack.origin"), (-3.0, "rack.origin", "ground.r")]
+    {
+        let text = json!({ "name": "Rack",
+            "bodies": { "ground": { "points": { "r": [0, -0.1] } }, "wheel": { "mass": 1, "inertia": 0.01 }, "rack": { "mass": 2 } },
+            "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "wheel.origin" },
+                "s": { "type": "prismatic", "first": first, "second": second } },
+            "couplings": { "mesh": { "type": "rack", "first": "wheel.origin", "joint": "s", "radius": 0.1, "pressure_angle": 0,
+                "efficiency": 0.5 } },
+            "torques": { "motor": { "on": "wheel", "torque": torque } },
+            "start": { "body": "wheel", "angle": 0, "speed": 1 }, "guess": { "wheel": 0, "s": 0 } });
+        let mut run = Run::new(&text.to_string()).started();
+        // The rack of m r^2 = 0.02 kg.m2 gets half of the power, and gives half of it back.
+        let exact = torque / (0.01 + 0.02 * if torque > 0.0 { 2.0 } else { 0.5 });
+        assert!((run.get("wheel.acceleration") - exact).abs() < 1e-11, "{first}: {}", run.get("wheel.acceleration"));
+        // On the rack act the mesh and the loss.
+        let on_rack = run.get("mesh.transmitted_force") + run.get("mesh.loss_force");
+        assert!((on_rack - 2.0 * 0.1 * exact).abs() < 1e-11, "{first}: {on_rack}");
+    }
+}
