@@ -25,7 +25,7 @@ use super::quantity::{Hydraulic, Output, Quantity};
 use super::warnings::{of_jump, of_near_misses, warnings};
 use crate::codec::sections::Sections;
 use crate::inspection::Finding;
-use crate::integrator::Statistics;
+use crate::integrator::{SHORTEST, Statistics};
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Value, Variables};
@@ -253,6 +253,7 @@ impl Model {
         let solver = &self.parameter_values.mechanism().solver;
         let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {
+            _ if h < SHORTEST => Ok(Reached::End),
             Formulation::Reduced(motion) => {
                 motion.state.witness.listens = self.told.listens;
                 motion.state.witness.pauses = pauses;
