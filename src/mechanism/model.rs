@@ -262,18 +262,19 @@ impl Model {
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
         let moves = reduced.loading().motion.as_ref().filter(|_| self.inputs.prescribes());
-        if self.inputs.signal.ahead || moves.is_some() {
-            let time = match stepped {
-                Ok(reached) => Some(reached.time(h)),
-                Err(ModelError::Interrupted { time, .. }) => Some(time),
-                Err(_) => None,
-            };
-            if let (Some(drive), Some(time)) = (moves, time) {
+        let time = match stepped {
+            Ok(reached) => Some(reached.time(h)),
+            Err(ModelError::Interrupted { time, .. }) => Some(time),
+            Err(_) => None,
+        };
+        if let Some(time) = time {
+            if let Some(drive) = moves {
                 self.inputs.move_on(drive, time);
             }
-            if let (true, Some(time)) = (self.inputs.signal.ahead, time) {
+            if self.inputs.signal.ahead {
                 self.leave_inputs_at(time);
             }
+            self.inputs.signal.end(time);
         }
         let reached = stepped?;
         if let Some(command) = clipped {
