@@ -35,7 +35,7 @@ pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
-use warnings::{Clipped, LiftOff};
+pub(super) use warnings::{Clipped, LiftOff};
 
 /// Section of the kept tables with the GUID of the interface.
 const GUID: &str = "guid";
@@ -57,9 +57,11 @@ pub struct Model {
     pub(super) is_placed: bool,
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
-    clipped: Clipped,
-    lift_off: LiftOff,
+    pub(super) clipped: Clipped,
+    pub(super) lift_off: LiftOff,
     told: Told,
+    /// Whether the host knows that `energy.drift` has no value in model exchange.
+    lacks_drift: bool,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
 }
@@ -152,6 +154,7 @@ impl Model {
             clipped: Clipped::default(),
             lift_off,
             told: Told::default(),
+            lacks_drift: false,
             exchange: None,
             original: Arc::new(original),
         };

@@ -3,6 +3,7 @@
 //! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not change
 //! the state.
 use super::{Formulation, Model};
+use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::clipping;
 use crate::inspection::Finding;
 use crate::mechanism::definition::Mechanism;
@@ -38,6 +39,12 @@ impl Clipped {
     pub fn raise(&mut self, command: f64) {
         *self = Self { is_known: true, pending: Some(command) };
     }
+
+    /// Whether a step has met one, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        self.pending = None;
+        record.flag("command clipped before", &mut self.is_known)
+    }
 }
 
 /// Part of the natural size of a force of the mechanism below which a contact force is rounding.
@@ -70,6 +77,21 @@ impl LiftOff {
     pub fn restart(&mut self) {
         self.cams.iter_mut().for_each(|(_, is_told)| *is_told = false);
         (self.watches, self.pending) = (!self.cams.is_empty(), None);
+    }
+
+    /// Become the same as another one of this mechanism, without allocation.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.cams.clone_from(&other.cams);
+        (self.watches, self.pending) = (other.watches, other.pending);
+    }
+
+    /// Which followers have been told to lift off, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.length("followers", self.cams.len())?;
+        self.cams.iter_mut().try_for_each(|(_, is_told)| record.flag("lifted off before", is_told))?;
+        (self.watches, self.pending) = (self.cams.iter().any(|(_, is_told)| !is_told), None);
+        Ok(())
     }
 }
 
