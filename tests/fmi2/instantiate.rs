@@ -227,16 +227,3 @@ fn growth_is_told_once() {
     }
     std::fs::remove_dir_all(folder).unwrap();
 }
-
-/// The stack of a host's thread may be small.
-#[test]
-fn an_instance_needs_little_stack() {
-    const STACK: usize = 64 << 10;
-    let run = || {
-        let gear = Gear::new();
-        assert_eq!(gear.set_up(None, 0.0, None), Status::Ok);
-        assert_eq!(gear.initialize(), Status::Ok);
-        assert_eq!(gear.step(0.0, 1e-3), Status::Ok);
-    };
-    std::thread::Builder::new().stack_size(STACK).spawn(run).unwrap().join().unwrap();
-}
