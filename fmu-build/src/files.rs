@@ -3,7 +3,7 @@
 //! In: paths and contents. Out: contents, or one message that names the file. It must not know what a file holds.
 
 use anyhow::{Context, Result, bail};
-use linkage_fmu::codec::checksum::{fnv1a, sum64};
+use linkage_fmu::codec::checksum::{fnv1a, xxh64};
 use std::ffi::OsStr;
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Read, Write};
@@ -62,7 +62,7 @@ pub fn digest(path: &Path) -> Result<String> {
         if read == 0 {
             return Ok(format!("{sum:016x} {length}"));
         }
-        sum = fnv1a([sum.to_le_bytes(), sum64(&block).to_le_bytes()].as_flattened());
+        sum = fnv1a([sum.to_le_bytes(), xxh64(&block).to_le_bytes()].as_flattened());
         length += read;
     }
 }

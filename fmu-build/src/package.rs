@@ -277,6 +277,39 @@ mod tests {
         }
     }
 
+    /// FMI 2.0.5, 2.2.8, and FMI 3.0.2, 2.4.7: what an unknown depends on is known. That is an input; of present values
+    /// a continuous state, of initial values what has an exact start.
+    #[test]
+    fn unknowns_depend_on_what_is_known() {
+        let workspace = Workspace::locate();
+        for folder in workspace.description_folders().unwrap() {
+            let component = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().unwrap().component;
+            for version in [Version::Two, Version::Three] {
+                let text = version.describe(&component, Naming::default()).unwrap();
+                let document = roxmltree::Document::parse(&text).unwrap();
+                let variables: Vec<_> = document.descendants().filter(|node| node.has_attribute("causality")).collect();
+                let first = usize::from(version == Version::Two);
+                let mut count = 0;
+                for unknown in document.descendants().filter(|node| node.has_attribute("dependencies")) {
+                    let is_initial =
+                        [unknown, unknown.parent().unwrap()].iter().any(|n| n.tag_name().name().starts_with("Initial"));
+                    for index in unknown.attribute("dependencies").unwrap().split_whitespace() {
+                        let known = variables[index.parse::<usize>().unwrap() - first];
+                        let is_state = known.descendants().any(|node| node.has_attribute("reinit"));
+                        let is_known = match known.attribute("causality") {
+                            Some("input") => true,
+                            _ if is_initial => known.attribute("initial") == Some("exact"),
+                            _ => is_state,
+                        };
+                        count += 1;
+                        assert!(is_known, "{}: {unknown:?} depends on {known:?}", folder.display());
+                    }
+                }
+                assert!(count > 0, "{}", folder.display());
+            }
+        }
+    }
+
     #[test]
     fn a_folder_and_its_definition_are_the_same_source() {
         let workspace = Workspace::locate();

@@ -33,39 +33,69 @@ pub fn fnv1a_128<'a>(texts: impl IntoIterator<Item = &'a str>) -> u128 {
     })
 }
 
-/// Sum of 64 bits of many bytes, some bytes in each clock cycle: FNV-1a over words of 64 bits in eight lanes, then over the
-/// lanes and the number of bytes. A change within one word always changes it.
-pub fn sum64(bytes: &[u8]) -> u64 {
-    const PRIME: u64 = 0x0000_0100_0000_01B3;
-    let add = |sum: u64, word: u64| (sum ^ word).wrapping_mul(PRIME);
-    let (blocks, rest) = bytes.as_chunks::<64>();
-    let mut lanes = [0xCBF2_9CE4_8422_2325_u64; 8];
-    for block in blocks {
-        let (words, _) = block.as_chunks::<8>();
-        for (lane, word) in lanes.iter_mut().zip(words) {
-            *lane = add(*lane, u64::from_le_bytes(*word));
+/// XXH64 with the seed 0, some bytes in each clock cycle:
+/// <https://github.com/Cyan4973/xxHash/blob/v0.8.3/doc/xxhash_spec.md>.
+pub fn xxh64(bytes: &[u8]) -> u64 {
+    const P: [u64; 5] = [
+        0x9E37_79B1_85EB_CA87,
+        0xC2B2_AE3D_27D4_EB4F,
+        0x1656_67B1_9E37_79F9,
+        0x85EB_CA77_C2B2_AE63,
+        0x27D4_EB2F_1656_67C5,
+    ];
+    let round = |lane: u64, word: u64| lane.wrapping_add(word.wrapping_mul(P[1])).rotate_left(31).wrapping_mul(P[0]);
+    let (stripes, rest) = bytes.as_chunks::<32>();
+    let mut sum = P[4];
+    if !stripes.is_empty() {
+        let mut lanes = [P[0].wrapping_add(P[1]), P[1], 0, P[0].wrapping_neg()];
+        for stripe in stripes {
+            let (words, _) = stripe.as_chunks::<8>();
+            for (lane, word) in lanes.iter_mut().zip(words) {
+                *lane = round(*lane, u64::from_le_bytes(*word));
+            }
         }
+        let mixed = lanes.iter().zip([1, 7, 12, 18]).map(|(lane, bits)| lane.rotate_left(bits));
+        sum = lanes.iter().fold(mixed.fold(0, u64::wrapping_add), |sum, lane| {
+            (sum ^ round(0, *lane)).wrapping_mul(P[0]).wrapping_add(P[3])
+        });
     }
-    let rest = rest.chunks(8).map(|part| part.iter().rev().fold(0, |word, byte| word << 8 | u64::from(*byte)));
-    lanes.into_iter().chain(rest).chain([bytes.len() as u64]).fold(PRIME, add)
+    sum = sum.wrapping_add(bytes.len() as u64);
+    let (words, rest) = rest.as_chunks::<8>();
+    for word in words {
+        sum = (sum ^ round(0, u64::from_le_bytes(*word))).rotate_left(27).wrapping_mul(P[0]).wrapping_add(P[3]);
+    }
+    let (words, rest) = rest.as_chunks::<4>();
+    for word in words {
+        let word = u64::from(u32::from_le_bytes(*word)).wrapping_mul(P[0]);
+        sum = (sum ^ word).rotate_left(23).wrapping_mul(P[1]).wrapping_add(P[2]);
+    }
+    for byte in rest {
+        sum = (sum ^ u64::from(*byte).wrapping_mul(P[4])).rotate_left(11).wrapping_mul(P[0]);
+    }
+    sum = (sum ^ sum >> 33).wrapping_mul(P[1]);
+    sum = (sum ^ sum >> 29).wrapping_mul(P[2]);
+    sum ^ sum >> 32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// Numbers differ by their last byte, or by their signs.
     #[test]
-    fn the_sum_of_words_sees_every_changed_byte() {
+    fn the_sum_of_words_sees_every_changed_byte_and_every_two_signs() {
         let bytes: Vec<u8> = (0..219_u8).map(|i| i.wrapping_mul(37)).collect();
-        let sum = sum64(&bytes);
+        let sum = xxh64(&bytes);
         for i in 0..bytes.len() {
-            let mut other = bytes.clone();
-            other[i] ^= 1;
-            assert_ne!(sum64(&other), sum, "byte {i}");
-            assert_ne!(sum64(&bytes[..i]), sum, "{i} bytes");
+            let changed = |places: &[usize], bit: u8| {
+                let mut other = bytes.clone();
+                places.iter().for_each(|&place| other[place] ^= bit);
+                xxh64(&other)
+            };
+            assert_ne!(changed(&[i], 1), sum, "byte {i}");
+            assert!((0..i).all(|j| changed(&[i, j], 0x80) != sum), "byte {i}");
+            assert_ne!(xxh64(&bytes[..i]), sum, "{i} bytes");
         }
-        assert_eq!(sum64(b""), sum64(&[]));
-        assert_ne!(sum64(&[0]), sum64(&[0, 0]));
     }
 
     #[test]
@@ -75,6 +105,9 @@ mod tests {
         assert_eq!(fnv1a(b""), 0xCBF2_9CE4_8422_2325);
         assert_eq!(fnv1a(b"a"), 0xAF63_DC4C_8601_EC8C);
         assert_eq!(fnv1a_128([]), 0x6C62_272E_07BB_0142_62B8_2175_6295_C58D);
+        assert_eq!(xxh64(b""), 0xEF46_DB37_51D8_E999);
+        assert_eq!(xxh64(b"abc"), 0x44BC_2CF5_AD77_0999);
+        assert_eq!(xxh64(b"Nobody inspects the spammish repetition"), 0xFBCE_A83C_8A37_8BF1);
         assert_eq!(fnv1a_128(["a"]), 0xD228_CB69_6F1A_8CAF_7891_2B70_4E4A_8964);
     }
 }

@@ -5,14 +5,14 @@
 //!
 //! Little-endian layout: magic (8 bytes), key (16), number of sections (8), check sum of all these and of the directory
 //! (8); the directory, for each section the hash of its name, its offset, its length, its check sum (8 each); sections.
-use super::checksum::{fnv1a, sum64};
+use super::checksum::{fnv1a, xxh64};
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// First bytes of a file; the last one is the version of the layout.
-const MAGIC: [u8; 8] = *b"sections";
+const MAGIC: [u8; 8] = *b"section2";
 /// Bytes before the directory.
 const HEAD: usize = 40;
 /// Bytes of one entry of the directory.
@@ -62,7 +62,7 @@ pub fn encode(key: u128, sections: &[(String, Vec<u8>)]) -> Vec<u8> {
     let mut offset = (HEAD + ENTRY * sections.len()) as u64;
     let mut directory: Vec<Entry> = Vec::new();
     for (name, bytes) in sections {
-        let entry = Entry { name: fnv1a(name.as_bytes()), offset, length: bytes.len() as u64, sum: sum64(bytes) };
+        let entry = Entry { name: fnv1a(name.as_bytes()), offset, length: bytes.len() as u64, sum: xxh64(bytes) };
         assert!(directory.iter().all(|other| other.name != entry.name), "{name} has the hash of another section");
         directory.push(entry);
         offset += entry.length;
@@ -82,7 +82,7 @@ fn head(key: u128, count: u64) -> Vec<u8> {
 }
 
 fn sum_of(head: &[u8], directory: &[u8]) -> u64 {
-    sum64(directory) ^ sum64(head).rotate_left(1)
+    xxh64(directory) ^ xxh64(head).rotate_left(1)
 }
 
 impl Sections {
@@ -151,7 +151,7 @@ impl Sections {
         let name = fnv1a(name.as_bytes());
         let entry = self.directory.iter().find(|entry| entry.name == name)?;
         let bytes = self.origin.read(entry.offset, entry.length)?;
-        (sum64(&bytes) == entry.sum).then_some(bytes)
+        (xxh64(&bytes) == entry.sum).then_some(bytes)
     }
 }
 

@@ -90,17 +90,16 @@ pub unsafe fn call(
     verdict
 }
 
-/// Call the host back between two calls of one step, so that it can read the instance. What the callback throws is handed
-/// over as a panic.
+/// Call the host back between two calls of one step, so that it can read the instance.
 ///
 /// # Safety
 /// As for [`call`]; no call is at work on the instance.
-pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -> std::thread::Result<T> {
+pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -> T {
     // SAFETY: the caller's promise.
     let handle = unsafe { handle(pointer) };
     let set = |word| handle.inspect(|handle| handle.word.store(word, Ordering::Relaxed));
     set(CALLING);
-    let answer = catch_unwind(AssertUnwindSafe(callback));
+    let answer = callback();
     set(IDLE);
     answer
 }
@@ -213,34 +212,6 @@ mod tests {
         // SAFETY: the pointer is valid until `free`.
         unsafe {
             assert_eq!(call(c, &READ, |_| panic!("on purpose")), Verdict::Fatal);
-            assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Fatal);
-            free(c);
-        }
-    }
-
-    /// A logger that throws, as one written in C++ may do.
-    fn throwing() -> Logger {
-        Logger::new(Some(Box::new(|_, _, _| panic!("the host's own"))), true)
-    }
-
-    #[test]
-    fn a_logger_that_throws_changes_no_answer() {
-        let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
-        let refused = instantiate(VERSION, "instantiate", c"gear", throwing(), Usage::default(), || {
-            Err(Refusal::error("on purpose"))
-        });
-        assert!(refused.is_null());
-        let c = instantiate(VERSION, "instantiate", c"gear", throwing(), Usage::default(), load);
-        // SAFETY: the pointer is valid until `free`.
-        unsafe {
-            assert_eq!(call(c, &READ, |_| Err(Refusal::error("on purpose"))), Verdict::Error);
-            assert_eq!(call(c, &ADVANCE, |_| Ok(())), Verdict::Error);
-            let event = |instance: &mut Instance| {
-                instance.logger.event(|| "an event".to_owned());
-                Ok(())
-            };
-            assert_eq!(call(c, &READ, event), Verdict::Ok);
-            assert_eq!(call(c, &READ, |_| panic!("our own")), Verdict::Fatal);
             assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Fatal);
             free(c);
         }

@@ -10,7 +10,6 @@
 use super::refusal::{Refusal, Verdict};
 use crate::format::on_one_line;
 use std::ffi::{CStr, CString};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
 /// index; `logAll` stands for all others.
@@ -94,12 +93,12 @@ impl Logger {
     }
 
     /// Pass a message on under the category of the verdict, as one line of at most [`LONGEST`] bytes: a control
-    /// character inside the text, as a path may hold it, is made visible. What the host's logger throws ends here.
+    /// character inside the text, as a path may hold it, is made visible.
     fn write(&self, verdict: Verdict, category: usize, message: &str) {
         let Some(sink) = &self.sink else { return };
         if let Ok(message) = CString::new(shortened(on_one_line(message))) {
             let category = LOG_CATEGORIES[category].0;
-            let _ = catch_unwind(AssertUnwindSafe(|| sink(verdict, category, &message)));
+            sink(verdict, category, &message);
         }
     }
 

@@ -101,7 +101,9 @@ impl From<Verdict> for Status {
     }
 }
 
-/// `fmi2CallbackLogger`: printf-style, hence variadic. One that is written in C++ may throw.
+/// `fmi2CallbackLogger`: printf-style, hence variadic. It returns: an exception that leaves it ends the process, with
+/// Rust's message that it cannot catch foreign exceptions. After a `longjmp` out of it the instance is lost: each later
+/// call on the instance returns an error, and its memory stays allocated.
 pub type LoggerCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     instance_name: Text,

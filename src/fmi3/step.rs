@@ -146,9 +146,7 @@ unsafe fn go_on(c: Component, goal: f64, mut pauses_left: u64, answers: &Answers
         let mut has_paused = false;
         let part = |i: &mut Instance| {
             i.phase = Phase::Step;
-            // What the callback has thrown makes the instance unusable.
-            let stop = asked.unwrap_or_else(|payload| std::panic::resume_unwind(payload));
-            end = stop.map_or(end, |stop| end.min(stop.max(from)));
+            end = asked.map_or(end, |stop| end.min(stop.max(from)));
             // Nothing is left where the callback has ended the step.
             let stepped = if end > from { i.do_step(from, end - from, &mut pauses_left) } else { Ok(()) };
             let is_done = is_done(&stepped);

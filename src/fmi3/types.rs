@@ -62,11 +62,11 @@ impl From<Verdict> for Status {
     }
 }
 
-/// `fmi3LogMessageCallback`. One that is written in C++ may throw.
+/// `fmi3LogMessageCallback`. It returns, as `fmi2CallbackLogger` does: see there for exceptions and `longjmp`.
 pub type LogMessage =
     unsafe extern "C-unwind" fn(environment: Environment, status: Status, category: Text, message: Text);
 
-/// `fmi3IntermediateUpdateCallback`. One that is written in C++ may throw.
+/// `fmi3IntermediateUpdateCallback`. It returns, as [`LogMessage`] does.
 pub type IntermediateUpdateCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     time: f64,

@@ -20,7 +20,7 @@ use crate::variables::{Reference, Terminal, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub(super) use parameters::{Original, Parameters};
 use std::sync::Arc;
-use warnings::Warnings;
+pub(super) use warnings::Warnings;
 
 /// One hydraulic actuator with its parameters, inputs and state.
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ pub struct Model {
     pub(super) state: Option<State>,
     /// What the present state and inputs give, while they are the present ones.
     pub(super) cache: Cache,
-    warnings: Warnings,
+    pub(super) warnings: Warnings,
 }
 
 /// Results for the present state and inputs.

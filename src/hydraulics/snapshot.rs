@@ -6,7 +6,7 @@ use super::definition::Mode;
 use super::error::HydraulicsError;
 use super::inputs::{Input, Inputs};
 use super::interface::Quantity;
-use super::model::{Model, Parameters};
+use super::model::{Model, Parameters, Warnings};
 use super::state::State;
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
@@ -14,7 +14,7 @@ use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// Version of the record.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// All values that decide how a model continues.
 #[derive(Clone, Debug)]
@@ -22,6 +22,8 @@ pub struct Snapshot {
     parameters: Arc<Parameters>,
     inputs: Inputs,
     state: Option<State>,
+    /// What was warned of: the same step gives the same answer again.
+    warnings: Warnings,
 }
 
 impl Snapshot {
@@ -43,7 +45,7 @@ impl Snapshot {
         copy.inputs.record(record)?;
         record.flag("in motion", &mut copy.has_motion())?;
         copy.state.iter_mut().try_for_each(|state| state.record(record))?;
-        Ok(())
+        Ok(copy.warnings.record(record)?)
     }
 }
 
@@ -61,14 +63,15 @@ impl Model {
 
     /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
-        Snapshot { parameters: Arc::clone(&self.parameters), inputs: self.inputs, state: self.state }
+        let Self { inputs, state, warnings, .. } = *self;
+        Snapshot { parameters: Arc::clone(&self.parameters), inputs, state, warnings }
     }
 
     /// [`Self::snapshot`] into an existing snapshot, without allocation.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.parameters, &self.parameters);
-        (snapshot.inputs, snapshot.state) = (self.inputs, self.state);
+        (snapshot.inputs, snapshot.state, snapshot.warnings) = (self.inputs, self.state, self.warnings);
     }
 
     /// Return to a snapshot of this actuator, taken of this or of another instance; without allocation.
@@ -78,7 +81,7 @@ impl Model {
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), HydraulicsError> {
         share(&mut self.parameters, &snapshot.parameters);
-        (self.inputs, self.state) = (snapshot.inputs, snapshot.state);
+        (self.inputs, self.state, self.warnings) = (snapshot.inputs, snapshot.state, snapshot.warnings);
         self.cache.clear();
         Ok(())
     }
@@ -124,12 +127,14 @@ impl Model {
         } else {
             None
         };
+        let mut warnings = self.warnings;
+        warnings.record(record)?;
         let known = [&self.parameters, &self.original.parameters].into_iter().find(|known| {
             same_bits(&known.values, &parameters.values) && known.actuator.coupling == parameters.actuator.coupling
         });
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
-            Record::Read([]) => Ok(Snapshot { parameters, inputs, state }),
+            Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
     }

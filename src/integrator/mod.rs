@@ -20,5 +20,9 @@ pub use statistics::{Method, Statistics};
 pub use step::Step;
 pub use system::{IntegrationError, System};
 
+/// Span [s] below which no state changes by more than rounding: far below any time in nature. Powers of a shorter span
+/// underflow.
+pub const SHORTEST: f64 = 1e-50;
+
 #[cfg(test)]
 mod tests;

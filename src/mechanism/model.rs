@@ -25,7 +25,7 @@ use super::quantity::{Hydraulic, Output, Quantity};
 use super::warnings::{of_jump, of_near_misses, warnings};
 use crate::codec::sections::Sections;
 use crate::inspection::Finding;
-use crate::integrator::Statistics;
+use crate::integrator::{SHORTEST, Statistics};
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Value, Variables};
@@ -35,7 +35,7 @@ pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
-use warnings::{Clipped, Parting};
+pub(super) use warnings::{Clipped, Parting};
 
 /// Section of the kept tables with the GUID of the interface.
 const GUID: &str = "guid";
@@ -57,9 +57,11 @@ pub struct Model {
     pub(super) is_placed: bool,
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
-    clipped: Clipped,
-    parting: Parting,
+    pub(super) clipped: Clipped,
+    pub(super) parting: Parting,
     told: Told,
+    /// Whether the host knows that `energy.drift` has no value in model exchange.
+    lacks_drift: bool,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
 }
@@ -152,6 +154,7 @@ impl Model {
             clipped: Clipped::default(),
             parting,
             told: Told::default(),
+            lacks_drift: false,
             exchange: None,
             original: Arc::new(original),
         };
@@ -253,6 +256,7 @@ impl Model {
         let solver = &self.parameter_values.mechanism().solver;
         let clipped = self.clipped.look((reduced, state), &self.inputs, h);
         let stepped = match state {
+            _ if h < SHORTEST => Ok(Reached::End),
             Formulation::Reduced(motion) => {
                 motion.state.witness.listens = self.told.listens;
                 motion.state.witness.pauses = pauses;
@@ -261,18 +265,19 @@ impl Model {
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
         let moves = reduced.loading().motion.as_ref().filter(|_| self.inputs.prescribes());
-        if self.inputs.signal.ahead || moves.is_some() {
-            let time = match stepped {
-                Ok(reached) => Some(reached.time(h)),
-                Err(ModelError::Interrupted { time, .. }) => Some(time),
-                Err(_) => None,
-            };
-            if let (Some(drive), Some(time)) = (moves, time) {
+        let time = match stepped {
+            Ok(reached) => Some(reached.time(h)),
+            Err(ModelError::Interrupted { time, .. }) => Some(time),
+            Err(_) => None,
+        };
+        if let Some(time) = time {
+            if let Some(drive) = moves {
                 self.inputs.move_on(drive, time);
             }
-            if let (true, Some(time)) = (self.inputs.signal.ahead, time) {
+            if self.inputs.signal.ahead {
                 self.leave_inputs_at(time);
             }
+            self.inputs.signal.end(time);
         }
         let reached = stepped?;
         if let Some(command) = clipped {

@@ -6,7 +6,7 @@
 use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Exchange, Formulation, Model};
+use super::model::{Clipped, Exchange, Formulation, Parting, Model};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
@@ -29,6 +29,9 @@ pub struct Snapshot {
     motion: Option<SavedFormulation>,
     /// What model exchange keeps.
     exchange: Option<Exchange>,
+    /// What was warned of: the same step gives the same answer again.
+    clipped: Clipped,
+    parting: Parting,
 }
 
 #[derive(Clone, Debug)]
@@ -60,13 +63,20 @@ impl Snapshot {
             Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
-        Ok(record_exchange(record, &mut copy.exchange)?)
+        Ok(record_rest(record, &mut copy.exchange, &mut copy.clipped, &mut copy.parting)?)
     }
 }
 
-/// What model exchange keeps, written or read.
-fn record_exchange(record: &mut Record, exchange: &mut Option<Exchange>) -> Result<(), Damaged> {
-    record.option("model exchange", exchange, Exchange::default, |record, exchange| exchange.record(record))
+/// What model exchange keeps and what was warned of, written or read.
+fn record_rest(
+    record: &mut Record,
+    exchange: &mut Option<Exchange>,
+    clipped: &mut Clipped,
+    parting: &mut Parting,
+) -> Result<(), Damaged> {
+    record.option("model exchange", exchange, Exchange::default, |record, exchange| exchange.record(record))?;
+    clipped.record(record)?;
+    parting.record(record)
 }
 
 /// Parameters in the record. Their ranges are checked by the reader.
@@ -96,6 +106,8 @@ impl Model {
             reduced: self.reduced.clone(),
             motion: self.kept_state().map(saved),
             exchange: self.exchange,
+            clipped: self.clipped,
+            parting: self.parting.clone(),
         }
     }
 
@@ -111,7 +123,8 @@ impl Model {
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.parameter_values, &self.parameter_values);
         snapshot.inputs.copy_from(&self.inputs);
-        snapshot.exchange = self.exchange;
+        (snapshot.exchange, snapshot.clipped) = (self.exchange, self.clipped);
+        snapshot.parting.copy_from(&self.parting);
         match (&mut snapshot.reduced, &self.reduced) {
             (Some(theirs), Some(own)) => share(theirs, own),
             (theirs, own) => theirs.clone_from(own),
@@ -154,6 +167,8 @@ impl Model {
         share(&mut self.parameter_values, &snapshot.parameter_values);
         self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
         self.is_placed = snapshot.has_motion();
+        self.clipped = snapshot.clipped;
+        self.parting.copy_from(&snapshot.parting);
         Ok(())
     }
 
@@ -246,10 +261,10 @@ impl Model {
         } else {
             None
         };
-        let mut exchange = None;
-        record_exchange(record, &mut exchange)?;
+        let (mut exchange, mut clipped, mut parting) = (None, self.clipped, self.parting.clone());
+        record_rest(record, &mut exchange, &mut clipped, &mut parting)?;
         match record {
-            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange }),
+            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting }),
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
     }

@@ -1,8 +1,12 @@
 //! The bound on the work of a communication step, and long motions that need next to none.
 
-use crate::support::{GEAR, Run, SLIDER_CRANK, assert_says, changed, without_stops};
+use crate::support::{
+    ANDREWS, BUCKET, CURVES, GEAR, HYDRAULIC_GEAR, Run, SLIDER_CRANK, SMOOTH, assert_says, changed, reals, values,
+    without_stops,
+};
 use linkage_fmu::mechanism::ModelError;
 use linkage_fmu::simulation::SimulationError;
+use linkage_fmu::variables::Causality;
 use serde_json::json;
 
 /// Default of `solver.max_steps`.
@@ -250,5 +254,28 @@ fn inputs_that_overflow_are_refused_before_the_step() {
         }
         assert_eq!(one.get("crank.speed").to_bits(), twin.get("crank.speed").to_bits(), "{name}");
         assert_eq!(one.get("energy.drift").to_bits(), twin.get("energy.drift").to_bits(), "{name}");
+    }
+}
+
+/// However short a step is, it is done, from the start and later: it changes nothing, or what its length tells.
+#[test]
+fn a_step_of_any_length_is_done() {
+    for definition in [GEAR, CURVES, BUCKET, ANDREWS, SMOOTH, HYDRAULIC_GEAR] {
+        for before in [0.0, 0.02, 1.0] {
+            let mut start = Run::shared(definition).started();
+            (before > 0.0).then(|| start.step(before));
+            let outputs: Vec<_> = reals(&start, Causality::Output);
+            let name = |k: usize| start.variables().list()[outputs[k] as usize].name.clone();
+            let is_motion = |k: &usize| [".angle", ".speed", ".position"].iter().any(|end| name(*k).ends_with(end));
+            let motion: Vec<_> = (0..outputs.len()).filter(is_motion).map(|k| outputs[k]).collect();
+            let now = values(&mut start.clone(), &motion);
+            for exponent in [324, 320, 310, 300, 250, 200, 160, 100, 51, 49, 40, 30, 20] {
+                let (mut run, h) = (start.clone(), 10_f64.powi(-exponent).max(5e-324));
+                run.step(h);
+                let then = values(&mut run, &motion);
+                let is_same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-11 * (1.0 + a.abs());
+                assert!(now.iter().zip(&then).all(is_same), "{h:e} at {before}: {now:?} {then:?}");
+            }
+        }
     }
 }

@@ -184,7 +184,7 @@ fn damped_motions_leave_and_reach_what_holds_them() {
 fn a_damped_tailgate_leaves_its_latch() {
     let angle = |damping: f64, tolerance: f64| {
         let mut run = Run::replaced(TAILGATE, &[]);
-        run.set("strut.damping", damping);
+        run.set("struts.damping", damping);
         run.set("solver.tolerance", tolerance);
         run.initialize();
         run.step(2.0);

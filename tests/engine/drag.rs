@@ -169,10 +169,10 @@ fn a_plate_passes_edge_on_within_the_tolerance() {
     for tolerance in [1e-5, 1e-7, 1e-9, 1e-12] {
         let definition = json!({
             "name": "Vane",
-            "bodies": { "ground": {}, "crank": { "mass": 0.0, "inertia": INERTIA, "points": { "end": [ARM, 0] } } },
+            "bodies": { "ground": {}, "crank": { "mass": 0.0, "inertia": INERTIA, "points": { "tip": [ARM, 0] } } },
             "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" } },
             "air": { "density": DENSITY, "flow_angle": 0, "airspeed": SPEED },
-            "surfaces": { "plate": { "at": "crank.end", "area": PLATE, "surface_angle": 0, "drag_coefficient": 1.2 } },
+            "surfaces": { "plate": { "at": "crank.tip", "area": PLATE, "surface_angle": 0, "drag_coefficient": 1.2 } },
             "start": { "body": "crank", "angle": 1.0, "speed": 30.0 },
             "guess": { "crank": 1.0 },
             "solver": { "tolerance": tolerance },

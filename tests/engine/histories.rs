@@ -1,7 +1,9 @@
 //! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
 //! bits of one that is not; and every state that is written is read back.
 
-use crate::support::{ANDREWS, CURVES, GEAR, Run, TWO_DRIVES, changed, reals, replaced, runner};
+use crate::support::{
+    ANDREWS, CURVES, GEAR, HYDRAULIC_GEAR, Run, SMOOTH, TWO_DRIVES, changed, reals, replaced, runner,
+};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use proptest::prelude::*;
@@ -222,6 +224,68 @@ fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
 fn rollback_leaves_no_trace_whatever_the_inputs_do() {
     for scene in scenes() {
         let result = runner(40).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
+        result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
+    }
+}
+
+/// Set all inputs of a model to other values, then to what they were, twice; `reads`: outputs to be read in between.
+fn away_and_back(model: &mut Model, reads: Option<&[Reference]>) {
+    let list = model.variables().list().to_vec();
+    let inputs = (0..).zip(&list).filter(|(_, v)| v.causality == Causality::Input);
+    let (reals, locks): (Vec<_>, Vec<_>) = inputs.partition(|(_, v)| v.kind == Kind::Real);
+    let before: Vec<f64> = reals.iter().map(|(input, _)| model.real(*input).unwrap()).collect();
+    for ((input, variable), value) in reals.iter().zip(&before) {
+        model.set_real(*input, value + 0.5 * unit(&variable.name)).unwrap();
+    }
+    for _ in 0..2 {
+        for (lock, _) in &locks {
+            let engaged = model.boolean(*lock).unwrap();
+            model.set_boolean(*lock, !engaged).unwrap();
+        }
+        reads.map(|all| outputs(model, all));
+    }
+    for _ in 0..2 {
+        reals.iter().zip(&before).for_each(|((input, _), value)| model.set_real(*input, *value).unwrap());
+    }
+}
+
+/// What counts is the values of the inputs at a step, not the calls that set them.
+#[test]
+fn inputs_that_are_set_away_and_back_leave_no_trace() {
+    let mut scenes = scenes();
+    for (name, definition, h) in [("a circuit", HYDRAULIC_GEAR, 2e-3), ("a prescribed motion", SMOOTH, 2e-2)] {
+        scenes.push(Scene { name, start: Run::new(definition).started(), h });
+    }
+    for scene in scenes {
+        let result = runner(30).run(&prop::collection::vec(op(), 1..25), |ops| {
+            let mut twins = [scene.start.clone(), scene.start.clone()];
+            let [inputs, all] = [Causality::Input, Causality::Output].map(|causality| reals(&twins[0], causality));
+            for (n, op) in ops.iter().enumerate() {
+                for (k, twin) in twins.iter_mut().enumerate() {
+                    let list = twin.variables().list().to_vec();
+                    // Inputs are constant at times.
+                    for &(part, value) in op.inputs.iter().filter(|_| n % 5 == 0) {
+                        let input = inputs[(part * inputs.len() as f64) as usize];
+                        twin.set_real(input, value * unit(&list[input as usize].name)).unwrap();
+                    }
+                    if k == 1 {
+                        away_and_back(twin, op.reads.then_some(&all));
+                    }
+                    for &(part, order, value) in op.derivatives.iter().filter(|_| n % 7 == 6) {
+                        let input = inputs[(part * inputs.len() as f64) as usize];
+                        let rate = value * unit(&list[input as usize].name) / scene.h.powi(order);
+                        let _ = twin.set_input_derivative(input, order, rate);
+                    }
+                }
+                let [a, b] =
+                    twins.each_mut().map(|twin| twin.0.model_mut().step(scene.h * op.h).map_err(|e| e.to_string()));
+                prop_assert_eq!(&a, &b, "{}: step {}", scene.name, n);
+                let [a, b] = twins.each_mut().map(|twin| outputs(twin, &all));
+                prop_assert_eq!(a, b, "{}: after step {}", scene.name, n);
+                prop_assert!(written(&twins[0]) == written(&twins[1]), "{}: states after step {}", scene.name, n);
+            }
+            Ok(())
+        });
         result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
     }
 }

@@ -4,7 +4,7 @@ use crate::host::{Arguments, Folder, Gear, RESOURCES, c, interface, mechanism};
 use crate::hostile::standard::{ALWAYS, TABLE};
 use linkage_fmu::component::{Component as Model, TABLES};
 use linkage_fmu::fmi2::host::{Description, Log, callbacks, logger};
-use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Environment, LoggerCallback, Status, Text};
+use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::{CStr, c_int};
 use std::path::PathBuf;
@@ -145,25 +145,6 @@ fn categories_filter_the_messages() {
         assert_eq!(fmi2SetDebugLogging(gear.c, 1, 1, [null()].as_ptr()), Status::Error);
     }
     assert_eq!(gear.log.take().len(), 2);
-}
-
-/// A logger as C++ may have it: it throws.
-unsafe extern "C-unwind" fn throw(_: Environment, _: Text, _: c_int, _: Text, _: Text, _: Text) {
-    panic!("the host's own");
-}
-
-#[test]
-fn a_logger_that_throws_ends_in_the_library() {
-    type Plain = unsafe extern "C-unwind" fn(Environment, Text, c_int, Text, Text, Text);
-    // SAFETY: as for the logger of `host`: the first variadic pointer is passed like a named one.
-    let thrower: LoggerCallback = unsafe { std::mem::transmute(throw as Plain) };
-    let gear = Gear::with_logger(Some(thrower), true);
-    assert_eq!(gear.step(0.0, 1e-3), Status::Error);
-    assert_eq!(gear.set_up(None, 0.0, None), Status::Ok);
-    assert_eq!(gear.initialize(), Status::Ok);
-    assert_eq!(gear.step(1.0, 1e-3), Status::Error);
-    assert_eq!(gear.step(0.0, 1e-3), Status::Ok);
-    assert_eq!(gear.terminate(), Status::Ok);
 }
 
 #[test]

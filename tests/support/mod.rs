@@ -28,6 +28,7 @@ pub const HYDRAULIC_GEAR: &str = mechanism!("LandingGearRetractionHydraulic");
 pub const JIB: &str = mechanism!("Jib");
 pub const SL_CRANK: &str = mechanism!("SlCrank");
 pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
+pub const SMOOTH: &str = mechanism!("SmoothRetraction");
 pub const TAILGATE: &str = mechanism!("Tailgate");
 
 /// A slider-crank with a servo on its crank and a ram on its slider.

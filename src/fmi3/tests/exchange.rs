@@ -384,9 +384,11 @@ fn what_is_not_of_this_phase_or_kind_is_refused_and_changes_nothing() {
         assert_eq!(fmi3SetBoolean(c, &stop, 1, &1, 1), Status::Error);
         assert_eq!(fmi3SetFloat64(c, &force, 1, &3e4, 1), Status::Ok);
         assert_eq!(states(c), y);
-        // What the steps of co-simulation book is not known here.
-        assert_eq!(fmi3GetFloat64(c, &drift, 1, &mut time, 1), Status::Warning);
-        assert!(time.is_nan());
+        // What the steps of co-simulation book is not known here, which is reported once.
+        for expected in [Status::Warning, Status::Ok, Status::Ok] {
+            assert_eq!(fmi3GetFloat64(c, &drift, 1, &mut time, 1), expected);
+            assert!(time.is_nan());
+        }
         // States far beyond the travel: values or a discarded call, and no call runs for ever.
         for far in [1e3, -1e3, 1e12, 1e300, -1e300, f64::MAX] {
             if set(c, [far, 1.0]) == Status::Ok {

@@ -11,6 +11,7 @@ use crate::hydraulics::inputs::Input;
 use crate::hydraulics::interface::Quantity;
 use crate::hydraulics::state::{self, Blind, Setting, interrupted};
 use crate::hydraulics::systems::{LENGTH, SPEED};
+use crate::integrator::SHORTEST;
 use crate::variables::{Reference, Variables};
 
 impl Model {
@@ -54,6 +55,11 @@ impl Model {
         let begin = inputs.get(Input::Length);
         setting.check_length(begin)?;
         check_inputs_at(&setting, &original.variables, h, false)?;
+        if h < SHORTEST {
+            inputs.leave(h, None);
+            cache.clear();
+            return Ok(());
+        }
         let read = cache.read;
         let seen = if inputs.get(Input::Mass) > 0.0 {
             if inputs.get(Input::Horizon).to_bits() != h.to_bits() {

@@ -1,6 +1,7 @@
 //! What a step tells its host without refusing it, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
+use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::Point;
 use crate::hydraulics::inputs::{Input, Inputs, clipping};
 use crate::hydraulics::outputs::stable_step;
@@ -45,6 +46,13 @@ impl Warnings {
         if !self.raised[index] {
             (self.raised[index], self.pending[index], self.numbers[index]) = (true, true, numbers);
         }
+    }
+
+    /// What was raised and when it is looked for, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        self.pending = [false; KINDS];
+        self.raised.iter_mut().try_for_each(|raised| record.flag("warned before", raised))?;
+        record.count("steps since the initialisation", &mut self.steps)
     }
 
     /// Whether any may still be raised by [`watch`].

@@ -9,8 +9,16 @@ fn warning(values: &[(&str, f64)], mode: &str, h: f64) -> Option<String> {
     actuator.step(h).unwrap();
     actuator.take_warning();
     values.iter().for_each(|(name, value)| set(&mut actuator, name, *value));
+    let before = actuator.snapshot();
     actuator.step(h).unwrap();
     let warning = actuator.take_warning();
+    let mut bytes = Vec::new();
+    before.write(&mut bytes).unwrap();
+    for state in [&before, &actuator.read_snapshot(&bytes).unwrap()] {
+        actuator.restore(state).unwrap();
+        actuator.step(h).unwrap();
+        assert_eq!(actuator.take_warning(), warning, "the same step gives the same answer");
+    }
     actuator.step(h).unwrap();
     assert_eq!(actuator.take_warning(), None, "a warning comes once");
     warning

@@ -197,23 +197,29 @@ impl Mechanism {
         let mut mechanism: Self = read_with("mechanism", text, &numbers)?;
         mechanism.shared.as_ref().map_or(Ok(()), |shared| shared.check())?;
         let texts = numbers.into_texts();
-        if texts.is_empty() {
-            return Ok(mechanism);
+        if !texts.is_empty() {
+            mechanism.read_expressions(text, &texts)?;
         }
-        let mut places = places(&mut mechanism);
+        Ok(mechanism)
+    }
+
+    /// The values of these expressions in the places of numbers; apart from [`Self::read`], whose stack stays small so.
+    #[inline(never)]
+    fn read_expressions(&mut self, text: &str, texts: &[String]) -> Result<(), DefinitionError> {
+        let mut places = places(self);
         let names = indices(&places);
-        let calculated = mechanism.calculated(&places, &names, &texts)?;
-        let read = mechanism.fixed_expressions(&places, &texts)?;
-        mechanism.convert_units();
+        let calculated = self.calculated(&places, &names, texts)?;
+        let read = self.fixed_expressions(&places, texts)?;
+        self.convert_units();
         let mut values = Vec::new();
-        mechanism.parameters(&mut |_, value| values.push(*value));
+        self.parameters(&mut |_, value| values.push(*value));
         let expressions = Expressions::new(ordered(calculated, &names)?).indexed(&names);
         for one in expressions.iter() {
             one.compute(&mut values);
             if let Some(fault) = one.fault(&values) {
                 let unit = if one.unit == Unit::One { String::new() } else { format!(" {}", one.unit.name()) };
                 let value = format!("\"{}\" = {}{unit}", fault.text, Decimal(fault.value));
-                let allowed = format!("{}{}{}", fault.allowed, fault.because, mechanism.origin(&one.key));
+                let allowed = format!("{}{}{}", fault.allowed, fault.because, self.origin(&one.key));
                 return Err(DefinitionError::value(&one.key, value, allowed));
             }
         }
@@ -225,13 +231,13 @@ impl Mechanism {
                 known[index] = Some(value_once(&expression, &names, &places));
             }
             let numbers = Numbers::with_values(known);
-            mechanism = read_with("mechanism", text, &numbers)?;
-            mechanism.convert_units();
+            *self = read_with("mechanism", text, &numbers)?;
+            self.convert_units();
         }
         let mut all = values.iter();
-        mechanism.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
-        mechanism.expressions = expressions;
-        Ok(mechanism)
+        self.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
+        self.expressions = expressions;
+        Ok(())
     }
 
     /// Give the expressions the indices of the parameters that there are now: a drawing may have added some.
@@ -251,6 +257,7 @@ impl Mechanism {
     }
 
     /// The parameters with an expression.
+    #[inline(never)]
     fn calculated(
         &self,
         places: &[Place],
@@ -283,6 +290,7 @@ impl Mechanism {
 
     /// Expressions of numbers that are no parameters, by their index; those that cannot be read are refused as they
     /// are reached.
+    #[inline(never)]
     fn fixed_expressions(&self, places: &[Place], texts: &[String]) -> Result<Vec<Fixed>, DefinitionError> {
         let mut is_parameter = vec![false; texts.len()];
         for index in places.iter().filter_map(|place| place.expression) {

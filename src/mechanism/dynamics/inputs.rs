@@ -161,9 +161,14 @@ impl InputPolynomial {
         self.ahead = other.ahead;
     }
 
-    /// A step of size h is done.
+    /// A step of size h is done: the rates are those at its end, 0 where the inputs were constant.
+    #[inline]
     pub fn end(&mut self, h: f64) {
         if !self.any {
+            return;
+        }
+        if !self.ahead {
+            self.clear();
             return;
         }
         for (first, second) in self.first.iter_mut().zip(&mut self.second) {
@@ -190,6 +195,10 @@ mod tests {
         signal.end(0.5);
         assert!(signal.change(1, true).is_none());
         assert_eq!((signal.at(1, 2.0, 0.5), signal.first[1]), (2.0, 5.0));
+        // A step with constant inputs, or a value that is set: they change no longer.
+        let mut constant = signal.clone();
+        constant.end(0.5);
+        assert_eq!(constant, InputPolynomial::new(2));
         signal.value_set(1);
         assert_eq!(signal.first[1], 0.0);
     }

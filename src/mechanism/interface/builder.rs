@@ -189,7 +189,9 @@ impl<'a> Builder<'a> {
             needs.meet(causes) || (stretched && rods.meet(causes)) || (sought && balance.meet(causes))
         };
         let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
-        (0..inputs).chain(others).map(|i| i as Reference).chain(parameters).collect()
+        // The force of a drive with a circuit stands in the place of an input, and is an output.
+        let sizes = (0..inputs).filter(|load| self.source.hydraulic_load() != Some(*load));
+        sizes.chain(others).map(|i| i as Reference).chain(parameters).collect()
     }
 }
 

@@ -157,7 +157,6 @@ impl Model {
                 }
             }
         }
-        self.inputs.signal.end(h);
     }
 
     /// Derivative of an output in the direction last headed for; NaN if it has none.

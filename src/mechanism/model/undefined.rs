@@ -10,8 +10,8 @@ use crate::variables::Reference;
 const HUGE: f64 = 1e100;
 
 impl Model {
-    /// Why an output has no value in the present state under the present inputs; None if it has one, and for what is no
-    /// Real output. Costs as much as the output.
+    /// Why an output has no value in the present state under the present inputs; None if it has one, for what is no Real
+    /// output, and for `energy.drift` in model exchange but the first time. Costs as much as the output.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
         if let Some(Quantity::State(_) | Quantity::Indicator(_)) = self.original.variables.quantity(reference) {
@@ -19,10 +19,13 @@ impl Model {
         }
         let output = self.real_output(reference)?;
         if self.exchange.is_some() && output == Output::Drift {
-            return Some(
-                "the work done since the start is booked by the steps of co-simulation; in model exchange the host's solver                  integrates"
-                    .into(),
-            );
+            // In no state is there one: a line at each read would say nothing new.
+            let is_new = !std::mem::replace(&mut self.lacks_drift, true);
+            return is_new.then(|| {
+                "only the steps of co-simulation book the work done since the start; in model exchange it stays NaN, \
+                 which is reported once"
+                    .into()
+            });
         }
         let (state, reduced) = (self.state.as_mut()?, self.reduced.as_ref()?);
         let value = match state {

@@ -3,6 +3,7 @@
 //! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not change
 //! the state.
 use super::{Formulation, Model};
+use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::clipping;
 use crate::inspection::Finding;
 use crate::mechanism::definition::{CouplingKind, Mechanism};
@@ -37,6 +38,12 @@ impl Clipped {
     #[cold]
     pub fn raise(&mut self, command: f64) {
         *self = Self { is_known: true, pending: Some(command) };
+    }
+
+    /// Whether a step has met one, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        self.pending = None;
+        record.flag("command clipped before", &mut self.is_known)
     }
 }
 
@@ -76,6 +83,21 @@ impl Parting {
     pub fn restart(&mut self) {
         self.contacts.iter_mut().for_each(|(_, is_told)| *is_told = false);
         (self.watches, self.pending) = (!self.contacts.is_empty(), None);
+    }
+
+    /// Become the same as another one of this mechanism, without allocation.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.contacts.clone_from(&other.contacts);
+        (self.watches, self.pending) = (other.watches, other.pending);
+    }
+
+    /// Which contacts have been told to part, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        record.length("contacts that part", self.contacts.len())?;
+        self.contacts.iter_mut().try_for_each(|(_, is_told)| record.flag("parted before", is_told))?;
+        (self.watches, self.pending) = (self.contacts.iter().any(|(_, is_told)| !is_told), None);
+        Ok(())
     }
 }
 

@@ -167,7 +167,8 @@ impl<const N: usize> Pair<N> for Rkn86 {
         let error = square.powi(9) * tolerance.powi(-14);
         let [least, most] = extremes(self.0);
         let strength = weight_rate * most.max(-least);
-        if strength < 1.0 && strength > 0.0 { error / (strength * strength).powi(2) } else { error }
+        // Where the strength is so small that its power is 0, the error is 0 too.
+        if error > 0.0 && strength < 1.0 { error / (strength * strength).powi(2) } else { error }
     }
 }
 

@@ -11,6 +11,8 @@ use crate::mechanism::reduced::AT_KNOT;
 const RESOLVED: f64 = 0.01;
 /// Part of the tolerance below which an error shows nothing.
 const NEGLIGIBLE: f64 = 1e-6;
+/// Part of the scales below which an error is rounding, of Newton's method and of friction among others.
+const ROUNDING: f64 = 1e-12;
 /// Steps in a row that may be taken again because they are too coarse.
 const MOST_REFINEMENTS: u32 = 20;
 
@@ -40,7 +42,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     #[cold]
     fn coarseness(&mut self, step: &Step<N>, dense: &Dense<N>) -> f64 {
         let scale = self.dynamics.scale(&step.start, &step.first());
-        let least = (NEGLIGIBLE * self.tolerance).max(64.0 * f64::EPSILON);
+        let least = (NEGLIGIBLE * self.tolerance).max(ROUNDING);
         let sizes = sizes(step);
         let ratio = |n: usize| dense.off(n) / (RESOLVED * sizes[n]).max(least * scale[n]);
         ratio(0).max(ratio(1))
