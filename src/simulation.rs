@@ -348,6 +348,10 @@ mod tests {
     fn an_unknown_name_suggests_the_nearest() {
         let error = gear().get("crank.angel").unwrap_err().to_string();
         assert!(error.contains("\"crank.angel\": the nearest are crank.angle, "), "{error}");
+        for (key, variable) in [("start.angle", "crank.start_angle"), ("bodies.leg.mass", "leg.mass")] {
+            let error = gear().get(key).unwrap_err().to_string();
+            assert!(error.contains(&format!("the nearest are {variable}, ")), "{error}");
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::documentation::{Extent, RESULTS, Subject};
 use crate::source::{self, Companions, Source};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::xml::{fmi2, terminals};
+use crate::xml::{fmi2, fmi3, terminals};
 use crate::{check, files, licenses, platform, schema, ssp};
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Package as Arguments;
@@ -176,6 +176,15 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
     let readme = source.readme()?;
     Ok(Some(Prepared { name, checked, component, readme, description, terminals, source }))
+}
+
+/// All that an FMU says of a model: its descriptions of FMI 2.0 and 3.0, and its terminals.
+///
+/// # Errors
+/// The model cannot be described.
+pub fn descriptions(component: &Component) -> Result<[String; 3]> {
+    let naming = Naming::default();
+    Ok([fmi2::to_xml(component, naming)?, fmi3::to_xml(component, naming)?, terminals::to_xml(component)?])
 }
 
 /// Write the FMUs of one model; their paths.

@@ -146,6 +146,11 @@ impl Expression {
         &self.names
     }
 
+    /// Whether this name, constant or function stands in the expression.
+    pub fn reads(&self, word: &str) -> bool {
+        tokens(&self.text).is_ok_and(|tokens| tokens.contains(&Token::Name(word)))
+    }
+
     /// Value of the expression with `value` of each name, by its index; NaN or infinite where it has none.
     pub fn evaluate(&self, value: impl Fn(usize) -> f64) -> f64 {
         let mut values = Vec::with_capacity(self.steps.len());
@@ -160,6 +165,20 @@ impl Expression {
         }
         values.pop().unwrap_or(f64::NAN)
     }
+}
+
+/// A number and what follows it, if that looks like a unit: `160 kg`.
+pub fn number_with_unit(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim();
+    let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
+    let (number, unit) =
+        ends.map(|end| text.split_at(end)).find(|(number, _)| number.trim_end().parse::<f64>().is_ok())?;
+    let is_part = |c: char| c.is_alphanumeric() || "./^\u{b0}\u{b2}\u{b3}\u{b7}".contains(c);
+    let unit = unit.trim_start();
+    let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || c == '\u{b0}') && unit.chars().all(is_part);
+    // Names of units are short; a name of the file may be of any length.
+    let is_short = unit.split(|c: char| !c.is_alphabetic()).all(|word| word.len() <= 4 || word.starts_with("deg"));
+    (is_unit && is_short && CONSTANTS.iter().all(|(name, _)| *name != unit)).then(|| (number.trim_end(), unit))
 }
 
 /// Reads the pieces of an expression from left to right, and writes its steps.

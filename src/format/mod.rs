@@ -13,11 +13,12 @@ mod strict;
 
 pub use about::About;
 pub use experiment::Experiment;
-pub use expression::{Expression, LONGEST_EXPRESSION, is_reserved};
+pub use expression::{Expression, LONGEST_EXPRESSION, is_reserved, number_with_unit};
 pub use named::Named;
 pub use numbers::{Numbers, index_of};
 pub use parameter::{Flag, Owner, Parameter, Range};
 
+use crate::variables::{edits, nearest};
 use serde::de::DeserializeOwned;
 use std::fmt::{self, Display};
 use strict::{Reading, Strict};
@@ -151,6 +152,9 @@ fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
     let message = error.to_string().replace("expected f64", "expected a number");
     let message = message.replace("invalid type: sequence", "invalid type: a list [ ]");
     let message = message.replace("invalid type: map", "invalid type: an object { }");
+    if let Some(meant) = meant(&message) {
+        return format!("{message}; did you mean `{meant}`?");
+    }
     let remedy = if message.contains("invalid type: null") {
         "; leave the key out if it has no value"
     } else if is_top && message.contains("expected an object") {
@@ -170,6 +174,15 @@ fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
         ""
     };
     message + remedy
+}
+
+/// Of the words that the parser expected in the place of another one, the one that was probably meant.
+fn meant(message: &str) -> Option<String> {
+    let rest = message.strip_prefix("unknown field `").or_else(|| message.strip_prefix("unknown variant `"))?;
+    let (word, expected) = rest.split_once("`, expected ")?;
+    let nearest = nearest(expected.split('`').skip(1).step_by(2), word).into_iter().next()?;
+    let is_alike = edits(word, nearest) <= 1 + word.len() / 5 || nearest.starts_with(word) || word.starts_with(nearest);
+    is_alike.then(|| nearest.to_owned())
 }
 
 /// What is no JSON at this line and column, from 1, where it is known.

@@ -14,7 +14,7 @@ pub enum Range {
     NonNegative,
     /// > 0.
     Positive,
-    /// A length: > 0, with a finite square.
+    /// A length: > 0, with a square that is neither infinite nor 0.
     Length,
     /// A size >= 0 with a finite square.
     Size,
@@ -47,7 +47,7 @@ impl Range {
             Self::Finite => (true, "a finite number"),
             Self::NonNegative => (value >= 0.0, "a finite number >= 0"),
             Self::Positive => (value > 0.0, "a finite number > 0"),
-            Self::Length => (value > 0.0 && value <= 1e100, "a number > 0 and <= 1e100"),
+            Self::Length => ((1e-100..=1e100).contains(&value), "a number > 0, from 1e-100 to 1e100"),
             Self::Size => ((0.0..=1e100).contains(&value), "a finite number >= 0 and <= 1e100"),
             Self::Coordinate => (value.abs() <= 1e100, "a number from -1e100 to 1e100"),
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),

@@ -2,7 +2,7 @@
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::{DefinitionError, Fault};
-use crate::mechanism::reduced::{End, Reduced, ReductionError};
+use crate::mechanism::reduced::{End, Reduced, ReductionError, if_degrees};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::table::Unresolved;
@@ -202,9 +202,10 @@ impl fmt::Display for ModelError {
             Self::BeyondStop { name, value, start } => write!(
                 f,
                 "stops.{name} = {}{unit}: the start, at {}{unit}, is beyond this stop; \
-                 move the start or the stop, or set the stop's enabled to false",
+                 move the start or the stop, or set the stop's enabled to false{}",
                 Decimal::rounded(*value),
                 Decimal::rounded(*start),
+                if name.ends_with(".angle") { if_degrees(*start) } else { String::new() },
                 unit = if name.ends_with(".angle") { " rad" } else { " m" }
             ),
             Self::NoEquilibrium { near, reason, remedy } => {

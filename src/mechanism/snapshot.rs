@@ -6,7 +6,7 @@
 use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Clipped, Exchange, Formulation, Parting, Model};
+use super::model::{Clipped, Exchange, Formulation, Model, Parting};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;

@@ -196,9 +196,23 @@ impl Interface {
         self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
     }
 
-    /// Names spelled most like this one, the nearest first, for messages.
+    /// Names spelled most like this one, the nearest first, for messages. Of a path in a definition, such as
+    /// `bodies.crank.length` or `start.angle`, the variable of this key is the nearest.
     pub fn nearest(&self, name: &str) -> Vec<&str> {
-        nearest(self.list.iter().map(|variable| variable.name.as_str()), name)
+        let names = || self.list.iter().map(|variable| variable.name.as_str());
+        let mut all = nearest(names(), name);
+        let of_key = name.split_once('.').and_then(|(group, rest)| {
+            names().find(|other| match other.rsplit_once(".start_") {
+                Some((_, quantity)) if group == "start" => quantity == rest,
+                _ => *other == rest,
+            })
+        });
+        if let Some(of_key) = of_key {
+            all.retain(|other| *other != of_key);
+            all.insert(0, of_key);
+            all.truncate(SUGGESTIONS);
+        }
+        all
     }
 
     /// GUID of the interface: a hash of names, kinds, causalities, variabilities and units, not of start values.
@@ -216,7 +230,7 @@ pub fn nearest<'a>(names: impl Iterator<Item = &'a str>, name: &str) -> Vec<&'a 
 }
 
 /// Levenshtein's distance: the least number of letters inserted, removed or replaced to make one name of the other.
-fn edits(a: &str, b: &str) -> usize {
+pub fn edits(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.bytes().enumerate() {
         let mut diagonal = std::mem::replace(&mut row[0], i + 1);

@@ -42,7 +42,10 @@ fn keys_and_types() {
         (r#""mass": 13.689"#, r#""mas": 13.689"#, &["bodies.crank.mas", "`mas`", "`mass`", "line"][..]),
         (r#""mass": 13.689"#, "\"ma\\nss\": 13.689", &["bodies.crank.ma\\nss", "`ma\\nss`", "`mass`"]),
         (r#""mass": 13.689"#, r#""mass": true"#, &["bodies.crank.mass", "`true`", "expected a number", "line"]),
-        (r#""mass": 13.689"#, r#""mass": "13 kg""#, &["bodies.crank.mass", r#""13 kg""#]),
+        (r#""mass": 13.689"#, r#""mass": "13 kg""#, &["bodies.crank.mass", r#""13 kg""#, "write 13", "(kg)"]),
+        (r#""mass": 13.689"#, r#""mass": "13 lb""#, &["bodies.crank.mass", "the number in kg"]),
+        (r#""crank": 0.8"#, r#""crank": "46 deg""#, &["guess.crank", "without a unit"]),
+        (r#""actuators": {"#, r#""actuator": {"#, &["actuator", "did you mean `actuators`?"]),
         (r#""length": 0.1755"#, r#""length": 1e999"#, &["bodies.crank.length", "out of range", "line"]),
         (r#""length": 0.1755"#, r#""length": NaN"#, &["bodies.crank.length", "line"]),
         (r#""shape": "uniform_rod""#, r#""shape": "sphere""#, &["bodies.crank.shape", "`sphere`", "`uniform_rod`"]),
@@ -134,7 +137,7 @@ fn linkages_that_cannot_move_as_one() {
     check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
     let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" },\n    \"joint0\":";
     let text = changed(r#""length": 0.217"#, r#""length": 0.317"#).replace(r#""joint1":"#, more);
-    check(&text, &["the loops do not close", "stays open by", "guess"]);
+    check(&text, &["cannot close", "on coupler are 0.317 m apart", "reach over 0.1755 m"]);
     check(&changed(r#""coupler": {"#, r#""loose": {}, "coupler": {"#), &["bodies.loose", "ground", "add a joint"]);
     let fixed = "\"joint5\": { \"type\": \"revolute\", \"first\": \"ground.rest\", \"second\": \"crank.rest\" },\n    \"joint1\":";
     let text = changed(r#""joint1":"#, fixed)
@@ -146,8 +149,17 @@ fn linkages_that_cannot_move_as_one() {
     check(&text, &["0 degrees of freedom", "remove a joint"]);
     check(
         &changed(r#""length": 0.217"#, r#""length": 0.001"#),
-        &["the loops do not close", "stays open by", "lengths"],
+        &["cannot close", "on ground are 0.5729 m apart", "reach over 0.5165 m"],
     );
+    // As long as the others together: two motions at once everywhere near, and none in truth.
+    let triangle = r#"{ "name": "Straight", "bodies": { "ground": { "length": 0.2 }, "a": { "length": 0.1, "mass": 1 },
+        "c": { "length": 0.1, "mass": 1 }, "wheel": { "mass": 1, "inertia": 0.1 } },
+        "joints": { "p": { "type": "revolute", "first": "ground.origin", "second": "a.origin" },
+        "q": { "type": "revolute", "first": "a.end", "second": "c.end" },
+        "r": { "type": "revolute", "first": "ground.end", "second": "c.origin" },
+        "w": { "type": "revolute", "first": "ground.origin", "second": "wheel.origin" } },
+        "start": { "body": "wheel", "angle": 0 }, "guess": { "a": 0, "c": 3.141592653589793, "wheel": 0 } }"#;
+    check(triangle, &["cannot move", "on ground are 0.2 m apart", "reach over 0.2 m"]);
     check(&changed(r#""second": "crank.origin""#, r#""second": "ground.end""#), &["joints.joint1", "to itself"]);
 }
 
@@ -319,7 +331,16 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
     for (path, value, fragment) in [
         ("solver", json!({ "tolerance": 1e300 }), "solver.tolerance = 1e300: must be"),
         ("solver", json!({ "tolerance": 1e-20 }), "solver.tolerance = 1e-20: must be"),
-        ("bodies.crank.length", 1e200.into(), "bodies.crank.length = 1e200 m: must be a number > 0 and <= 1e100"),
+        (
+            "bodies.crank.length",
+            1e200.into(),
+            "bodies.crank.length = 1e200 m: must be a number > 0, from 1e-100 to 1e100",
+        ),
+        (
+            "bodies.crank.length",
+            5e-324.into(),
+            "bodies.crank.length = 5e-324 m: must be a number > 0, from 1e-100 to 1e100",
+        ),
         ("experiment", json!({ "stop_time": -1e250, "step_size": 1 }), "experiment.stop_time = -1e250: must"),
     ] {
         check(&slider_crank(&[(path, value)]), &[fragment]);

@@ -259,6 +259,49 @@ fn what_is_wrong_is_named_with_its_key() {
     assert_says(Model::from_json(&degrees).unwrap_err().to_string(), &["guess.coupler", "SI units", "remove units"]);
 }
 
+/// In a file in millimetres and degrees an expression is clear where its numbers have units.
+#[test]
+fn an_expression_whose_unit_is_unclear_is_warned_of() {
+    let warned = |key: &str, text: &str| {
+        let mut file = json!({
+            "name": "Arm", "units": { "length": "mm", "angle": "deg" },
+            "parameters": { "L": 100, "a": 30, "size": { "value": 0.1, "unit": "m" }, "k": { "value": 50, "unit": "N/m" },
+                "f": { "value": 5, "unit": "N" }, "t": { "value": 0.5, "unit": "rad" } },
+            "bodies": { "ground": {}, "arm": { "length": 200, "mass": 1, "shape": "uniform_rod" },
+                "tip": { "fixed_to": "arm.end", "angle": 30, "length": 50 } },
+            "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
+            "start": { "body": "arm", "angle": 30 }, "guess": { "arm": 30 },
+        });
+        file["bodies"]["tip"][key] = json!(text);
+        let model = Model::from_json(&file.to_string()).unwrap();
+        let found = model.warnings().iter().filter(|w| w.message.contains("expressions are in SI units"));
+        found.map(|w| w.path.clone()).collect::<Vec<_>>()
+    };
+    for (key, text) in [
+        ("length", "L"),
+        ("length", "size + 10"),
+        ("length", "0.1 * 2"),
+        ("angle", "a"),
+        ("angle", "t + 10"),
+        ("angle", "deg(asin(0.5))"),
+    ] {
+        assert_eq!(warned(key, text), [format!("bodies.tip.{key}")], "{text}");
+    }
+    for (key, text) in [
+        ("length", "size"),
+        ("length", "sqrt(size^2 + arm.length * size) / 3"),
+        ("length", "f / k"),
+        ("length", "0 * L + size"),
+        ("angle", "rad(a)"),
+        ("angle", "pi / 6"),
+        ("angle", "t / 2"),
+        ("angle", "atan2(size, arm.length)"),
+        ("mass", "L / 100"),
+    ] {
+        assert!(warned(key, text).is_empty(), "{text}");
+    }
+}
+
 #[test]
 fn a_drawing_beside_expressions_keeps_their_places() {
     let text = json!({

@@ -3,7 +3,7 @@
 use validation::attack::{Asked, all};
 
 /// Cases of each part.
-const CASES: [(&str, u64); 10] = [
+const CASES: [(&str, u64); 12] = [
     ("histories", 1000),
     ("coupled", 100),
     ("calls", 200),
@@ -13,6 +13,8 @@ const CASES: [(&str, u64); 10] = [
     ("definitions", 300),
     ("scenes", 60),
     ("kinds", 15),
+    ("metamorphic", 150),
+    ("package", 20),
     ("threads", 12),
 ];
 

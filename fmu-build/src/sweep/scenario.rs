@@ -160,10 +160,17 @@ fn steps(stop: f64, interval: Option<f64>, all: &[Signals], instants: &[f64]) ->
 /// No variable has the name, or it is no flag of a stop.
 pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
     let interface = model.interface();
+    let flags = (0..).zip(interface.list()).filter_map(|(reference, variable)| {
+        let [count, _] = model.impacts_of(reference)?;
+        Some((variable.name.as_str(), interface.get(count)?.name.split('.').next()?))
+    });
+    let flags: Vec<(&str, &str)> = flags.collect();
+    if let Some((own, _)) = flags.iter().find(|(own, stop)| *stop == flag && *own != flag) {
+        bail!("{key} = \"{flag}\": the flag of this stop is {own}; write {own}");
+    }
     let reference = find(interface, flag).with_context(|| key.to_owned())?;
     let Some([count, time]) = model.impacts_of(reference) else {
-        let flags = (0..).zip(interface.list()).filter(|(reference, _)| model.impacts_of(*reference).is_some());
-        let flags: Vec<&str> = flags.map(|(_, variable)| variable.name.as_str()).collect();
+        let flags: Vec<&str> = flags.into_iter().map(|(flag, _)| flag).collect();
         let remedy = match flags.as_slice() {
             [] => "this mechanism has no stop".to_owned(),
             flags => format!("those of this mechanism are {}", flags.join(", ")),

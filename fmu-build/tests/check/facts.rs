@@ -44,7 +44,14 @@ fn the_start_holds_in_balance_and_at_a_stop() {
         "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
         "start": { "body": "rod", "angle": 0.7 - std::f64::consts::PI }, "guess": { "rod": -2.0 }
     });
-    assert!(fact(&checked(&pendulum.to_string()), "Equilibrium at the start", "rod").text.contains("balance"));
+    let all = checked(&pendulum.to_string());
+    assert!(fact(&all, "Equilibrium at the start", "rod").text.contains("balance"));
+    for (name, expected) in [("stable position", 0.7 - std::f64::consts::PI), ("unstable position", 0.7)] {
+        let equilibria = all.inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria"));
+        let found = equilibria.flat_map(|fact| &fact.quantities).find(|quantity| quantity.name == name);
+        let off = found.unwrap().value - expected;
+        assert!((off / std::f64::consts::TAU - (off / std::f64::consts::TAU).round()).abs() < 1e-9, "{name}: {off}");
+    }
     let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
     stopped["actuators"]["motor"]["torque"] = json!(-1.0);
     stopped["stops"] = json!({ "down": { "body": "crank", "limit": "lower", "angle": 0.5 } });

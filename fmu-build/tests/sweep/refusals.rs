@@ -51,6 +51,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (with("points", json!("words.csv")), "line: 2"),
         (with("scenario", json!({ "stop_time": 0 })), "scenario.stop_time = 0.0: must be finite and > 0 s"),
         (with("scenario", json!({ "output_interval": 1e-12 })), "scenario.output_interval = 1e-12: must be"),
+        (with("scenario", json!({ "stop_at": "upstop" })), "the flag of this stop is retracted; write retracted"),
         (with("scenario", json!({ "stop_at": "upstop.enabled" })), "those of this mechanism are retracted, extended"),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[1, 0], [0, 1]] } })),

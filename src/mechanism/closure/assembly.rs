@@ -75,10 +75,20 @@ pub(super) fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f
             q[i] += shorten * s / w[i];
         }
     }
+    if let Some(error) = straight(linkage) {
+        return Err(error);
+    }
     let gaps = linkage.gaps(&linkage.positions(&q));
     let (row, gap) = gaps.iter().enumerate().fold((0, 0.0), |a, (i, g)| if g.abs() >= a.1 { (i, g.abs()) } else { a });
     let joint = linkage.joints[linkage.row_joints()[row]].name.clone();
     Err(AssemblyError::Open { joint, gap, contradicts: is_redundant && gap < CONTRADICTION * linkage.size })
+}
+
+/// The error for a loop that cannot close, or that cannot move.
+pub(super) fn straight(linkage: &Linkage) -> Option<AssemblyError> {
+    let (joint, body, lengths) = linkage.straight_loop()?;
+    let (joint, body) = (linkage.joints[joint].name.clone(), linkage.bodies[body].name.clone());
+    Some(AssemblyError::TooLong { joint, body, lengths })
 }
 
 /// The correction of Levenberg and Marquardt for J = U S V^T and this right side, damped by its norm.

@@ -1,4 +1,5 @@
 //! Errors of assembly.
+use crate::numerics::decimal::Decimal;
 use std::fmt;
 
 /// Error of assembly.
@@ -19,6 +20,15 @@ pub enum AssemblyError {
         gap: f64,
         /// Whether joints hold some bodies more than once, and the gap is small beside the linkage.
         contradicts: bool,
+    },
+    /// A loop of revolute joints that no position closes, or a single one.
+    TooLong {
+        /// Name of the joint that would close it.
+        joint: String,
+        /// The body between whose joints the distance is too large.
+        body: String,
+        /// This distance, and the sum of those on the other bodies of the loop [m].
+        lengths: [f64; 2],
     },
     /// The number of degrees of freedom is not one.
     Freedom {
@@ -42,6 +52,14 @@ impl fmt::Display for AssemblyError {
             Self::Open { joint, gap, .. } => write!(
                 f,
                 "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
+            ),
+            Self::TooLong { joint, body, lengths: [length, others] } => write!(
+                f,
+                "the loop of {joint} cannot {}: its joints on {body} are {} m apart, and the other bodies reach over {} m \
+                 only; shorten {body}, or lengthen the other bodies of the loop",
+                if Decimal::rounded(*length).0 > Decimal::rounded(*others).0 { "close" } else { "move" },
+                Decimal::rounded(*length),
+                Decimal::rounded(*others)
             ),
             Self::Freedom { count } => write!(
                 f,

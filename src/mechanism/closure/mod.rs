@@ -12,12 +12,15 @@ pub use factors::{Factors, dot};
 
 use crate::mechanism::linkage::{Linkage, Positions};
 use crate::numerics::twofold::Twofold;
-use assembly::{RANK, close, independent_rows, rank, scaled_jacobian};
+use assembly::{RANK, close, independent_rows, rank, scaled_jacobian, straight};
 use std::sync::Arc;
 
 /// Position of a prismatic joint, in sizes of the linkage, up to which its rounding is no more than that of Newton's
 /// method.
 const NEAR: f64 = 100.0;
+/// Singular values below this part of the largest count as zero a little way off a crossing.
+const OFF_CROSSING: f64 = 1e-5;
+
 /// The loop equations of a linkage with one degree of freedom.
 #[derive(Clone, Debug)]
 pub struct Closure {
@@ -90,13 +93,17 @@ impl Closure {
         let j = scaled_jacobian(&linkage, &linkage.positions(&q), &q, &w);
         let freedom = n - rank(&j, RANK);
         if freedom != 1 {
+            if let Some(error) = straight(&linkage) {
+                return Err(error);
+            }
             // Branches cross here if there is one degree of freedom a little way off, in an arbitrary fixed direction.
             let off: Vec<f64> = (0..n).map(|i| q[i] + 0.02 * (1.0 + 3.7 * i as f64).sin() / w[i]).collect();
             if freedom > 1
                 && let Ok(near) = close(&linkage, &off, &w)
             {
                 let j = scaled_jacobian(&linkage, &linkage.positions(&near), &near, &w);
-                if n - rank(&j, RANK) == 1 {
+                // Off a crossing the loops are far from losing rank; elsewhere this is the rounding of a second motion.
+                if n - rank(&j, OFF_CROSSING) == 1 {
                     return Err(AssemblyError::Crossing);
                 }
             }

@@ -109,11 +109,16 @@ impl Curve {
 
     /// The coordinates at sigma after a number of revolutions of a closed curve, by name and in words.
     pub fn describe(&self, sigma: f64, revolutions: f64) -> String {
+        self.closure.describe(&self.coordinates(sigma, revolutions))
+    }
+
+    /// Coordinates at sigma after so many revolutions.
+    pub fn coordinates(&self, sigma: f64, revolutions: f64) -> Vec<f64> {
         let mut q = self.configuration(sigma).q;
         if let Ends::Closed(growth) = &self.ends {
             q.iter_mut().zip(growth).for_each(|(q, growth)| *q += revolutions * growth);
         }
-        self.closure.describe(&q)
+        q
     }
 
     /// The configuration at sigma, within the curve's range: loops closed by Newton's method, the tangent from the null

@@ -228,11 +228,6 @@ impl Mechanism {
                            friction of joints";
             return refused("efficiency", message);
         }
-        if self.bodies.get(name).is_some() || self.joints.get(name).is_some() {
-            let group = if self.joints.get(name).is_some() { "joint" } else { "body" };
-            let message = format!("names a {group} too, and both would have the same outputs: rename one");
-            return Err(DefinitionError::key(format_args!("couplings.{name}"), message));
-        }
         let (needed, allowed) = coupling.keys();
         let given = coupling.given().into_iter().chain([
             ("pressure_angle", coupling.pressure_angle.is_some()),

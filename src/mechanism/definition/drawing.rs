@@ -85,6 +85,19 @@ impl Units {
     fn lengths(self, values: &mut [f64; 2]) {
         values.iter_mut().for_each(|value| self.length(value));
     }
+
+    /// The file's unit of a parameter with this unit and role, where it is none of SI.
+    pub(super) fn of_parameter(self, unit: Unit, role: Role) -> Option<&'static str> {
+        match (unit, role) {
+            // A circuit has defaults in SI units, so all its numbers are.
+            (_, Role::Circuit | Role::CircuitStart) => None,
+            // A named parameter has the unit that it states.
+            (_, Role::Named) => None,
+            (Unit::Radian, _) => (self.angle == Some(AngleUnit::Deg)).then_some("deg"),
+            (Unit::Metre, _) => (self.length == Some(LengthUnit::Mm)).then_some("mm"),
+            _ => None,
+        }
+    }
 }
 
 impl Mechanism {
@@ -112,14 +125,10 @@ impl Mechanism {
 
     /// Every angle and length of the file in SI units.
     fn convert(&mut self, units: Units) {
-        let convert: &mut Visit = &mut |parameter, value| match (parameter.unit, parameter.role) {
-            // A circuit has defaults in SI units, so all its numbers are.
-            (_, Role::Circuit | Role::CircuitStart) => {}
-            // A named parameter has the unit that it states.
-            (_, Role::Named) => {}
-            (Unit::Radian, _) => units.angle(value),
-            (Unit::Metre, _) => units.length(value),
-            _ => {}
+        let convert: &mut Visit = &mut |parameter, value| match units.of_parameter(parameter.unit, parameter.role) {
+            None => {}
+            Some(_) if parameter.unit == Unit::Radian => units.angle(value),
+            Some(_) => units.length(value),
         };
         self.parameters(convert);
         let Self { joints, actuators, springs, stops, .. } = self;

@@ -2,10 +2,13 @@
 //!
 //! In: a mechanism as read, with placeholders where expressions stand. Out: the mechanism with all its numbers, and its
 //! expressions in an order in which each finds the values that it reads. It must not know the laws of the mechanism.
+mod order;
+
 use super::Mechanism;
-use crate::format::{DefinitionError, Expression, Numbers, Range, index_of, read_with};
+use crate::format::{DefinitionError, Expression, Numbers, Range, index_of, number_with_unit, read_with};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Unit, nearest};
+use order::ordered;
 use serde::{Serialize, Serializer};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,10 +30,12 @@ pub struct Calculated {
     /// Name of the parameter.
     pub name: String,
     /// Path of its key in the file.
-    key: String,
+    pub key: String,
     expression: Expression,
     range: Range,
     unit: Unit,
+    /// Unit of numbers under this key in the file, where it is none of SI.
+    file_unit: Option<&'static str>,
     /// Index among the parameters of the mechanism.
     pub index: usize,
     /// Indices of the parameters that the expression reads, by its names.
@@ -91,6 +96,31 @@ impl Calculated {
         let read = self.expression.names().iter().zip(&self.arguments);
         let read: Vec<String> = read.map(|(name, &i)| format!("{name} = {}", Decimal(values[i]))).collect();
         if read.is_empty() { String::new() } else { format!("; it reads {}", read.join(", ")) }
+    }
+
+    /// Value in SI units and the unit of the file, where a number in the expression may be meant in that unit: the value
+    /// is then no sum of products of quantities with units alone. `parameters`: units and values of all parameters.
+    pub fn unclear(&self, parameters: &[(Unit, f64)]) -> Option<(f64, &'static str)> {
+        const SCALE: f64 = 2.0;
+        let of_base = |unit: Unit| {
+            let [_, (_, metres), _, (_, radians)] = unit.base();
+            if self.unit == Unit::Radian { radians } else { metres }
+        };
+        // The same expression where the unit of length, or of angle, is half of the SI unit.
+        let scaled = self.expression.evaluate(|name| {
+            let (unit, value) = parameters[self.arguments[name]];
+            value * SCALE.powi(of_base(unit).into())
+        });
+        let value = parameters[self.index].1;
+        let is_alike = (scaled - SCALE * value).abs() <= 1e-9 * value.abs();
+        let is_clear = match self.unit {
+            Unit::Radian if self.expression.reads("deg") => false,
+            Unit::Radian => {
+                is_alike || ["pi", "rad", "asin", "acos", "atan", "atan2"].iter().any(|w| self.expression.reads(w))
+            }
+            _ => is_alike,
+        };
+        self.file_unit.filter(|_| !is_clear).map(|unit| (value, unit))
     }
 
     fn fault(&self, values: &[f64]) -> Option<Fault> {
@@ -165,6 +195,8 @@ struct Place {
     unit: Unit,
     range: Range,
     value: f64,
+    /// Unit of the number in the file, where it is none of SI.
+    file_unit: Option<&'static str>,
     /// Index of the expression that stands there.
     expression: Option<usize>,
 }
@@ -175,10 +207,11 @@ type Fixed = (usize, Result<Expression, String>);
 /// All parameters, in order.
 fn places(mechanism: &mut Mechanism) -> Vec<Place> {
     let mut places = Vec::new();
+    let units = mechanism.units.unwrap_or_default();
     mechanism.parameters(&mut |p, value| {
         let expression = index_of(*value);
-        let (name, key) = (p.name.concat(), p.key.concat());
-        places.push(Place { name, key, unit: p.unit, range: p.range, value: *value, expression });
+        let (name, key, file_unit) = (p.name.concat(), p.key.concat(), units.of_parameter(p.unit, p.role));
+        places.push(Place { name, key, unit: p.unit, range: p.range, value: *value, file_unit, expression });
     });
     places
 }
@@ -209,7 +242,7 @@ impl Mechanism {
         let mut places = places(self);
         let names = indices(&places);
         let calculated = self.calculated(&places, &names, texts)?;
-        let read = self.fixed_expressions(&places, texts)?;
+        let read = self.fixed_expressions(&places, &names, texts)?;
         self.convert_units();
         let mut values = Vec::new();
         self.parameters(&mut |_, value| values.push(*value));
@@ -276,14 +309,14 @@ impl Mechanism {
             }
             let expression = match Expression::new(text) {
                 Ok(expression) => expression,
-                Err(why) => return refuse(why),
+                Err(why) => return refuse(without_unit(text, Some(place), names).unwrap_or(why)),
             };
             if let Some(unknown) = expression.names().iter().find(|name| !names.contains_key(*name)) {
                 return refuse(unknown_name(unknown, places));
             }
             let (name, key, range, unit) = (place.name.clone(), place.key.clone(), place.range, place.unit);
-            let (arguments, bases) = (Vec::new(), Vec::new());
-            calculated.push(Calculated { name, key, expression, range, unit, index, arguments, bases });
+            let (file_unit, arguments, bases) = (place.file_unit, Vec::new(), Vec::new());
+            calculated.push(Calculated { name, key, expression, range, unit, file_unit, index, arguments, bases });
         }
         Ok(calculated)
     }
@@ -291,13 +324,22 @@ impl Mechanism {
     /// Expressions of numbers that are no parameters, by their index; those that cannot be read are refused as they
     /// are reached.
     #[inline(never)]
-    fn fixed_expressions(&self, places: &[Place], texts: &[String]) -> Result<Vec<Fixed>, DefinitionError> {
+    fn fixed_expressions(
+        &self,
+        places: &[Place],
+        names: &HashMap<String, usize>,
+        texts: &[String],
+    ) -> Result<Vec<Fixed>, DefinitionError> {
         let mut is_parameter = vec![false; texts.len()];
         for index in places.iter().filter_map(|place| place.expression) {
             is_parameter[index] = true;
         }
         let others = (0..texts.len()).filter(|index| !is_parameter[*index]);
-        let others: Vec<_> = others.map(|index| (index, Expression::new(&texts[index]))).collect();
+        let read = |index: usize| {
+            let text = &texts[index];
+            Expression::new(text).map_err(|why| without_unit(text, None, names).unwrap_or(why))
+        };
+        let others: Vec<_> = others.map(|index| (index, read(index))).collect();
         let reads = |value: f64| {
             let index = index_of(value)?;
             let (_, expression) = others.iter().find(|(other, _)| *other == index)?;
@@ -363,6 +405,17 @@ impl Mechanism {
     }
 }
 
+/// What to write in the place of a number with its unit.
+fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize>) -> Option<String> {
+    let (number, unit) = number_with_unit(text).filter(|(_, unit)| !names.contains_key(*unit))?;
+    let own = place.map(|place| place.file_unit.unwrap_or(place.unit.name()));
+    Some(match own {
+        Some(own) if own == unit => format!("write {number}: numbers stand without their unit ({own})"),
+        Some(own) if own != "1" => format!("write the number in {own}, without a unit"),
+        _ => format!("write the number without a unit, such as {number}"),
+    })
+}
+
 /// Value of an expression of a number that is read once.
 fn value_once(
     expression: &Result<Expression, String>,
@@ -387,48 +440,4 @@ fn unknown_name(name: &str, places: &[Place]) -> String {
         "no parameter of the file is called {name}: the nearest are {nearest}; a number under a name of its own stands in \
          \"parameters\""
     )
-}
-
-/// The expressions in an order in which each stands behind those that it reads.
-fn ordered(calculated: Vec<Calculated>, names: &HashMap<String, usize>) -> Result<Vec<Calculated>, DefinitionError> {
-    let of: HashMap<usize, usize> = calculated.iter().enumerate().map(|(place, one)| (one.index, place)).collect();
-    let reads: Vec<Vec<usize>> = calculated
-        .iter()
-        .map(|one| one.expression.names().iter().filter_map(|name| of.get(names.get(name)?).copied()).collect())
-        .collect();
-    let mut readers = vec![Vec::new(); calculated.len()];
-    let mut missing: Vec<usize> = reads.iter().map(Vec::len).collect();
-    for (reader, read) in reads.iter().enumerate() {
-        read.iter().for_each(|&one| readers[one].push(reader));
-    }
-    let mut order: Vec<usize> = (0..calculated.len()).filter(|&one| missing[one] == 0).collect();
-    let mut next = 0;
-    while let Some(&one) = order.get(next) {
-        next += 1;
-        for &reader in &readers[one] {
-            missing[reader] -= 1;
-            if missing[reader] == 0 {
-                order.push(reader);
-            }
-        }
-    }
-    if let Some(first) = (0..calculated.len()).find(|&one| missing[one] > 0) {
-        // Each of the rest reads another one of the rest, so that the way ends in a circle.
-        let mut way = vec![first];
-        let circle = loop {
-            let last = way[way.len() - 1];
-            let Some(&read) = reads[last].iter().find(|&&read| missing[read] > 0) else { break &way[..] };
-            if let Some(start) = way.iter().position(|&one| one == read) {
-                way.push(read);
-                break &way[start..];
-            }
-            way.push(read);
-        };
-        let names: Vec<&str> = circle.iter().map(|&one| calculated[one].name.as_str()).collect();
-        let one = &calculated[circle[0]];
-        let why = format!("\"{}\": {} is a circle: give one of them a number", one.text(), names.join(" reads "));
-        return Err(DefinitionError::key(&one.key, why));
-    }
-    let mut all: Vec<Option<Calculated>> = calculated.into_iter().map(Some).collect();
-    Ok(order.into_iter().filter_map(|one| all[one].take()).collect())
 }

@@ -44,7 +44,31 @@ impl Mechanism {
         self.warn_of_lengths(&mut all);
         self.warn_of_sizes(&mut all);
         self.warn_of_circuit(&mut all);
+        self.warn_of_expressions(&mut all);
         all
+    }
+
+    /// Expressions, which are in SI units, among numbers in other units.
+    fn warn_of_expressions(&self, all: &mut Vec<Finding>) {
+        if self.expressions.is_empty() {
+            return;
+        }
+        let mut parameters = Vec::new();
+        self.clone().parameters(&mut |parameter, value| parameters.push((parameter.unit, *value)));
+        for one in self.expressions.iter() {
+            let Some((value, unit)) = one.unclear(&parameters) else { continue };
+            let (text, number) = (one.text(), Decimal::rounded(value));
+            let (si, remedy) = match unit {
+                "mm" => ("m", String::new()),
+                _ => ("rad", format!("write \"rad({text})\" if {number} {unit} are meant, or ")),
+            };
+            let message = format!(
+                "\"{text}\" is {number} {si}: expressions are in SI units, and numbers of this file are in {unit}"
+            );
+            let remedy =
+                format!("{remedy}give its numbers names in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
+            all.push(Finding::warning(&one.key, message, remedy));
+        }
     }
 
     fn warn_of_friction(&self, all: &mut Vec<Finding>) {

@@ -30,13 +30,13 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     if model.initialize().is_err() {
         return;
     }
-    add_all(model, reduced, &state.travel, facts);
     let linkage = reduced.linkage();
     // The coordinate that moves most tells the acceleration along the curve best.
     let c = reduced.at(state.sigma).curve().configuration(state.sigma);
     let weighted = |i: usize| c.q_sigma[i].abs() / if i < linkage.angles { 1.0 } else { linkage.size };
     let most = (0..c.q.len()).fold(0, |most, i| if weighted(i) > weighted(most) { i } else { most });
     let (name, is_angle) = (&linkage.coordinates[most], most < linkage.angles);
+    add_all(model, reduced, &state.travel, most, facts);
     let Some(reference) = model.variables().find(&format!("{name}.acceleration")) else { return };
     let Ok(acceleration) = model.real(reference) else { return };
     let unit = if is_angle { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
@@ -84,13 +84,18 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     }
 }
 
-/// All equilibria of the travel, stable or not; none are told of a model with more states than position and speed.
-fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, facts: &mut Vec<Fact>) {
+/// All equilibria of the travel, stable or not, with the values of one coordinate; none are told of a model with more
+/// states than position and speed.
+fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, coordinate: usize, facts: &mut Vec<Fact>) {
     let Ok(all) = model.equilibria() else { return };
+    let linkage = reduced.linkage();
+    let unit = if coordinate < linkage.angles { Unit::Radian } else { Unit::Metre };
     for found in all.iter().take(MOST) {
         let (sigma, revolutions) = reduced.unwound(found.position);
         let position = reduced.describe(sigma, revolutions);
-        let fact = Fact::new(ALL, "");
+        let value = reduced.at(sigma).curve().coordinates(sigma, revolutions)[coordinate];
+        let name = if found.place.is_some() || found.is_stable { "stable position" } else { "unstable position" };
+        let fact = Fact::new(ALL, &linkage.coordinates[coordinate]).with(name, value, unit);
         facts.push(match (found.place, found.is_stable) {
             (Some(_), _) => {
                 let stop = held_by(reduced, travel, found.position).unwrap_or_default();

@@ -57,7 +57,7 @@ pub fn collect_unassembled(mechanism: &Mechanism, out: &mut Inspection) {
             add_assembly(mechanism, &linkage, &q, &mut out.facts);
             out.findings.extend(of_guess(mechanism, &linkage, &q));
         }
-        Err(AssemblyError::Open { .. }) => add_gaps(&linkage, &guess, &mut out.facts),
+        Err(AssemblyError::Open { .. } | AssemblyError::TooLong { .. }) => add_gaps(&linkage, &guess, &mut out.facts),
         Err(_) => {}
     }
 }

@@ -38,7 +38,7 @@ fn of_reduction(error: &ReductionError, mechanism: &Mechanism) -> String {
         ReductionError::Assembly(AssemblyError::Guess { name, .. }) if mechanism.guess.get(name).is_some() => {
             format!("guess.{name}")
         }
-        ReductionError::Assembly(AssemblyError::Open { joint, .. })
+        ReductionError::Assembly(AssemblyError::Open { joint, .. } | AssemblyError::TooLong { joint, .. })
         | ReductionError::Curve(CurveError::Inconsistent { joint, .. }) => format!("joints.{joint}"),
         ReductionError::Assembly(AssemblyError::Freedom { .. }) => "joints".into(),
         ReductionError::Assembly(_) => "guess".into(),

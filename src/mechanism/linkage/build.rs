@@ -7,6 +7,9 @@ use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, 
 use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
+/// Smallest size of a linkage [m]: its square is no subnormal number. Points nearer to one another are one point.
+const SMALLEST: f64 = 1e-100;
+
 /// Mass [kg], first moment [kg.m] and moment of inertia about the frame's origin [kg.m2]: additive over merged bodies.
 #[derive(Clone, Copy, Default)]
 struct Moments {
@@ -181,7 +184,7 @@ impl Linkage {
                 inertia: m.inertia(),
             })
             .collect();
-        Ok(Self { bodies, size: if size > 0.0 { size } else { 1.0 }, frames, ..Self::default() })
+        Ok(Self { bodies, size: if size >= SMALLEST { size } else { 1.0 }, frames, ..Self::default() })
     }
 
     fn add_joints(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {

@@ -8,6 +8,7 @@ use super::motion::{Positions, Rates};
 use super::structure::{Freedom, Linkage, Loop, Step};
 use crate::numerics::plane::{Vec2, perp};
 use nalgebra::DMatrix;
+use std::collections::HashMap;
 
 impl Linkage {
     /// Find the branches and columns of every loop, once the tree is complete and the coordinates are numbered.
@@ -60,6 +61,32 @@ impl Linkage {
     /// Index of the joint that gives each loop equation.
     pub fn row_joints(&self) -> Vec<usize> {
         self.cuts.iter().flat_map(|&j| vec![j; self.joints[j].freedom.rows()]).collect()
+    }
+
+    /// A loop of revolute joints alone that cannot move, as one side is as long as all others together, or longer: the
+    /// joint that closes it, the body of this side, its length and that of the others [m].
+    pub fn straight_loop(&self) -> Option<(usize, usize, [f64; 2])> {
+        const ROUNDING: f64 = 1e-9;
+        self.cuts.iter().zip(&self.loops).find_map(|(&cut, round)| {
+            let joints = || std::iter::once(cut).chain(round.steps.iter().map(|step| self.tree[step.branch].joint));
+            if joints().any(|joint| self.joints[joint].freedom != Freedom::Revolute) {
+                return None;
+            }
+            // Each body of the loop has two points of its joints.
+            let mut corners: HashMap<usize, Vec2> = HashMap::new();
+            let mut sides: Vec<(f64, usize)> = Vec::new();
+            for point in joints().flat_map(|joint| [self.joints[joint].first, self.joints[joint].second]) {
+                match corners.remove(&point.body) {
+                    Some(other) => sides.push(((point.local - other).norm(), point.body)),
+                    None => drop(corners.insert(point.body, point.local)),
+                }
+            }
+            let (side, body) = sides.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let others = sides.iter().map(|(length, _)| length).sum::<f64>() - side;
+            // Two bodies with two joints are one, whatever the direction.
+            let slack = if sides.len() > 2 { -ROUNDING } else { ROUNDING };
+            (side >= others * (1.0 + slack)).then_some((cut, body, [side, others]))
+        })
     }
 
     /// Residuals of the loop equations [m].

@@ -3,6 +3,7 @@ use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::DefinitionError;
 use crate::numerics::decimal::Decimal;
+use std::f64::consts::TAU;
 use std::fmt;
 
 /// Error of reduction.
@@ -95,12 +96,11 @@ impl fmt::Display for ReductionError {
                     f,
                     "{name} = {value}{unit} cannot be reached: the linkage moves from {low}{unit} to {high}{unit}"
                 )?;
-                match turned {
-                    Some(same) => {
-                        write!(f, ", where {}{unit} is the same position: state that", Decimal::rounded(*same))
-                    }
-                    None => Ok(()),
+                let is_meant = unit == " rad" && (low.0..=high.0).contains(&value.0.to_radians());
+                if let Some(same) = turned {
+                    write!(f, ", where {}{unit} is the same position: state that", Decimal::rounded(*same))?;
                 }
+                f.write_str(&if is_meant { if_degrees(value.0) } else { String::new() })
             }
             Self::Rigid { name, value, held, moving } => {
                 let unit = unit_of(name);
@@ -115,8 +115,8 @@ impl fmt::Display for ReductionError {
             }
             Self::StartSpeed { name, value } => write!(
                 f,
-                "{name} = {} cannot be had: at this position it stands still whatever the speed (a toggle); \
-                 state the start by another body",
+                "{name} = {} cannot be had: at this position it stands still whatever the speed (a toggle, or a rigid \
+                 loop); state the start by another body",
                 Decimal(*value)
             ),
         }
@@ -132,6 +132,15 @@ fn unit_of(name: &str) -> &'static str {
         Some((_, "position")) => " m",
         _ => "",
     }
+}
+
+/// The remedy for an angle [rad] of more than two turns, which may be in degrees; empty for others.
+pub fn if_degrees(angle: f64) -> String {
+    if angle.abs() <= 2.0 * TAU {
+        return String::new();
+    }
+    let [degrees, radians] = [angle, angle.to_radians()].map(Decimal::rounded);
+    format!("; if {degrees} degrees are meant, write {radians} rad in the file, or {degrees}deg after --start-values")
 }
 
 impl ReductionError {

@@ -20,7 +20,7 @@ mod stretches;
 mod tables;
 mod weight;
 
-pub use error::ReductionError;
+pub use error::{ReductionError, if_degrees};
 pub use knots::AT_KNOT;
 pub use model::{Built, Reduced};
 pub use reactions::PanelTable;

@@ -51,3 +51,23 @@ fn what_is_no_cam_is_refused() {
     let error = Simulation::open(&beyond).and_then(|mut s| s.initialize()).unwrap_err();
     assert_says(error, &["couplings.mesh.eccentricity", "0.95", "0.9"]);
 }
+
+/// A cam may have the name of its disc; gears that have one of a joint would give its reaction twice.
+#[test]
+fn a_coupling_is_refused_only_where_variables_have_one_name() {
+    let renamed = |text: &str, name: &str| {
+        changed(text, |m| {
+            let couplings = m["couplings"].as_object().unwrap().values().cloned();
+            m["couplings"] = couplings.map(|coupling| (name.to_owned(), coupling)).collect();
+        })
+    };
+    let text = changed(&renamed(&translating("cycloidal", parsed(ROLLER)), "disc"), |m| {
+        // The start has a parameter of this name.
+        m["couplings"]["disc"].as_object_mut().unwrap().remove("start_angle");
+    });
+    let mut cam = Simulation::open(&text).unwrap();
+    cam.initialize().unwrap();
+    assert!(cam.get("disc.contact_force").unwrap().is_finite() && cam.get("disc.angle").unwrap().is_finite());
+    let error = Simulation::open(&renamed(&elliptic(json!({ "eccentricity": 0.3 })), "a")).unwrap_err();
+    assert_says(error, &["couplings.a", "joints.a", "a.force", "rename"]);
+}

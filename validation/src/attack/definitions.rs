@@ -55,6 +55,13 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         }
         Ok(())
     };
+    if let Ok(found) = probe.timed("inspection", || Component::inspect(file, &text)) {
+        for finding in found.findings {
+            if finding.message.is_empty() || finding.message.contains('\n') {
+                return Err(format!("a finding without words, or of several lines: {finding:?}"));
+            }
+        }
+    }
     let mut model = match probe.timed("instantiation", || Component::from_definition(file, &text)) {
         Ok(model) => model,
         Err(error) => return refused(probe, error.to_string()),

@@ -13,9 +13,12 @@ mod exchange;
 mod histories;
 mod kinds;
 mod mechanism;
+mod metamorphic;
 mod page;
 mod probe;
 pub mod random;
+mod relation;
+mod rewritten;
 mod scenes;
 mod states;
 mod threads;
@@ -51,7 +54,7 @@ pub struct Part {
 }
 
 /// All kinds of attack.
-pub const PARTS: [Part; 10] = [
+pub const PARTS: [Part; 12] = [
     Part {
         name: "histories",
         claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
@@ -102,9 +105,9 @@ pub const PARTS: [Part; 10] = [
     },
     Part {
         name: "definitions",
-        claim: "a hostile definition is refused in words, or is a model that steps",
+        claim: "a hostile definition is refused in words by a model and by its inspection, or is a model that steps",
         case: definitions::attack,
-        count: 2_000,
+        count: 100_000,
         share: 0.12,
         block: 1,
     },
@@ -122,6 +125,22 @@ pub const PARTS: [Part; 10] = [
         case: kinds::attack,
         count: 300,
         share: 0.1,
+        block: 1,
+    },
+    Part {
+        name: "metamorphic",
+        claim: "a mechanism that is written in another way (joints twice or the other way round, bodies fixed to others, other units, names, places and scales) gives the outputs that follow, to 1e-6 of the largest",
+        case: metamorphic::attack,
+        count: 10_000,
+        share: 0.1,
+        block: 1,
+    },
+    Part {
+        name: "package",
+        claim: "what is accepted has descriptions of FMI 2.0 and 3.0",
+        case: metamorphic::package,
+        count: 2_000,
+        share: 0.02,
         block: 1,
     },
     Part {

@@ -1,0 +1,100 @@
+//! What the outputs of a mechanism that is written in another way say of those of the first.
+//!
+//! In: name and unit of an output, the outputs of the other mechanism. Out: the value that follows. It must not know how the
+//! other definition was made.
+use linkage_fmu::variables::Unit;
+use std::collections::BTreeMap;
+
+/// What the outputs of another definition say of those of the first.
+pub enum Relation {
+    /// They are the same; nothing is claimed of names that begin so.
+    Same(Vec<String>),
+    /// They are the same but for what the joint with this name passes on.
+    Exchanged { joint: String, is_revolute: bool },
+    /// The body with this name is fixed at an angle to another one.
+    Chained { body: String, base: String, angle: f64 },
+    /// Positions are the same to within ten times this tolerance of the integration.
+    Loose(f64),
+    /// Elements have other names.
+    Renamed(BTreeMap<String, String>),
+    /// Mass, length and time are in these units [kg, m, s].
+    Scaled([f64; 3]),
+    /// The Y axis points the other way.
+    Mirrored,
+    /// Turned by an angle about the origin, then moved; these bodies turn.
+    Moved { angle: f64, by: [f64; 2], bodies: Vec<String> },
+}
+
+impl Relation {
+    /// Value of an output as another definition has it; None where nothing is claimed.
+    pub fn expected(&self, name: &str, unit: Unit, get: &mut dyn FnMut(&str) -> Option<f64>) -> Option<f64> {
+        let (owner, quantity) = name.split_once('.')?;
+        match self {
+            Self::Same(without) => {
+                if without.iter().any(|start| name.starts_with(start)) {
+                    None
+                } else {
+                    get(name)
+                }
+            }
+            Self::Loose(_) => {
+                let is_position = ["angle", "position", "length", "x", "y"].contains(&quantity);
+                if is_position { get(name) } else { None }
+            }
+            Self::Exchanged { joint, is_revolute } if owner == joint => match quantity {
+                "force_x" | "force_y" | "friction_torque" => Some(-get(name)?),
+                "slip_speed" if *is_revolute => Some(-get(name)?),
+                // It is about another point.
+                "torque" => None,
+                _ => get(name),
+            },
+            Self::Exchanged { .. } => get(name),
+            Self::Chained { body, base, angle } if owner == body => {
+                Some(get(&format!("{base}.{quantity}"))? + if quantity == "angle" { *angle } else { 0.0 })
+            }
+            Self::Chained { .. } => get(name),
+            Self::Renamed(names) => get(&format!("{}.{quantity}", names.get(owner).map_or(owner, String::as_str))),
+            Self::Scaled(units) => Some(get(name)? / factor(unit, *units)),
+            Self::Mirrored => {
+                // Forward and backward are exchanged, and so is what drives a wheel forward.
+                if quantity.ends_with("ward") || ["transmitted_force", "loss_torque"].contains(&quantity) {
+                    return None;
+                }
+                let turns = [Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared, Unit::NewtonMetre];
+                let odd = [Unit::KilogramSquareMetrePerRadian].contains(&unit) || turns.contains(&unit);
+                let is_y = quantity == "y" || quantity.ends_with("_y");
+                let of_pin = quantity == "slip_speed";
+                Some(if of_pin {
+                    get(name)?.abs()
+                } else if odd || is_y {
+                    -get(name)?
+                } else {
+                    get(name)?
+                })
+            }
+            Self::Moved { angle, by, bodies } => {
+                if quantity == "angle" && bodies.iter().any(|body| body == owner) {
+                    return Some(get(name)? - angle);
+                }
+                let (stem, is_y) = match (quantity.strip_suffix('x'), quantity.strip_suffix('y')) {
+                    (Some(stem), _) if stem.is_empty() || stem.ends_with('_') => (stem, false),
+                    (_, Some(stem)) if stem.is_empty() || stem.ends_with('_') => (stem, true),
+                    _ => return get(name),
+                };
+                let mut part = |axis: &str| get(&format!("{owner}.{stem}{axis}"));
+                let (mut x, mut y) = (part("x")?, part("y")?);
+                if stem.is_empty() {
+                    (x, y) = (x - by[0], y - by[1]);
+                }
+                let (sin, cos) = angle.sin_cos();
+                Some(if is_y { y * cos - x * sin } else { x * cos + y * sin })
+            }
+        }
+    }
+}
+
+/// Value in these units [kg, m, s] of what is 1 in SI units.
+pub fn factor(unit: Unit, units: [f64; 3]) -> f64 {
+    let base = unit.base();
+    units.iter().zip(base).map(|(own, (_, power))| own.powi(power.into())).product()
+}
