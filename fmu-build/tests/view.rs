@@ -136,9 +136,9 @@ fn an_open_loop_is_shown_at_the_guess_with_its_gap() {
     let data = data(&text, &[]);
     assert_eq!(data.status, Status::Still);
     let error = data.error.clone().unwrap();
-    assert!(error.contains("the loops do not close"), "{error}");
+    assert!(error.contains("the loop of joint4 cannot close"), "{error}");
     let html = view::html(&data).unwrap();
-    assert!(html.contains("role=\"alert\"") && html.contains("the loops do not close"));
+    assert!(html.contains("role=\"alert\"") && html.contains("the loop of joint4 cannot close"));
 }
 
 #[test]

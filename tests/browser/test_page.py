@@ -222,7 +222,7 @@ def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show:
     made = make(broken())
     assert made.code == 1
     assert str(made.path) in made.told
-    assert "the loops do not close" in made.told
+    assert "the loop of joint4 cannot close" in made.told
     shown = show(made.path)
     assert shown.page.get_by_role("alert").is_visible()
     assert "drawn at the guess" in shown.page.get_by_role("alert").inner_text()

@@ -26,6 +26,8 @@ pub enum Warning {
 }
 
 const KINDS: usize = 6;
+/// Number of kinds, the first ones, that follow from the steps alone.
+const BY_STEPS: usize = 3;
 /// Difference of lengths that no coupling explains, beside the way of a step [m].
 const DRIFT: f64 = 1e-3;
 
@@ -48,10 +50,11 @@ impl Warnings {
         }
     }
 
-    /// What was raised and when it is looked for, written or read.
+    /// What the steps have raised and when it is looked for, written or read. What depends on the outputs that a host has
+    /// read stays with the instance.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.pending = [false; KINDS];
-        self.raised.iter_mut().try_for_each(|raised| record.flag("warned before", raised))?;
+        self.raised[..BY_STEPS].iter_mut().try_for_each(|raised| record.flag("warned before", raised))?;
         record.count("steps since the initialisation", &mut self.steps)
     }
 

@@ -54,12 +54,19 @@ const ROUNDING: f64 = 1e-9;
 /// once each where one parts.
 #[derive(Clone, Debug, Default)]
 pub struct Parting {
-    /// Joints of the couplings of these cams and belts, and whether they have been told to part.
-    contacts: Vec<(usize, bool)>,
-    /// Whether a contact is left that has not been told to part.
+    contacts: Vec<Contact>,
+    /// Whether a contact is left that has not parted.
     pub watches: bool,
-    /// Joint, contact force or transmitted force [N] and time [s] of the contact that is to be told next.
-    pending: Option<(usize, f64, Option<f64>)>,
+}
+
+/// A contact that only pressure keeps closed.
+#[derive(Clone, Copy, Debug)]
+struct Contact {
+    /// Joint of the coupling.
+    joint: usize,
+    has_parted: bool,
+    /// Contact force or transmitted force [N] and time [s] at which it has parted, until the host is told.
+    pending: Option<(f64, Option<f64>)>,
 }
 
 impl Parting {
@@ -74,30 +81,41 @@ impl Parting {
             Kind::Belt { .. } => true,
             _ => false,
         };
-        let contacts: Vec<_> =
-            linkage.couplings.iter().filter(can_part).map(|coupling| (coupling.joint, false)).collect();
-        Self { watches: !contacts.is_empty(), contacts, pending: None }
+        let contact = |coupling: &Coupling| Contact { joint: coupling.joint, has_parted: false, pending: None };
+        let contacts: Vec<_> = linkage.couplings.iter().filter(can_part).map(contact).collect();
+        Self { watches: !contacts.is_empty(), contacts }
     }
 
     /// Nothing has been told.
     pub fn restart(&mut self) {
-        self.contacts.iter_mut().for_each(|(_, is_told)| *is_told = false);
-        (self.watches, self.pending) = (!self.contacts.is_empty(), None);
+        self.contacts.iter_mut().for_each(|contact| (contact.has_parted, contact.pending) = (false, None));
+        self.watches = !self.contacts.is_empty();
     }
 
     /// Become the same as another one of this mechanism, without allocation.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         self.contacts.clone_from(&other.contacts);
-        (self.watches, self.pending) = (other.watches, other.pending);
+        self.watches = other.watches;
     }
 
-    /// Which contacts have been told to part, written or read.
+    /// Which contacts have parted, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("contacts that part", self.contacts.len())?;
-        self.contacts.iter_mut().try_for_each(|(_, is_told)| record.flag("parted before", is_told))?;
-        (self.watches, self.pending) = (self.contacts.iter().any(|(_, is_told)| !is_told), None);
+        self.contacts.iter_mut().try_for_each(|contact| {
+            contact.pending = None;
+            record.flag("parted before", &mut contact.has_parted)
+        })?;
+        self.watches = self.contacts.iter().any(|contact| !contact.has_parted);
         Ok(())
+    }
+
+    /// A contact that has parted, with its force [N] and time [s], of which the host is not told yet.
+    fn take(&mut self) -> Option<(usize, f64, Option<f64>)> {
+        self.contacts.iter_mut().find_map(|contact| {
+            let (force, time) = contact.pending.take()?;
+            Some((contact.joint, force, time))
+        })
     }
 }
 
@@ -113,7 +131,7 @@ impl Model {
     pub fn take_warning(&mut self) -> Option<String> {
         let clipped = self.clipped.pending.take().map(clipping);
         clipped.or_else(|| {
-            let (joint, force, time) = self.parting.pending.take()?;
+            let (joint, force, time) = self.parting.take()?;
             let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
             let [message, remedy] = self.parted(joint, force, &when);
             Some(format!("{message}; {remedy}"))
@@ -126,22 +144,16 @@ impl Model {
     #[inline(never)]
     pub(super) fn look_for_parting(&mut self, time: Option<f64>) {
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return };
-        let parting = &mut self.parting;
-        if parting.pending.is_some() {
-            return;
-        }
         let (rounding, mechanism) = (rounding(motion, reduced, &self.inputs), self.parameter_values.mechanism());
-        for (joint, is_told) in parting.contacts.iter_mut().filter(|(_, is_told)| !is_told) {
-            let output = Output::Reaction { joint: *joint, part: ReactionPart::Moment };
+        for contact in self.parting.contacts.iter_mut().filter(|contact| !contact.has_parted) {
+            let output = Output::Reaction { joint: contact.joint, part: ReactionPart::Moment };
             let Ok(force) = motion.output(reduced, &self.inputs, output) else { continue };
-            let lacks = pretension(mechanism, reduced, *joint).map_or(-force, |tension| 0.5 * force.abs() - tension);
-            if lacks > rounding {
-                *is_told = true;
-                parting.pending = Some((*joint, force, time));
-                break;
+            let tension = pretension(mechanism, reduced, contact.joint);
+            if tension.map_or(-force, |tension| 0.5 * force.abs() - tension) > rounding {
+                (contact.has_parted, contact.pending) = (true, Some((force, time)));
             }
         }
-        parting.watches = parting.contacts.iter().any(|(_, is_told)| !is_told);
+        self.parting.watches = self.parting.contacts.iter().any(|contact| !contact.has_parted);
     }
 
     fn name_of_joint(&self, joint: usize) -> &str {
@@ -166,13 +178,12 @@ impl Model {
             return all;
         }
         self.look_for_parting(None);
-        while let Some((joint, force, _)) = self.parting.pending.take() {
+        while let Some((joint, force, _)) = self.parting.take() {
             let [message, remedy] = self.parted(joint, force, " at the start");
             let is_belt = pretension(self.parameter_values.mechanism(), &self.original.reduced, joint).is_some();
             let key = if is_belt { ".pretension" } else { "" };
             let path = format!("couplings.{}{key}", self.name_of_joint(joint));
             all.push(Finding::warning(path, message, remedy));
-            self.look_for_parting(None);
         }
         all
     }

@@ -342,7 +342,7 @@ fn border_passage<D: Dynamics<N>, const N: usize>(
 ) -> f64 {
     let mut beyond = |part: f64| dynamics.beyond_border(border, step.t + part * step.h, &dense.at(part));
     let after = beyond(1.0);
-    bisect(|part| beyond(part) * after >= 0.0, 0.0, 1.0)[1]
+    bisect(|part| beyond(part) * after > 0.0, 0.0, 1.0)[1]
 }
 
 /// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.

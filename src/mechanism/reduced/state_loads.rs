@@ -3,16 +3,19 @@
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
 //! friction. Without dampers, efficiencies, curves of drives, a hydraulic circuit, bumpers, springs that the state sizes,
 //! friction and moving air there is no such table. It must not know states.
+mod kinks;
+
+pub use kinks::{Argument, Kink};
+
 use super::source::{Source, SpringLoad};
 use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
+use crate::mechanism::loads::laws::spring::Spring;
 use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Reaction, groups};
 use crate::numerics::bundle::Bundle;
-use crate::numerics::piecewise::Piecewise;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
 use std::f64::consts::TAU;
@@ -75,41 +78,6 @@ pub struct StateLoads {
     pub(super) section: String,
 }
 
-/// A kink of a law that sizes a load of the state: a point of a curve, where the third derivative of the force jumps, or a
-/// surface that the air flows along, where the first derivative of its drag jumps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Kink {
-    /// Quantity on which the law depends.
-    pub of: Argument,
-    /// Value of the quantity at the kink [m/s, rad/s, m, rad or 1].
-    pub value: f64,
-    /// Distance from the value up to which a quantity is at it.
-    pub near: f64,
-}
-
-/// Quantity on which the law of a load of the state depends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Argument {
-    /// Speed of the drive with this index.
-    Drive(usize),
-    /// Depth of a bumper by its index in [`StateLoads::bumpers`], while it pushes.
-    Depth(usize),
-    /// Rate of a spring by its index in [`StateLoads::springs`].
-    Rate(usize),
-    /// Angle of a spring by its index in [`StateLoads::springs`], over all revolutions.
-    Angle(usize),
-    /// Sine of the angle between the line of a surface, by its index, and the flow at a place on it.
-    Facing {
-        /// Index of the surface.
-        surface: usize,
-        /// Distance of the place from the start of the surface [m].
-        place: f64,
-    },
-}
-
-/// Part of the largest value of a curve's points up to which a quantity is at one of them.
-const AT_KINK: f64 = 1e-11;
-
 /// Mark of a load that does not act.
 const ABSENT: usize = usize::MAX;
 
@@ -147,38 +115,6 @@ impl StateLoads {
     /// Number of ends of gaps and of kinks, at which a step ends.
     pub fn borders(&self) -> usize {
         self.gap_borders() + self.kinks.len()
-    }
-
-    /// Kinks of the laws of drives, bumpers, springs and drag.
-    fn find_kinks(&mut self, source: &Source) {
-        let loading = &source.loading;
-        if let Some(air) = loading.air.as_ref().filter(|_| self.air) {
-            for (surface, s) in air.surfaces.iter().enumerate().filter(|(_, s)| s.drag.directed) {
-                // Along a strip that moves, where the flow is along the line passes from one end to the other.
-                let ends = if air.relative_wind && s.drag.length > 0.0 { 2 } else { 1 };
-                let kink = |place: f64| Kink { of: Argument::Facing { surface, place }, value: 0.0, near: AT_KINK };
-                self.kinks.extend([0.0, s.drag.length].into_iter().take(ends).map(kink));
-            }
-        }
-        let mut add = |of: Argument, curve: Option<&Piecewise>, first: usize| {
-            let knots = curve.map_or(&[][..], Piecewise::knots);
-            let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
-            self.kinks.extend(knots.iter().skip(first).map(|&value| Kink { of, value, near }));
-        };
-        for &drive in &self.curves {
-            add(Argument::Drive(drive), loading.drives[drive].curve.as_ref().map(|curve| &curve.force), 0);
-        }
-        for (k, &stop) in self.bumpers.iter().enumerate() {
-            // The contact itself is an event.
-            add(Argument::Depth(k), loading.stops[stop].curve.as_ref(), 1);
-        }
-        for (k, &spring) in self.springs.iter().enumerate() {
-            let spring = &loading.springs[spring];
-            add(Argument::Rate(k), spring.damper.as_ref(), 0);
-            if let (true, Some(Characteristic::Points(points))) = (source.winds(spring), &spring.characteristic) {
-                add(Argument::Angle(k), Some(points), 0);
-            }
-        }
     }
 
     /// How far sigma is beyond an end of a gap; on a closed curve with this period, beyond one that may be revolutions

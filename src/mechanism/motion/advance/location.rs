@@ -56,7 +56,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             found.event,
             Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
         );
-        if is_smooth && dense.is_some_and(|dense| self.is_exact(step, dense)) && self.dynamics.admits(&found.state) {
+        // The interpolant has the kink within it.
+        let has_kink = matches!(found.event, Event::Border(border) if self.dynamics.is_kink(border));
+        if is_smooth
+            && !has_kink
+            && dense.is_some_and(|dense| self.is_exact(step, dense))
+            && self.dynamics.admits(&found.state)
+        {
             self.integrator.branch_off();
             return None;
         }
