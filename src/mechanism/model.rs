@@ -35,6 +35,7 @@ pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
+pub(super) use tune::Untuned;
 pub(super) use warnings::{Clipped, Parting};
 
 /// Section of the kept tables with the GUID of the interface.
@@ -62,6 +63,8 @@ pub struct Model {
     told: Told,
     /// Whether the host knows that `energy.drift` has no value in model exchange.
     lacks_drift: bool,
+    /// The laws of the last step, where they are not the present ones.
+    pub(super) untuned: Option<Untuned>,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
 }
@@ -155,6 +158,7 @@ impl Model {
             parting,
             told: Told::default(),
             lacks_drift: false,
+            untuned: None,
             exchange: None,
             original: Arc::new(original),
         };
@@ -197,6 +201,7 @@ impl Model {
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
+        self.untuned = None;
         self.parting.restart();
         self.told.restart();
         self.begin_exchange()?;
@@ -258,6 +263,7 @@ impl Model {
         let stepped = match state {
             _ if h < SHORTEST => Ok(Reached::End),
             Formulation::Reduced(motion) => {
+                motion.state.is_retuned = self.untuned.is_some();
                 motion.state.witness.listens = self.told.listens;
                 motion.state.witness.pauses = pauses;
                 motion.step_from(point, reduced, &self.inputs, h, solver)
@@ -271,6 +277,9 @@ impl Model {
             Err(_) => None,
         };
         if let Some(time) = time {
+            if h >= SHORTEST {
+                self.untuned = None;
+            }
             if let Some(drive) = moves {
                 self.inputs.move_on(drive, time);
             }
@@ -296,6 +305,7 @@ impl Model {
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
         self.is_placed = false;
+        self.untuned = None;
         self.has_told = false;
         self.clipped = Clipped::default();
         self.parting.restart();
@@ -338,6 +348,7 @@ impl Model {
     /// The state, put at the start if there is none yet.
     fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {
+            self.untuned = None;
             let reduced = Arc::clone(self.reduced()?);
             self.designs.settle(&mut self.parameter_values);
             let start = self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
