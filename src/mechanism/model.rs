@@ -17,7 +17,7 @@ use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::{Reached, State};
+use super::motion::state::{Reached, Start, State};
 use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
@@ -70,11 +70,10 @@ pub struct Model {
 }
 
 /// The state of motion in the formulation that solver.method chose.
-#[expect(clippy::large_enum_variant, reason = "the reduced model's steps pay for no indirection")]
 #[derive(Clone, Debug)]
 pub(super) enum Formulation {
-    /// By the reduced model, along the curve.
-    Reduced(ReducedMotion),
+    /// By the reduced model, along the curve. Apart, as a model is moved by value on the stack of a host's thread.
+    Reduced(Box<ReducedMotion>),
     /// By rigid finite elements.
     RigidFem(Box<RigidFemMotion>),
 }
@@ -135,13 +134,7 @@ impl Model {
         }
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         found.extend(warnings(&mechanism, &reduced));
-        if !reduced.curve().near.misses.is_empty()
-            && let Ok(state) = State::at_start(&reduced, &mechanism, &inputs)
-        {
-            found.extend(of_near_misses(&mechanism, &reduced, &state.travel));
-        }
-        let jump = State::jump_at_start(&reduced, &mechanism, &inputs);
-        found.extend(jump.and_then(|jump| of_jump(&mechanism, jump)));
+        found.extend(warnings_at_start(&mechanism, &reduced, &inputs));
         let parting = Parting::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
@@ -353,18 +346,43 @@ impl Model {
             self.designs.settle(&mut self.parameter_values);
             let start = self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
             let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
-            self.state = Some(match self.parameter_values.method() {
-                Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(start, &reduced, mechanism, inputs)?),
-                Method::RigidFem => {
-                    Formulation::RigidFem(Box::new(RigidFemMotion::at_start(start, &reduced, mechanism, inputs)?))
-                }
-            });
+            let at_start = match self.parameter_values.method() {
+                Method::Reduced => Formulation::reduced,
+                Method::RigidFem => Formulation::rigid_fem,
+            };
+            self.state = Some(at_start(start, &reduced, mechanism, inputs)?);
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }
 }
 
+/// Warnings for which the start is sought.
+#[inline(never)]
+fn warnings_at_start(mechanism: &Mechanism, reduced: &Reduced, inputs: &Inputs) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if !reduced.curve().near.misses.is_empty()
+        && let Ok(state) = State::at_start(reduced, mechanism, inputs)
+    {
+        found.extend(of_near_misses(mechanism, reduced, &state.travel));
+    }
+    let jump = State::jump_at_start(reduced, mechanism, inputs);
+    found.extend(jump.and_then(|jump| of_jump(mechanism, jump)));
+    found
+}
+
 impl Formulation {
+    /// By the reduced model, at a start.
+    #[inline(never)]
+    fn reduced(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        Ok(Self::Reduced(Box::new(ReducedMotion::at_start(start, reduced, mechanism, inputs)?)))
+    }
+
+    /// By rigid finite elements, at a start.
+    #[inline(never)]
+    fn rigid_fem(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        Ok(Self::RigidFem(Box::new(RigidFemMotion::at_start(start, reduced, mechanism, inputs)?)))
+    }
+
     /// The state along the curve; that of the finite elements where it fits best.
     pub(super) fn along_curve(&self) -> &State {
         match self {

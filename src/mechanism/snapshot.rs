@@ -207,7 +207,7 @@ impl Model {
         };
         self.state = match (&snapshot.motion, &reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(reduced)) => {
-                Some(Formulation::Reduced(ReducedMotion::from_saved(saved, reduced, inputs)?))
+                Some(Formulation::Reduced(Box::new(ReducedMotion::from_saved(saved, reduced, inputs)?)))
             }
             (Some(SavedFormulation::RigidFem(saved)), Some(reduced)) => {
                 Some(Formulation::RigidFem(Box::new(RigidFemMotion::from_saved(saved, reduced, inputs)?)))

@@ -59,7 +59,7 @@ impl Model {
         let old = self.designs.reduced(&untuned.values, ranges)?;
         let mut before = motion.retuned(&old, &self.inputs, untuned.reference)?;
         if shares_reduced(&tuned, &old, &untuned.values, ranges) {
-            *motion = before;
+            **motion = before;
             (self.reduced, self.parameter_values, self.untuned) = (Some(old), tuned, None);
             return Ok(());
         }
@@ -72,7 +72,7 @@ impl Model {
             retuned.book(after - before);
         }
         self.designs.keep(&tuned, &reduced);
-        *motion = retuned;
+        **motion = retuned;
         (self.reduced, self.parameter_values, self.untuned) =
             (Some(reduced), tuned, self.exchange.is_none().then_some(untuned));
         Ok(())
