@@ -17,7 +17,7 @@ use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::{Reached, State};
+use super::motion::state::{Reached, Start, State};
 use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
@@ -35,6 +35,7 @@ pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
+pub(super) use tune::Untuned;
 pub(super) use warnings::{Clipped, Parting};
 
 /// Section of the kept tables with the GUID of the interface.
@@ -62,16 +63,17 @@ pub struct Model {
     told: Told,
     /// Whether the host knows that `energy.drift` has no value in model exchange.
     lacks_drift: bool,
+    /// The laws of the last step, where they are not the present ones.
+    pub(super) untuned: Option<Untuned>,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
 }
 
 /// The state of motion in the formulation that solver.method chose.
-#[expect(clippy::large_enum_variant, reason = "the reduced model's steps pay for no indirection")]
 #[derive(Clone, Debug)]
 pub(super) enum Formulation {
-    /// By the reduced model, along the curve.
-    Reduced(ReducedMotion),
+    /// By the reduced model, along the curve. Apart, as a model is moved by value on the stack of a host's thread.
+    Reduced(Box<ReducedMotion>),
     /// By rigid finite elements.
     RigidFem(Box<RigidFemMotion>),
 }
@@ -132,13 +134,7 @@ impl Model {
         }
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         found.extend(warnings(&mechanism, &reduced));
-        if !reduced.curve().near.misses.is_empty()
-            && let Ok(state) = State::at_start(&reduced, &mechanism, &inputs)
-        {
-            found.extend(of_near_misses(&mechanism, &reduced, &state.travel));
-        }
-        let jump = State::jump_at_start(&reduced, &mechanism, &inputs);
-        found.extend(jump.and_then(|jump| of_jump(&mechanism, jump)));
+        found.extend(warnings_at_start(&mechanism, &reduced, &inputs));
         let parting = Parting::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
@@ -155,6 +151,7 @@ impl Model {
             parting,
             told: Told::default(),
             lacks_drift: false,
+            untuned: None,
             exchange: None,
             original: Arc::new(original),
         };
@@ -197,6 +194,7 @@ impl Model {
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
+        self.untuned = None;
         self.parting.restart();
         self.told.restart();
         self.begin_exchange()?;
@@ -258,6 +256,7 @@ impl Model {
         let stepped = match state {
             _ if h < SHORTEST => Ok(Reached::End),
             Formulation::Reduced(motion) => {
+                motion.state.is_retuned = self.untuned.is_some();
                 motion.state.witness.listens = self.told.listens;
                 motion.state.witness.pauses = pauses;
                 motion.step_from(point, reduced, &self.inputs, h, solver)
@@ -271,6 +270,9 @@ impl Model {
             Err(_) => None,
         };
         if let Some(time) = time {
+            if h >= SHORTEST {
+                self.untuned = None;
+            }
             if let Some(drive) = moves {
                 self.inputs.move_on(drive, time);
             }
@@ -296,6 +298,7 @@ impl Model {
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.state = None;
         self.is_placed = false;
+        self.untuned = None;
         self.has_told = false;
         self.clipped = Clipped::default();
         self.parting.restart();
@@ -338,22 +341,48 @@ impl Model {
     /// The state, put at the start if there is none yet.
     fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {
+            self.untuned = None;
             let reduced = Arc::clone(self.reduced()?);
             self.designs.settle(&mut self.parameter_values);
             let start = self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
             let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
-            self.state = Some(match self.parameter_values.method() {
-                Method::Reduced => Formulation::Reduced(ReducedMotion::at_start(start, &reduced, mechanism, inputs)?),
-                Method::RigidFem => {
-                    Formulation::RigidFem(Box::new(RigidFemMotion::at_start(start, &reduced, mechanism, inputs)?))
-                }
-            });
+            let at_start = match self.parameter_values.method() {
+                Method::Reduced => Formulation::reduced,
+                Method::RigidFem => Formulation::rigid_fem,
+            };
+            self.state = Some(at_start(start, &reduced, mechanism, inputs)?);
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }
 }
 
+/// Warnings for which the start is sought.
+#[inline(never)]
+fn warnings_at_start(mechanism: &Mechanism, reduced: &Reduced, inputs: &Inputs) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if !reduced.curve().near.misses.is_empty()
+        && let Ok(state) = State::at_start(reduced, mechanism, inputs)
+    {
+        found.extend(of_near_misses(mechanism, reduced, &state.travel));
+    }
+    let jump = State::jump_at_start(reduced, mechanism, inputs);
+    found.extend(jump.and_then(|jump| of_jump(mechanism, jump)));
+    found
+}
+
 impl Formulation {
+    /// By the reduced model, at a start.
+    #[inline(never)]
+    fn reduced(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        Ok(Self::Reduced(Box::new(ReducedMotion::at_start(start, reduced, mechanism, inputs)?)))
+    }
+
+    /// By rigid finite elements, at a start.
+    #[inline(never)]
+    fn rigid_fem(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
+        Ok(Self::RigidFem(Box::new(RigidFemMotion::at_start(start, reduced, mechanism, inputs)?)))
+    }
+
     /// The state along the curve; that of the finite elements where it fits best.
     pub(super) fn along_curve(&self) -> &State {
         match self {

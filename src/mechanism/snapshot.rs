@@ -6,10 +6,10 @@
 use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Clipped, Exchange, Formulation, Model, Parting};
+use super::model::{Clipped, Exchange, Formulation, Model, Parting, Untuned};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
-use crate::mechanism::definition::Method;
+use crate::mechanism::definition::{Method, Role};
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedRigidFem};
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::outputs::ReducedMotion;
@@ -32,6 +32,8 @@ pub struct Snapshot {
     /// What was warned of: the same step gives the same answer again.
     clipped: Clipped,
     parting: Parting,
+    /// The laws of the last step, where they are others.
+    untuned: Option<Untuned>,
 }
 
 #[derive(Clone, Debug)]
@@ -63,7 +65,9 @@ impl Snapshot {
             Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
-        Ok(record_rest(record, &mut copy.exchange, &mut copy.clipped, &mut copy.parting)?)
+        record_rest(record, &mut copy.exchange, &mut copy.clipped, &mut copy.parting)?;
+        let mut untuned = copy.untuned.map(|untuned| (untuned.values.parameters.clone(), untuned.reference));
+        Ok(record_untuned(record, &mut untuned, 0)?)
     }
 }
 
@@ -77,6 +81,15 @@ fn record_rest(
     record.option("model exchange", exchange, Exchange::default, |record, exchange| exchange.record(record))?;
     clipped.record(record)?;
     parting.record(record)
+}
+
+/// The parameters of the last step, where they are others, with the energy that the balance referred to, written or read.
+fn record_untuned(record: &mut Record, untuned: &mut Option<(Vec<f64>, f64)>, count: usize) -> Result<(), Damaged> {
+    let blank = || (vec![0.0; count], 0.0);
+    record.option("parameters have changed", untuned, blank, |record, (parameters, reference)| {
+        record_parameters(record, parameters, &mut [])?;
+        record.finite("energy before", reference)
+    })
 }
 
 /// Parameters in the record. Their ranges are checked by the reader.
@@ -108,6 +121,7 @@ impl Model {
             exchange: self.exchange,
             clipped: self.clipped,
             parting: self.parting.clone(),
+            untuned: self.untuned.clone(),
         }
     }
 
@@ -125,6 +139,7 @@ impl Model {
         snapshot.inputs.copy_from(&self.inputs);
         (snapshot.exchange, snapshot.clipped) = (self.exchange, self.clipped);
         snapshot.parting.copy_from(&self.parting);
+        snapshot.untuned.clone_from(&self.untuned);
         match (&mut snapshot.reduced, &self.reduced) {
             (Some(theirs), Some(own)) => share(theirs, own),
             (theirs, own) => theirs.clone_from(own),
@@ -169,6 +184,7 @@ impl Model {
         self.is_placed = snapshot.has_motion();
         self.clipped = snapshot.clipped;
         self.parting.copy_from(&snapshot.parting);
+        self.untuned.clone_from(&snapshot.untuned);
         Ok(())
     }
 
@@ -191,7 +207,7 @@ impl Model {
         };
         self.state = match (&snapshot.motion, &reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(reduced)) => {
-                Some(Formulation::Reduced(ReducedMotion::from_saved(saved, reduced, inputs)?))
+                Some(Formulation::Reduced(Box::new(ReducedMotion::from_saved(saved, reduced, inputs)?)))
             }
             (Some(SavedFormulation::RigidFem(saved)), Some(reduced)) => {
                 Some(Formulation::RigidFem(Box::new(RigidFemMotion::from_saved(saved, reduced, inputs)?)))
@@ -223,25 +239,7 @@ impl Model {
             None if method == Method::default() => {}
             None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
         }
-        for (index, value) in parameter_values.parameters.iter().enumerate() {
-            let (range, _) = self.original.ranges[index];
-            if !range.contains(*value) {
-                let name = self.parameter_name(index);
-                return Err(ModelError::Value { name, value: *value, allowed: range.text() });
-            }
-        }
-        let mut computed = parameter_values.parameters.clone();
-        parameter_values.expressions().compute(&mut computed);
-        if !same_bits(&computed, &parameter_values.parameters) {
-            return Err(Damaged("a calculated parameter has not the value of its expression".to_owned()).into());
-        }
-        parameter_values.changed();
-        let mut parameter_values = Arc::new(parameter_values);
-        let own = &self.parameter_values;
-        match own.is_settled() && own.has_same_bits(&parameter_values) {
-            true => parameter_values = Arc::clone(own),
-            false => self.designs.settle(&mut parameter_values),
-        }
+        let parameter_values = self.checked(parameter_values)?;
         inputs.record(record)?;
         let ranges = &self.original.ranges;
         let mut reduced = self.designs.find(&parameter_values, ranges).map(Arc::clone);
@@ -263,10 +261,60 @@ impl Model {
         };
         let (mut exchange, mut clipped, mut parting) = (None, self.clipped, self.parting.clone());
         record_rest(record, &mut exchange, &mut clipped, &mut parting)?;
+        let mut untuned = None;
+        record_untuned(record, &mut untuned, parameter_values.parameters.len())?;
+        let untuned = untuned.map(|(read, reference)| {
+            self.before_tuning(&parameter_values, read).map(|values| Untuned { values, reference })
+        });
+        let untuned = untuned.transpose()?;
         match record {
-            Record::Read([]) => Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting }),
+            Record::Read([]) => {
+                Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting, untuned })
+            }
             _ => Err(Damaged("it goes on after its end".to_owned()).into()),
         }
+    }
+
+    /// Parameters that were read, settled.
+    ///
+    /// # Errors
+    /// One is out of range, or is not what its expression gives.
+    fn checked(&self, mut values: ParameterValues) -> Result<Arc<ParameterValues>, ModelError> {
+        for (index, value) in values.parameters.iter().enumerate() {
+            let (range, _) = self.original.ranges[index];
+            if !range.contains(*value) {
+                let name = self.parameter_name(index);
+                return Err(ModelError::Value { name, value: *value, allowed: range.text() });
+            }
+        }
+        let mut computed = values.parameters.clone();
+        values.expressions().compute(&mut computed);
+        if !same_bits(&computed, &values.parameters) {
+            return Err(Damaged("a calculated parameter has not the value of its expression".to_owned()).into());
+        }
+        values.changed();
+        let mut values = Arc::new(values);
+        let own = &self.parameter_values;
+        match own.is_settled() && own.has_same_bits(&values) {
+            true => values = Arc::clone(own),
+            false => self.designs.settle(&mut values),
+        }
+        Ok(values)
+    }
+
+    /// The values that these had before they were tuned, as they were read.
+    ///
+    /// # Errors
+    /// As [`Self::checked`], or one differs that cannot be tuned.
+    fn before_tuning(&self, tuned: &ParameterValues, read: Vec<f64>) -> Result<Arc<ParameterValues>, ModelError> {
+        let both = tuned.parameters.iter().zip(&read).zip(&self.original.ranges);
+        let mut changed = both.filter(|((after, before), _)| after.to_bits() != before.to_bits());
+        if changed.any(|(_, (_, role))| !(role.is_tunable() || *role == Role::Named)) {
+            return Err(Damaged("a parameter has changed that cannot be tuned".to_owned()).into());
+        }
+        let mut before = tuned.clone();
+        before.parameters = read;
+        self.checked(before)
     }
 
     /// Name of the parameter with this index.

@@ -1,11 +1,12 @@
 //! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
-//! bits of one that is not; and every state that is written is read back.
+//! bits of one that is not; and every state that is written is read back. What counts of inputs and parameters is their
+//! values at a step, not the calls that set them.
 
 use crate::support::{
     ANDREWS, CURVES, GEAR, HYDRAULIC_GEAR, Run, SMOOTH, TWO_DRIVES, changed, reals, replaced, runner,
 };
 use linkage_fmu::mechanism::Model;
-use linkage_fmu::variables::{Causality, Kind, Reference};
+use linkage_fmu::variables::{Causality, Kind, Reference, Variability};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -228,39 +229,67 @@ fn rollback_leaves_no_trace_whatever_the_inputs_do() {
     }
 }
 
-/// Set all inputs of a model to other values, then to what they were, twice; `reads`: outputs to be read in between.
-fn away_and_back(model: &mut Model, reads: Option<&[Reference]>) {
+/// Set all inputs and tunable parameters of a model to other values, and derivatives of inputs, then all to what they were,
+/// twice. `reads`: outputs to be read in between; `rollback`: how the model continues in between.
+fn away_and_back(
+    model: &mut Model,
+    fresh: &Model,
+    reads: Option<&[Reference]>,
+    rollback: Rollback,
+) -> Result<(), TestCaseError> {
     let list = model.variables().list().to_vec();
     let inputs = (0..).zip(&list).filter(|(_, v)| v.causality == Causality::Input);
     let (reals, locks): (Vec<_>, Vec<_>) = inputs.partition(|(_, v)| v.kind == Kind::Real);
+    let tunable = (0..).zip(&list).filter(|(_, v)| v.variability == Variability::Tunable && v.kind == Kind::Real);
+    let parameters = tunable.map(|(parameter, _)| (parameter, model.real(parameter).unwrap())).collect::<Vec<_>>();
+    let parameters =
+        parameters.into_iter().filter(|(parameter, value)| model.check_real(*parameter, 0.9 * value).is_ok());
+    let (parameters, values): (Vec<_>, Vec<_>) = parameters.unzip();
+    let others: Vec<f64> = values.iter().map(|value| 0.9 * value).collect();
     let before: Vec<f64> = reals.iter().map(|(input, _)| model.real(*input).unwrap()).collect();
     for ((input, variable), value) in reals.iter().zip(&before) {
         model.set_real(*input, value + 0.5 * unit(&variable.name)).unwrap();
+        if model.set_input_derivative(*input, 1, 1.0).is_ok() {
+            model.set_input_derivative(*input, 1, 0.0).unwrap();
+        }
     }
+    model.tune(&parameters, &others).unwrap();
     for _ in 0..2 {
         for (lock, _) in &locks {
             let engaged = model.boolean(*lock).unwrap();
             model.set_boolean(*lock, !engaged).unwrap();
         }
         reads.map(|all| outputs(model, all));
+        match rollback {
+            // A step in between would begin under the other values.
+            Rollback::InPlace => {}
+            other => rolled_back(model, fresh, other, 0.0)?,
+        }
     }
     for _ in 0..2 {
         reals.iter().zip(&before).for_each(|((input, _), value)| model.set_real(*input, *value).unwrap());
+        model.tune(&parameters, &values).unwrap();
     }
+    Ok(())
 }
 
-/// What counts is the values of the inputs at a step, not the calls that set them.
 #[test]
-fn inputs_that_are_set_away_and_back_leave_no_trace() {
+fn values_that_are_set_away_and_back_leave_no_trace() {
     let mut scenes = scenes();
     for (name, definition, h) in [("a circuit", HYDRAULIC_GEAR, 2e-3), ("a prescribed motion", SMOOTH, 2e-2)] {
         scenes.push(Scene { name, start: Run::new(definition).started(), h });
     }
+    // Short steps, which are read from a step ahead, and every tolerance that hosts pass.
+    let history = || (prop::collection::vec(op(), 1..25), 3..=10_i32, prop::sample::select(&[1.0_f64, 0.1, 0.01][..]));
     for scene in scenes {
-        let result = runner(30).run(&prop::collection::vec(op(), 1..25), |ops| {
+        let result = runner(30).run(&history(), |(ops, digits, part)| {
             let mut twins = [scene.start.clone(), scene.start.clone()];
             let [inputs, all] = [Causality::Input, Causality::Output].map(|causality| reals(&twins[0], causality));
+            twins.iter_mut().for_each(|twin| twin.0.model_mut().set_tolerance(10_f64.powi(-digits)).unwrap());
+            twins.iter_mut().for_each(|twin| twin.initialize());
+            let fresh = twins[0].clone();
             for (n, op) in ops.iter().enumerate() {
+                let h = scene.h * part * op.h;
                 for (k, twin) in twins.iter_mut().enumerate() {
                     let list = twin.variables().list().to_vec();
                     // Inputs are constant at times.
@@ -269,7 +298,7 @@ fn inputs_that_are_set_away_and_back_leave_no_trace() {
                         twin.set_real(input, value * unit(&list[input as usize].name)).unwrap();
                     }
                     if k == 1 {
-                        away_and_back(twin, op.reads.then_some(&all));
+                        away_and_back(twin.0.model_mut(), fresh.0.model(), op.reads.then_some(&all), op.rollbacks[0])?;
                     }
                     for &(part, order, value) in op.derivatives.iter().filter(|_| n % 7 == 6) {
                         let input = inputs[(part * inputs.len() as f64) as usize];
@@ -277,9 +306,11 @@ fn inputs_that_are_set_away_and_back_leave_no_trace() {
                         let _ = twin.set_input_derivative(input, order, rate);
                     }
                 }
-                let [a, b] =
-                    twins.each_mut().map(|twin| twin.0.model_mut().step(scene.h * op.h).map_err(|e| e.to_string()));
+                let [a, b] = twins.each_mut().map(|twin| twin.0.model_mut().step(h).map_err(|e| e.to_string()));
                 prop_assert_eq!(&a, &b, "{}: step {}", scene.name, n);
+                if a.is_err() {
+                    break;
+                }
                 let [a, b] = twins.each_mut().map(|twin| outputs(twin, &all));
                 prop_assert_eq!(a, b, "{}: after step {}", scene.name, n);
                 prop_assert!(written(&twins[0]) == written(&twins[1]), "{}: states after step {}", scene.name, n);

@@ -13,6 +13,7 @@ mod initial;
 mod instantiate;
 mod interrupted;
 mod method;
+mod stack;
 mod state;
 mod undefined;
 mod warnings;

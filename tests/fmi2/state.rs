@@ -192,6 +192,47 @@ fn what_follows_has_the_same_bits() {
     }
 }
 
+/// What counts is the values at a step, not the calls that set them, nor what is read and saved in between.
+#[test]
+fn values_set_away_and_back_leave_no_trace() {
+    let names =
+        ["actuator.force", "airspeed", "friction.kinetic_coefficient", "upstop.restitution", "solver.tolerance"];
+    for scenario in &SCENARIOS {
+        let (gear, twin) = (started(scenario), started(scenario));
+        let names = if scenario.method == "reduced" { &names[..] } else { &names[..1] };
+        let references: Vec<u32> = names.iter().map(|name| gear.vr(name)).collect();
+        for n in 0..STEPS {
+            let mut now = vec![0.0; names.len()];
+            assert_eq!(twin.reals(&references, &mut now), Status::Ok);
+            let others: Vec<f64> = now.iter().map(|value| 0.5 * value + 1e-4).collect();
+            assert_eq!(twin.set_reals(&references, &others), Status::Ok, "{:?}", twin.log.take());
+            if scenario.method == "reduced" {
+                assert_eq!(twin.set_rates(references[0], &[1e4]), Status::Ok);
+                assert_eq!(twin.set_rates(references[0], &[0.0]), Status::Ok);
+            }
+            if n % 3 == 0 {
+                outputs(&twin);
+            }
+            if n % 4 == 0 {
+                let saved = twin.save();
+                let read = deserialize(&twin, &twin.serialize(&saved).unwrap()).unwrap();
+                restore(&twin, &read);
+                [saved, read].into_iter().for_each(|state| free(&twin, state));
+            }
+            assert_eq!(twin.set_reals(&references, &now), Status::Ok);
+            let [one, other] = [&gear, &twin].map(|gear| run(gear, scenario, n, n + 1));
+            assert!(one == other, "{}: step {n}", scenario.name);
+            let [one, other] = [&gear, &twin].map(|gear| {
+                let state = gear.save();
+                let bytes = gear.serialize(&state).unwrap();
+                free(gear, state);
+                bytes
+            });
+            assert!(one == other, "{}: state after step {n}", scenario.name);
+        }
+    }
+}
+
 #[test]
 fn a_state_returns_the_phase_the_clock_and_the_parameters() {
     let gear = Gear::new();

@@ -270,3 +270,46 @@ fn calls_are_legal_in_their_phases_only() {
         free(c);
     }
 }
+
+/// However short a step is, it is done: at the start, on the way, and next to an event, which comes with its time.
+#[test]
+fn a_step_of_any_length_is_done_in_event_mode() {
+    const HYDRAULIC: &str =
+        include_str!("../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+    for (definition, drive, value) in [(GEAR, "actuator.force", 30_000.0), (HYDRAULIC, "valve.command", 1.0)] {
+        let load = || Ok(Component::from_definition("mechanism.json", definition)?.into());
+        let c = handle::instantiate(VERSION, "instantiate", c"gear", Logger::new(None, false), WITH_EVENTS, load);
+        let names = references_of(definition, ["crank.angle", "crank.speed", "time"]);
+        let drive = references_of(definition, [drive]);
+        // SAFETY: the instance is valid.
+        unsafe {
+            assert_eq!(fmi3EnterInitializationMode(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+            assert_eq!(fmi3ExitInitializationMode(c), Status::Ok);
+            assert_eq!(fmi3SetFloat64(c, drive.as_ptr(), 1, &value, 1), Status::Ok);
+            assert_eq!((update(c), fmi3EnterStepMode(c)), ((Status::Ok, [0; 5]), Status::Ok));
+        }
+        let (mut point, mut events) = (0.0, 0);
+        for part in [0.0, 0.02, 10.0, 0.01, 10.0] {
+            if part > 0.0 {
+                let (status, [event, _], last) = advance(c, point, part);
+                assert_eq!(status, Status::Ok);
+                (point, events) = (last, events + u32::from(event));
+                if event == 1 {
+                    // Nothing comes before an event, however short.
+                    assert_eq!(advance(c, point, 5e-324).0, Status::Error);
+                    handle_event(c);
+                }
+            }
+            for exponent in [324, 310, 300, 200, 100, 51, 49, 30, 20] {
+                let (before, h) = (get(c, &names), 10_f64.powi(-exponent).max(5e-324));
+                assert_eq!(advance(c, point, h), (Status::Ok, [0; 2], point + h), "{h:e} at {point}");
+                point += h;
+                let after = get(c, &names);
+                let is_same = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-11 * (1.0 + a.abs());
+                assert!(before.iter().zip(&after).all(is_same), "{h:e} at {point}: {before:?} {after:?}");
+            }
+        }
+        assert!(events > 0);
+        free(c);
+    }
+}

@@ -24,10 +24,13 @@ impl Model {
         };
         match state {
             Formulation::Reduced(motion) if motion.state.contact.arrival().is_some() => {
+                motion.state.is_retuned = self.untuned.is_some();
                 motion.state.witness.listens = self.told.listens;
                 motion.state.witness.pauses = Pauses::default();
                 let solver = &self.parameter_values.mechanism().solver;
-                motion.step_from(point, reduced, &self.inputs, 0.0, solver).map(|_| true)
+                motion.step_from(point, reduced, &self.inputs, 0.0, solver)?;
+                self.untuned = None;
+                Ok(true)
             }
             _ => Ok(false),
         }

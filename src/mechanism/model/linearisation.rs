@@ -194,7 +194,7 @@ impl Model {
     fn motion_at_rest(&mut self) -> Result<(Box<ReducedMotion>, Arc<Reduced>), ModelError> {
         let state = self.state()?;
         let Formulation::Reduced(motion) = state else { return Err(ModelError::NotInitialised) };
-        let mut motion = Box::new(motion.clone());
+        let mut motion = motion.clone();
         motion.state.contact = Contact::default();
         Ok((motion, Arc::clone(self.reduced()?)))
     }

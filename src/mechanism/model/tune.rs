@@ -3,16 +3,26 @@
 //! In: parameters of laws and of the integration with new values, each in its range. Out: the same state of motion under the
 //! laws with these values, or a refusal that changes nothing. It must not know any law.
 use super::{Formulation, Model, ModelError};
-use crate::mechanism::designs::decides_reduced;
+use crate::mechanism::designs::{decides_reduced, shares_reduced};
+use crate::mechanism::parameters::ParameterValues;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
 use std::sync::Arc;
 
+/// The laws of the last step, where parameters have changed since.
+#[derive(Clone, Debug)]
+pub struct Untuned {
+    /// The parameters, settled.
+    pub values: Arc<ParameterValues>,
+    /// The energy that the balance referred to [J].
+    pub reference: f64,
+}
+
 impl Model {
     /// Give tunable parameters these values, which [`Self::check_real`] and [`Self::check_together`] accept, and leave the
     /// motion as it is. The reduced model keeps the curve and all tables that the values do not change. Energy that the change
-    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside. Before there is a state they are set
-    /// as parameters are.
+    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside. Values that are set back before the
+    /// next step leave no trace. Before there is a state they are set as parameters are.
     ///
     /// # Errors
     /// The values together give no law, or `solver.method` = "`rigid_fem`"; nothing has changed.
@@ -35,23 +45,36 @@ impl Model {
             self.parameter_values = tuned;
             return Ok(());
         }
-        let (Some(state), Some(old)) = (&mut self.state, &self.reduced) else { return Err(ModelError::NotInitialised) };
+        let Some(state) = &mut self.state else { return Err(ModelError::NotInitialised) };
         let Formulation::Reduced(motion) = state else {
             let reason =
                 "with solver.method = \"rigid_fem\" they hold during a run; choose solver.method = \"reduced\"";
             return Err(ModelError::Derivative { what: "tunable parameters".into(), reason: reason.into() });
         };
-        let reduced = self.designs.reduced(&tuned, &self.original.ranges)?;
-        let mut retuned = motion.retuned(&reduced, &self.inputs)?;
+        let ranges = &self.original.ranges;
+        let untuned = self.untuned.clone().unwrap_or_else(|| Untuned {
+            values: Arc::clone(&self.parameter_values),
+            reference: motion.state.reference,
+        });
+        let old = self.designs.reduced(&untuned.values, ranges)?;
+        let mut before = motion.retuned(&old, &self.inputs, untuned.reference)?;
+        if shares_reduced(&tuned, &old, &untuned.values, ranges) {
+            **motion = before;
+            (self.reduced, self.parameter_values, self.untuned) = (Some(old), tuned, None);
+            return Ok(());
+        }
+        let reduced = self.designs.reduced(&tuned, ranges)?;
+        let mut retuned = before.retuned(&reduced, &self.inputs, untuned.reference)?;
         // The balance of energy goes on without a jump.
-        let before = motion.output(old, &self.inputs, Output::Drift);
+        let before = before.output(&old, &self.inputs, Output::Drift);
         let after = retuned.output(&reduced, &self.inputs, Output::Drift);
         if let (Ok(before), Ok(after)) = (before, after) {
             retuned.book(after - before);
         }
         self.designs.keep(&tuned, &reduced);
-        *motion = retuned;
-        (self.reduced, self.parameter_values) = (Some(reduced), tuned);
+        **motion = retuned;
+        (self.reduced, self.parameter_values, self.untuned) =
+            (Some(reduced), tuned, self.exchange.is_none().then_some(untuned));
         Ok(())
     }
 }

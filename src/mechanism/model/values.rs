@@ -171,7 +171,7 @@ impl Model {
                     return Err(ModelError::NotInitialised);
                 };
                 let motion = match state {
-                    Formulation::Reduced(motion) => motion,
+                    Formulation::Reduced(motion) => &mut **motion,
                     Formulation::RigidFem(motion) => &mut motion.rigid,
                 };
                 Ok(match quantity {

@@ -46,6 +46,8 @@ pub struct State {
     pub witness: Witness,
     /// Scratch of a step under a prescribed motion; empty where no drive has a motion.
     rates: Vec<f64>,
+    /// Whether laws are others than those of the last step.
+    pub is_retuned: bool,
 }
 
 impl Deref for State {
@@ -130,8 +132,8 @@ impl State {
         let reduced = reduced.at(saved.sigma);
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
-        let witness = Witness::new(saved.impacts.len());
-        Ok(Self { saved: saved.clone(), before: Before::new(&saved.applied), scratch, witness, rates: rates(reduced) })
+        let (witness, before) = (Witness::new(saved.impacts.len()), Before::new(&saved.applied));
+        Ok(Self { saved: saved.clone(), before, scratch, witness, rates: rates(reduced), is_retuned: false })
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to

@@ -77,8 +77,8 @@ impl ReducedMotion {
     ///
     /// # Errors
     /// As [`State::retuned`].
-    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
-        Ok(Self::new(self.state.retuned(reduced, inputs)?, reduced, inputs))
+    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs, reference: f64) -> Result<Self, ModelError> {
+        Ok(Self::new(self.state.retuned(reduced, inputs, reference)?, reduced, inputs))
     }
 
     /// Book work from outside [J].

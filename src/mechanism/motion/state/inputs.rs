@@ -87,23 +87,21 @@ pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool]) -> Enga
 }
 
 impl State {
-    /// The same state under a reduced model with other laws on the same curve. The inputs are applied anew with the next
-    /// step.
+    /// The same state under a reduced model with other laws on the same curve, with an energy that the balance refers to
+    /// [J]. The inputs are applied anew with the next step.
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
-    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs) -> Result<Self, ModelError> {
+    pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs, reference: f64) -> Result<Self, ModelError> {
         let mut saved = self.saved.clone();
-        saved.in_force = None;
+        (saved.in_force, saved.reference) = (None, reference);
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
         if let Err((stretch, end)) = reduced.reach(saved.sigma) {
             return Err(ModelError::travel((stretch, end), saved.sigma));
         }
-        let mut state = Self::from_saved(&saved, reduced, inputs)?;
-        state.right_hand_side_changed();
-        Ok(state)
+        Self::from_saved(&saved, reduced, inputs)
     }
 
     /// An input or a lock has changed: the inputs are applied with the next step.
@@ -166,7 +164,7 @@ impl State {
                 saved.applied[load] = 0.0;
             }
         }
-        if changed || ahead {
+        if changed || ahead || self.is_retuned {
             self.right_hand_side_changed();
         }
         let locked = engaged_locks(&self.travel, reduced, &inputs.locks);

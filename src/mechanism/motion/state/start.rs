@@ -166,7 +166,7 @@ impl State {
         let state_loads = state_loads(reduced.at(start.sigma), blows_under(reduced, inputs), start.revolutions)?;
         let witness = Witness::new(reduced.loading().stops.len());
         let (saved, before, scratch) = (SavedState::default(), Before::default(), Scratch::new(state_loads));
-        let mut state = Self { saved, before, scratch, witness, rates: rates(reduced) };
+        let mut state = Self { saved, before, scratch, witness, rates: rates(reduced), is_retuned: false };
         state.put_at_start(start, reduced, mechanism, inputs)?;
         Ok(state)
     }
