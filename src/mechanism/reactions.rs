@@ -4,12 +4,16 @@
 //! Euler's equations of every body, inward along the spanning tree. The reactions of joints that close loops follow
 //! from the loop Jacobian: J^T lambda = generalised forces. A single column need not satisfy the equations of all
 //! bodies; the sum of the columns over a motion does. It must not know the state.
+mod groups;
+mod self_stress;
+
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
-use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point, Rates, Thrust};
+use crate::mechanism::linkage::{Freedom, Point, Rates, Thrust};
 use crate::mechanism::loads::unit_load::{Load, Wrench};
 use crate::numerics::plane::{Vec2, cross, perp};
-use nalgebra::{Cholesky, DMatrix, Dyn};
+pub use groups::Groups;
+use self_stress::SelfStresses;
 
 /// Reaction of a joint or a coupling: force and moment of its first-named body on its second.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,33 +29,6 @@ pub struct Reaction {
 pub fn columns(closure: &Closure, c: &Configuration, loads: &[Load]) -> Vec<Vec<Reaction>> {
     let joints = closure.linkage.joints.len();
     Columns::default().fill(closure, c, loads, 0).chunks_exact(joints).map(<[Reaction]>::to_vec).collect()
-}
-
-/// Groups of joints whose reactions to torques on bodies and to forces along prismatic joints are equal up to their
-/// sign: the two joints of a body with two revolute joints and no other. For each joint the index of the first joint of
-/// its group, and the sign of its reaction relative to that joint's.
-pub fn groups(linkage: &Linkage) -> Vec<(usize, f64)> {
-    let mut groups: Vec<(usize, f64)> = (0..linkage.joints.len()).map(|j| (j, 1.0)).collect();
-    for body in GROUND + 1..linkage.bodies.len() {
-        // Sign of a joint's reaction as a force on the body.
-        let side = |j: &Joint| if j.second.body == body { 1.0 } else { -1.0 };
-        let at = linkage.joints.iter().enumerate().filter(|(_, j)| j.first.body == body || j.second.body == body);
-        let at: Vec<(usize, &Joint)> = at.collect();
-        let &[(a, first), (b, second)] = &at[..] else { continue };
-        if first.freedom != Freedom::Revolute || second.freedom != Freedom::Revolute {
-            continue;
-        }
-        let sign = -side(first) * side(second);
-        let ((into, of_first), (from, of_second)) = (groups[a], groups[b]);
-        if into == from {
-            continue;
-        }
-        let (into, from) = (into.min(from), into.max(from));
-        for (group, own) in groups.iter_mut().filter(|(group, _)| *group == from) {
-            (*group, *own) = (into, *own * sign * of_first * of_second);
-        }
-    }
-    groups
 }
 
 /// Number of terms that are solved for side by side.
@@ -137,7 +114,7 @@ impl Columns {
                 }
             });
         }
-        self_stresses.subtract_from(&mut self.reactions);
+        self_stresses.make_least(&mut self.reactions, joints);
         for (term, reactions) in (skipped..).zip(self.reactions.chunks_exact_mut(joints)) {
             // The force of a coupling that does no work is a part of its reaction.
             if let Some(Load::Separation { coupling, lean }) = term.checked_sub(2).map(|load| &loads[load]) {
@@ -146,102 +123,6 @@ impl Columns {
             }
         }
         &self.reactions
-    }
-}
-
-/// States of self-stress: reactions in balance with one another, which exist only with redundant joints. They are
-/// subtracted from the reactions, which leaves those of least norm, the sum of |force|^2 + (moment / size)^2.
-struct SelfStresses {
-    /// A column for each state: forces and moments over the size of all joints.
-    states: DMatrix<f64>,
-    /// Inverse of the matrix of their inner products.
-    inverse: Inverse,
-    size: f64,
-}
-
-/// Inverse of a matrix of inner products.
-enum Inverse {
-    /// By Cholesky's factor.
-    Factor(Cholesky<f64, Dyn>),
-    /// The pseudo-inverse, where vectors are dependent but for rounding.
-    Pseudo(DMatrix<f64>),
-}
-
-/// Rows of a joint among the states of self-stress.
-const ROWS: usize = 3;
-
-impl SelfStresses {
-    fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
-        let linkage = &*closure.linkage;
-        let size = linkage.size;
-        let slides = |joint: &&usize| matches!(linkage.joints[**joint].freedom, Freedom::Prismatic(_));
-        let count = linkage.rows() - closure.rows().len() + linkage.cuts.iter().filter(slides).count();
-        let mut states = DMatrix::zeros(if count == 0 { 0 } else { ROWS * linkage.joints.len() }, count);
-        let mut terms = Terms::<1>::default();
-        let mut columns = states.column_iter_mut();
-        let mut state = |terms: &mut Terms<1>, twisted: Option<usize>| {
-            terms.demand.clear();
-            terms.demand.resize(linkage.bodies.len(), Demand::NONE);
-            let Some(mut column) = columns.next() else { return };
-            terms.inward(closure, c, twisted, &mut |joint, [[x], [y]], [moment]| {
-                column.rows_mut(ROWS * joint, ROWS).copy_from_slice(&[x, y, moment / size]);
-            });
-        };
-        if closure.redundant() {
-            let jacobian = linkage.jacobian(&c.positions, &c.q);
-            for extra in (0..linkage.rows()).filter(|r| closure.rows().binary_search(r).is_err()) {
-                terms.general.clear();
-                terms.general.extend(jacobian.row(extra).iter().map(|g| [-g]));
-                terms.balance(closure, c, normal);
-                terms.all_multipliers[extra] = [1.0];
-                state(&mut terms, None);
-            }
-        }
-        // A prismatic joint outside the tree connects bodies of one angle: its moment is indeterminate.
-        for &joint in linkage.cuts.iter().filter(slides) {
-            terms.all_multipliers.clear();
-            terms.all_multipliers.resize(linkage.rows(), [0.0]);
-            state(&mut terms, Some(joint));
-        }
-        let inverse = match count {
-            0 => Inverse::Pseudo(DMatrix::zeros(0, 0)),
-            _ => inverse(states.transpose() * &states),
-        };
-        Self { states, inverse, size }
-    }
-
-    /// Subtract from the reactions of all joints, term by term, their projections on the states of self-stress.
-    fn subtract_from(&self, reactions: &mut [Reaction]) {
-        if self.states.is_empty() {
-            return;
-        }
-        let rows = self.states.nrows();
-        let each = reactions.iter().flat_map(|r| [r.force.x, r.force.y, r.moment / self.size]);
-        let all = DMatrix::from_iterator(rows, ROWS * reactions.len() / rows, each);
-        let products = self.states.transpose() * all;
-        let projected = &self.states
-            * match &self.inverse {
-                Inverse::Factor(factor) => factor.solve(&products),
-                Inverse::Pseudo(inverse) => inverse * products,
-            };
-        for (r, part) in reactions.iter_mut().zip(projected.as_slice().chunks_exact(ROWS)) {
-            r.force -= Vec2::new(part[0], part[1]);
-            r.moment -= self.size * part[2];
-        }
-    }
-}
-
-fn inverse(gram: DMatrix<f64>) -> Inverse {
-    /// Least square of a diagonal entry of Cholesky's factor, as a part of the largest.
-    const INDEPENDENT: f64 = 1e-8;
-    let factor = gram.clone().cholesky().filter(|factor| {
-        let diagonal = factor.l_dirty().diagonal();
-        diagonal.min().powi(2) > INDEPENDENT * diagonal.max().powi(2)
-    });
-    let n = gram.nrows();
-    match factor {
-        Some(factor) => Inverse::Factor(factor),
-        None => Inverse::Pseudo(gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n))),
     }
 }
 

@@ -179,3 +179,93 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     assert!((run.get("a.force_x") + 4.5).abs() < 1e-12 && (run.get("b.force_x") + 4.5).abs() < 1e-12);
     assert_eq!(redundant(&door).len(), 1);
 }
+
+/// A carriage of 2 kg on n rails with friction, turned by a torque so that some rails press from above.
+fn rails(n: usize) -> Value {
+    let points: serde_json::Map<String, Value> = (0..n).map(|i| (format!("p{i}"), json!(place(i)))).collect();
+    let joint =
+        |i: usize| json!({ "type": "prismatic", "first": format!("ground.p{i}"), "second": format!("carriage.p{i}") });
+    let joints: serde_json::Map<String, Value> = (0..n).map(|i| (format!("r{i}"), joint(i))).collect();
+    json!({ "name": "Rails", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+        "bodies": { "ground": { "points": points }, "carriage": { "mass": 2, "points": points } },
+        "joints": joints, "forces": { "push": { "at": "carriage.origin", "force": [8, 0] } },
+        "torques": { "turn": { "on": "carriage", "torque": 80 } },
+        "friction": { "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1, "law": "stick",
+            "static_speed": 0, "kinetic_speed": 0 },
+        "start": { "joint": "r0", "position": 0 }, "guess": { "r0": 0 } })
+}
+
+/// Place of a rail on the carriage [m].
+fn place(i: usize) -> [f64; 2] {
+    [(0.37 * i as f64).sin(), 0.2 * (1.3 * i as f64).cos()]
+}
+
+/// Friction on rails by the normal forces of least norm, which it changes by its moments.
+#[test]
+fn friction_of_many_rails_is_that_of_their_least_reactions() {
+    const N: usize = 7;
+    let mut run = Run::new(&rails(N).to_string()).started();
+    let size = run.reduced().unwrap().linkage().size;
+    // Forces along y and moments / size: sum and moment about the carriage's origin.
+    let shares = DMatrix::from_fn(2, 2 * N, |row, k| match (row, k < N) {
+        (0, on_y) => f64::from(u8::from(on_y)),
+        (_, true) => place(k)[0],
+        (_, false) => size,
+    });
+    let inverse = shares.pseudo_inverse(1e-12).unwrap();
+    let mut least = DVector::<f64>::zeros(2 * N);
+    for _ in 0..100 {
+        let turned: f64 = (0..N).map(|i| place(i)[1] * 0.1 * least[i].abs()).sum();
+        least = &inverse * DVector::from_vec(vec![2.0 * 9.81, -80.0 - turned]);
+    }
+    assert!((0..N).any(|i| least[i] < 0.0) && (0..N).any(|i| least[i] > 0.0), "{least}");
+    let acceleration = (8.0 - (0..N).map(|i| 0.1 * least[i].abs()).sum::<f64>()) / 2.0;
+    run.step(0.5);
+    assert!((run.get("r0.position") - 0.125 * acceleration).abs() < 1e-12, "{} {acceleration}", run.get("r0.position"));
+    for i in 0..N {
+        let found = [run.get(&format!("r{i}.force_y")), run.get(&format!("r{i}.torque")) / size];
+        assert!((found[0] - least[i]).abs() + (found[1] - least[N + i]).abs() < 1e-10, "{i}: {found:?} {least}");
+    }
+}
+
+/// Work for each rail does not grow with their number: so many components does each evaluation read, and set-up and a
+/// step of 200 rails take less than a tenth of what they take where all states of self-stress and all frictions are
+/// unknowns of one system.
+#[test]
+fn many_rails_are_no_cubic_work() {
+    let clock = std::time::Instant::now();
+    let [few, more, most] = [50, 100, 200].map(|n| {
+        let mut run = Run::new(&rails(n).to_string()).started();
+        run.step(1.0);
+        run.reduced().unwrap().state_loads(false).unwrap().unwrap().bundled()
+    });
+    assert_eq!((most - more, more - few), (2 * (more - few), 50 * 7));
+    assert!(clock.elapsed().as_secs_f64() < 10.0, "{:?}", clock.elapsed());
+}
+
+/// Hinges at one point share their friction: a lever on n of them swings as on one with the same coefficients.
+#[test]
+fn friction_of_many_hinges_is_that_of_one() {
+    let angle = |n: usize| {
+        let hinge = |i: usize| {
+            let ends = ["ground.origin", "lever.origin"];
+            (
+                format!("h{i}"),
+                json!({ "type": "revolute", "first": ends[i % 2], "second": ends[1 - i % 2], "pin_radius": 0.02 }),
+            )
+        };
+        let joints: serde_json::Map<String, Value> = (0..n).map(hinge).collect();
+        let lever = json!({ "name": "Lever", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+            "bodies": { "ground": {}, "lever": { "length": 1, "mass": 2, "shape": "uniform_rod" } }, "joints": joints,
+            "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.2, "law": "stick",
+                "static_speed": 0, "kinetic_speed": 0 },
+            "start": { "body": "lever", "angle": 0.3 }, "guess": { "lever": 0.3 }, "solver": { "tolerance": 1e-10 } });
+        let mut run = Run::new(&lever.to_string()).started();
+        run.step(0.7);
+        run.get("lever.angle")
+    };
+    let one = angle(1);
+    for n in [2, 5, 60] {
+        assert!((angle(n) - one).abs() < 1e-9, "{n}: {} {one}", angle(n));
+    }
+}

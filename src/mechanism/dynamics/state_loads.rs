@@ -72,7 +72,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let zero = T::constant(0.0);
         let (drives, loads, friction_joints) =
             state_loads.map_or((0, 0, 0), |s| (s.drives.len(), s.loads.len(), s.friction_joints.len()));
-        let groups = state_loads.and_then(|s| s.groups.iter().max()).map_or(0, |last| last + 1);
+        let groups = state_loads.map_or(0, |s| s.groups.count());
         let reactions = Bundle::rows(2 * friction_joints);
         let mut friction = FrictionLoop::new(friction_joints, groups);
         friction.has_normal_forces = state_loads.is_some_and(|s| !s.prismatic.is_empty());
@@ -413,7 +413,8 @@ fn balance<'a, T>(state_loads: &'a StateLoads, [effects, reactions, inertial]: [
         inertial: inertial.split_at(n).into(),
         influence: &effects[state_loads.free()..state_loads.loads.len()],
         passed: passed.split_at(passed.len() / 2).into(),
-        groups: &state_loads.groups,
+        groups: &state_loads.groups.of,
+        seconds: &state_loads.groups.seconds,
     }
 }
 

@@ -16,7 +16,8 @@ use std::fmt;
 ///
 /// where u is the part of sigma_ddot due to friction, and P_g the force due to friction without motion, which is the
 /// same, up to its sign, for all joints of a group g. The sign has no effect on |R_i|. Vectors are pairs of x and y
-/// [N]; where only the component normal to an axis matters, it is x, and y is 0.
+/// [N]; where only the component normal to an axis matters, it is x, and y is 0: then P_g is the pair of a force and its
+/// change with the joint's lever l_i, and it adds P_g,x + l_i P_g,y to x.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<'a, T> {
     /// R_i without friction [N].
@@ -29,6 +30,8 @@ pub struct Balance<'a, T> {
     pub passed: [&'a [T]; 2],
     /// Index g(i) of the group of each joint.
     pub groups: &'a [usize],
+    /// Effect of P_g,y on x and on y of each joint: (0, 1), or (l_i, 0).
+    pub seconds: &'a [[f64; 2]],
 }
 
 /// Solver of the equations between the reactions R_i of n joints and their friction M_j = -m_j |R_j|, with the arms
@@ -62,7 +65,7 @@ pub struct FrictionLoop<T> {
     last: Vec<f64>,
     rest: Vec<T>,
     matrix: Vec<f64>,
-    /// Component of inertial_i in the direction of R_i, then the direction of R_i.
+    /// Derivatives of |R_i| with respect to u and to the components x and y of P_g.
     direction: Vec<[f64; 3]>,
     /// Number of iterations of the last solution.
     pub iterations: u32,

@@ -14,7 +14,7 @@ use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::laws::spring::Spring;
 use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::reactions::{Columns, Reaction, groups};
+use crate::mechanism::reactions::{Columns, Groups, Reaction};
 use crate::numerics::bundle::Bundle;
 use crate::numerics::plane::perp;
 use crate::numerics::table::{Grid, Table, Unresolved};
@@ -26,8 +26,9 @@ use std::sync::Arc;
 ///
 /// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
 /// the component normal to the axis, and 0; of a coupling the transmitted force, and 0. Those of n joints are stored as
-/// all x, then all y. The joints of a group have equal reactions to friction up to their sign. The sign of a reaction has
-/// no effect on friction, so all joints of a group get the sign of the first.
+/// all x, then all y. The joints of a group have equal reactions to friction up to their sign, or normal forces that are an
+/// affine function of their levers. The sign of a reaction has no effect on friction, so all joints of a group get the sign
+/// of the first.
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
@@ -56,12 +57,8 @@ pub struct StateLoads {
     /// The prismatic ones among them and the couplings, by their indices there: their normal or transmitted forces have
     /// signs.
     pub prismatic: Vec<usize>,
-    /// Index of the group of each joint with friction.
-    pub groups: Vec<usize>,
-    /// First joint of each group, by its index among the joints with friction.
-    leaders: Vec<usize>,
-    /// Sign of each joint's reaction relative to the first joint of its group.
-    signs: Vec<f64>,
+    /// Groups of the joints with friction.
+    pub groups: Groups,
     /// Loads sized by the state, in the order of their influences: of surfaces, bumpers, friction.
     pub loads: Vec<usize>,
     /// Components of [`Self::bundle`], then effects of applied loads.
@@ -158,10 +155,12 @@ impl StateLoads {
         first..first + 2 * n
     }
 
-    /// In the bundle: forces for friction = 1 of each joint without motion: all x, then all y, group by group.
+    /// In the bundle: the two forces of each group for friction = 1 of each joint without motion: all first ones, then all
+    /// second ones, group by group. They are the components x and y of the reactions of the group; of prismatic joints the
+    /// normal force in the first one, and its change with the lever.
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
-        first..first + 2 * self.leaders.len() * self.friction_joints.len()
+        first..first + 2 * self.groups.count() * self.friction_joints.len()
     }
 
     /// In the bundle: reactions to one of the `loads` that are not friction and to the motion that the load causes.
@@ -236,19 +235,7 @@ impl StateLoads {
             return Ok(None);
         }
         loads.extend(friction_joints.iter().map(|p| p.load));
-        let of_joints = groups(linkage);
-        let mut leaders: Vec<usize> = Vec::new();
-        let (mut group_of, mut signs) = (Vec::new(), Vec::new());
-        for (i, friction_joint) in friction_joints.iter().enumerate() {
-            let (own, sign) = of_joints[friction_joint.joint];
-            let found = leaders.iter().position(|&leader| of_joints[friction_joints[leader].joint].0 == own);
-            let group = found.unwrap_or(leaders.len());
-            if found.is_none() {
-                leaders.push(i);
-            }
-            group_of.push(group);
-            signs.push(sign * of_joints[friction_joints[leaders[group]].joint].1);
-        }
+        let groups = Groups::new(linkage, friction_joints.iter().map(|joint| joint.joint));
         let is_prismatic = |j: &FrictionJoint| linkage.joints[j.joint].freedom != Freedom::Revolute;
         let prismatic = (0..friction_joints.len()).filter(|&j| is_prismatic(&friction_joints[j])).collect();
         let air = !surfaces.is_empty();
@@ -265,9 +252,7 @@ impl StateLoads {
             kinks: Vec::new(),
             friction_joints,
             prismatic,
-            groups: group_of,
-            leaders,
-            signs,
+            groups,
             loads,
             table: Arc::default(),
             bundle: Arc::default(),
@@ -372,10 +357,9 @@ impl StateLoads {
         let passed = &mut values[self.passed()];
         for (j, friction_joint) in self.friction_joints.iter().enumerate() {
             let part = &parts[of_load(friction_joint.load)];
-            for (group, &leader) in self.leaders.iter().enumerate() {
-                for axis in 0..2 {
-                    passed[(axis * self.leaders.len() + group) * n + j] = part[axis * n + leader];
-                }
+            for (group, [first, second]) in self.groups.forces(part).enumerate() {
+                passed[group * n + j] = first;
+                passed[(self.groups.count() + group) * n + j] = second;
             }
         }
         // Add the reactions to the motion that each load causes.
@@ -411,7 +395,7 @@ impl StateLoads {
     /// Copy the components of the reactions of the joints with friction from all columns.
     fn copy_reactions(&self, source: &Source, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
         let (joints, n) = (&source.linkage().joints, self.friction_joints.len());
-        for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.signs).enumerate() {
+        for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.groups.signs).enumerate() {
             let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {
                 Freedom::Revolute | Freedom::Coupling(_) => None,

@@ -107,9 +107,11 @@ impl<T: Number> FrictionLoop<T> {
             let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
                 let of = 1 + 2 * balance.groups[i];
-                let r = [0, 1].map(|axis| {
-                    balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + self.unknown[of + axis]
-                });
+                let [first, second] = [self.unknown[of], self.unknown[of + 1]];
+                let [on_x, on_y] = balance.seconds[i].map(T::constant);
+                let passed = [first + on_x * second, on_y * second];
+                let r = [0, 1]
+                    .map(|axis| balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + passed[axis]);
                 self.size[i] = self.measure(i, r);
                 let unit = if self.sign[i] == 0.0 {
                     let inverse = 1.0 / self.size[i].value().max(f64::MIN_POSITIVE);
@@ -118,7 +120,8 @@ impl<T: Number> FrictionLoop<T> {
                     [self.sign[i], 0.0]
                 };
                 let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
-                self.direction[i] = [along, unit[0], unit[1]];
+                let [on_x, on_y] = balance.seconds[i];
+                self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
                 scale = scale.max(self.size[i].value().abs());
             }
             let (matrix, rest) = (&mut self.matrix[..unknowns * unknowns], &mut self.rest[..unknowns]);
@@ -148,8 +151,10 @@ impl<T: Number> FrictionLoop<T> {
                 let [along, x, y] = self.direction[i];
                 let more =
                     change(0) * T::constant(along) + change(of) * T::constant(x) + change(of + 1) * T::constant(y);
-                let step = [0, 1]
-                    .map(|axis| balance.inertial[axis][i].value() * change(0).value() + change(of + axis).value());
+                let [on_x, on_y] = balance.seconds[i];
+                let [u, first, second] = [0, of, of + 1].map(|k| change(k).value());
+                let passed = [first + on_x * second, on_y * second];
+                let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
                 if self.sign[i] == 0.0 {
                     let size = self.size[i].value().max(f64::MIN_POSITIVE);
                     error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));

@@ -6,7 +6,14 @@ use proptest::prelude::*;
 /// One joint whose friction acts on its own reaction without the motion.
 fn joint<'a>(free: &'a [f64; 2], effect: &'a [f64; 2]) -> Balance<'a, f64> {
     let [x, y] = [0, 1].map(|axis| (&free[axis..=axis], &effect[axis..=axis]));
-    Balance { free: [x.0, y.0], inertial: [&[0.0]; 2], influence: &[0.0], passed: [x.1, y.1], groups: &[0] }
+    Balance {
+        free: [x.0, y.0],
+        inertial: [&[0.0]; 2],
+        influence: &[0.0],
+        passed: [x.1, y.1],
+        groups: &[0],
+        seconds: &[[0.0, 1.0]],
+    }
 }
 
 proptest! {
@@ -56,6 +63,7 @@ proptest! {
                 influence: &[v * c(0.1), c(0.2)],
                 passed: [&[c(1.0), c(4.0), v, c(-1.0)][..2 * groups], &[c(-2.0), c(0.5), c(3.0), c(2.0)][..2 * groups]],
                 groups: &[0, groups - 1],
+                seconds: &[[0.0, 1.0]; 2],
             };
             two.solve(&balance).unwrap();
             two
@@ -81,6 +89,7 @@ proptest! {
             influence: four(4),
             passed: [four(5), four(6)],
             groups: &[0; 4],
+            seconds: &[[0.0, 1.0]; 4],
         };
         let (mut one, mut any) = (FrictionLoop::new(4, 1), FrictionLoop::new(4, 1));
         (one.arm, any.arm) = (arms.clone(), arms);
