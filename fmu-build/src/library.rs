@@ -11,11 +11,13 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// Cargo's name for the engine's package.
-const PACKAGE: &str = "linkage-fmu";
-/// The package that is built: this one. The library comes with it as a dependency, already there when this program
-/// runs; built for itself it would be compiled anew each time, because Cargo gives both the same file.
-const BUILT: &str = env!("CARGO_PKG_NAME");
+/// Cargo's name for the package of the library, `src/exports`.
+pub const PACKAGE: &str = "linkage-fmu-exports";
+/// Name of its library, of which the file's name follows.
+pub const NAME: &str = "linkage_fmu_exports";
+/// The package of the program that runs now. Built together with it, the library has the engine that this program has
+/// been built with; by itself it might ask for other features of the dependencies, and all would be compiled again.
+const PROGRAM: &str = env!("CARGO_PKG_NAME");
 
 /// How the library is built for another machine.
 #[derive(Debug)]
@@ -62,7 +64,7 @@ pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> 
     cargo.args(["--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
     let extension = match target {
         None => {
-            cargo.args(["--package", BUILT]);
+            cargo.args(["--package", PROGRAM, "--package", PACKAGE]);
             DLL_EXTENSION
         }
         Some(target) => {
@@ -88,7 +90,7 @@ fn artifact(messages: &str, extension: &str) -> Option<PathBuf> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str::<Value>(line).ok())
-        .filter(|message| message["reason"] == "compiler-artifact" && message["target"]["name"] == "linkage_fmu")
+        .filter(|message| message["reason"] == "compiler-artifact" && message["target"]["name"] == NAME)
         .flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default())
         .filter_map(|name| name.as_str().map(PathBuf::from))
         .find(|path| path.extension().is_some_and(|other| other == extension))
@@ -103,7 +105,7 @@ mod tests {
         let messages = concat!(
             "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"libc\"},\"filenames\":[\"/t/libc.dll\"]}\n",
             "not JSON\n",
-            "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"linkage_fmu\"},",
+            "{\"reason\":\"compiler-artifact\",\"target\":{\"name\":\"linkage_fmu_exports\"},",
             "\"filenames\":[\"/t/x.rlib\",\"/t/x.dll.a\",\"/t/x.dll\"]}\n",
             "{\"reason\":\"build-finished\",\"success\":true}\n"
         );

@@ -241,6 +241,8 @@ impl Model {
     ///
     /// # Errors
     /// As [`Self::step`].
+    // An FMU has one caller, but LLVM does not see that: the function could be called from another crate.
+    #[inline(always)]
     pub fn step_to_pause(&mut self, point: Option<f64>, h: f64, pauses: Pauses) -> Result<Reached, ModelError> {
         if !(h > 0.0 && h < f64::INFINITY) {
             return Err(ModelError::StepSize { h });

@@ -1,13 +1,11 @@
-//! `fmi2Instantiate`, the resource location, the logger, and the shared library as a host loads it.
+//! `fmi2Instantiate`, the resource location and the logger.
 
 use crate::host::{Arguments, Folder, Gear, RESOURCES, c, interface, mechanism};
-use crate::hostile::standard::{ALWAYS, TABLE};
 use linkage_fmu::component::{Component as Model, TABLES};
-use linkage_fmu::fmi2::host::{Description, Log, callbacks, logger};
-use linkage_fmu::fmi2::types::{CallbackFunctions, Component, Status, Text};
+use linkage_fmu::fmi2::host::{Description, logger};
+use linkage_fmu::fmi2::types::{Status, Text};
 use linkage_fmu::fmi2::*;
 use std::ffi::{CStr, c_int};
-use std::path::PathBuf;
 use std::ptr::null;
 
 #[test]
@@ -163,44 +161,6 @@ fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
         assert_eq!(gear.enter(), Status::Ok);
         let messages = gear.log.take();
         assert_eq!(messages.iter().filter(|message| message.category == "logStatusWarning").count(), expected);
-    }
-}
-
-type Instantiate = unsafe extern "C" fn(Text, c_int, Text, Text, *const CallbackFunctions, c_int, c_int) -> Component;
-
-/// The shared library that cargo builds beside this test.
-fn library() -> PathBuf {
-    let deps = std::env::current_exe().unwrap().parent().unwrap().to_owned();
-    let name = "liblinkage_fmu.so";
-    [deps.join(name), deps.join("..").join(name)].into_iter().find(|path| path.exists()).unwrap()
-}
-
-#[test]
-#[cfg(target_os = "linux")]
-fn the_shared_library_exports_everything_and_finds_its_resources() {
-    let folder = Folder::new("unpacked fmu");
-    let (binaries, resources) = (folder.0.join("binaries/linux64"), folder.0.join("resources"));
-    std::fs::create_dir_all(&binaries).unwrap();
-    std::fs::create_dir_all(&resources).unwrap();
-    std::fs::copy(library(), binaries.join("Gear.so")).unwrap();
-    std::fs::write(resources.join("mechanism.json"), mechanism()).unwrap();
-
-    let log = Log::default();
-    let functions = callbacks(Some(logger()), &log);
-    let (file, guid) = (c(binaries.join("Gear.so").to_str().unwrap()), c(interface().guid()));
-    // SAFETY: the library is this project's; its functions have the types of the rlib's.
-    unsafe {
-        let handle = libc::dlopen(file.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
-        assert!(!handle.is_null());
-        for name in TABLE.iter().map(|(name, _)| *name).chain(ALWAYS) {
-            assert!(!libc::dlsym(handle, c(name).as_ptr()).is_null(), "{name}");
-        }
-        let instantiate: Instantiate = std::mem::transmute(libc::dlsym(handle, c"fmi2Instantiate".as_ptr()));
-        let free: unsafe extern "C" fn(Component) =
-            std::mem::transmute(libc::dlsym(handle, c"fmi2FreeInstance".as_ptr()));
-        let component = instantiate(c"gear".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 0);
-        assert!(!component.is_null(), "{:?}", log.take());
-        free(component);
     }
 }
 

@@ -8,7 +8,6 @@ mod host;
 mod hostile;
 mod hydraulic_drive;
 mod hydraulics;
-mod importer;
 mod initial;
 mod instantiate;
 mod interrupted;

@@ -4,7 +4,7 @@
 
 use crate::binary;
 use crate::workspace::Workspace;
-use crate::{command, files};
+use crate::{command, files, library};
 use anyhow::{Context, Result, bail};
 use std::env::consts::DLL_EXTENSION;
 use std::fs;
@@ -45,10 +45,10 @@ fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
     // Of the program that runs now, Cargo tells its children where it lies.
     cargo.current_dir(root).env_remove("CARGO_MANIFEST_DIR").env("CARGO_TARGET_DIR", target);
-    cargo.args(["build", "--release", "--quiet", "--package", "linkage-fmu", "--lib"]);
+    cargo.args(["build", "--release", "--quiet", "--package", library::PACKAGE, "--lib"]);
     command::run(&mut cargo, "cargo build")?;
     let prefix = if cfg!(windows) { "" } else { "lib" };
-    let path: PathBuf = target.join("release").join(format!("{prefix}linkage_fmu.{DLL_EXTENSION}"));
+    let path: PathBuf = target.join("release").join(format!("{prefix}{}.{DLL_EXTENSION}", library::NAME));
     fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
 }
 

@@ -1,27 +1,38 @@
-//! The importer on this package's own shared library: the same bits as through the linked functions, and refusals of
-//! what is no FMU.
-use crate::host::{FOLDER, Gear};
-use linkage_fmu::fmi2::host::logger;
+//! The library in the hands of an importer: the same bits as through the linked functions, resources that lie next to
+//! it, and refusals of what is no FMU.
+#![allow(clippy::unwrap_used)]
+
+use linkage_fmu::fmi2::host::{Description, logger};
 use linkage_fmu::fmi2::importer::{Library, State};
 use linkage_fmu::fmi2::types::Status;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-/// The library that Cargo builds beside the tests.
-fn own() -> std::path::PathBuf {
-    std::env::current_exe().unwrap().with_file_name(format!("{DLL_PREFIX}linkage_fmu{DLL_SUFFIX}"))
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription/LandingGearRetraction");
+
+/// The library that Cargo builds before the tests.
+fn own() -> PathBuf {
+    std::env::current_exe().unwrap().with_file_name(format!("{DLL_PREFIX}linkage_fmu_exports{DLL_SUFFIX}"))
+}
+
+fn gear() -> Arc<Description> {
+    Description::read(Path::new(FOLDER)).unwrap()
 }
 
 #[test]
 fn a_loaded_library_answers_as_the_linked_functions() {
     let resources = format!("file://{FOLDER}/resources");
-    let library = Library::open(own().as_os_str(), crate::host::interface().guid(), &resources).unwrap();
+    let gear = gear();
+    let library = Library::open(own().as_os_str(), gear.interface().guid(), &resources).unwrap();
     let loaded = library.instantiate("gear", Some(logger())).unwrap();
     loaded.set_up(0.0, None).unwrap();
-    let linked = Gear::new();
+    let linked = gear.instantiate(Some(logger()), true).unwrap();
     assert_eq!(linked.set_up(None, 0.0, None), Status::Ok);
     let [force, angle, acceleration] =
-        ["actuator.force", "crank.angle", "actuator.acceleration"].map(|name| linked.vr(name));
+        ["actuator.force", "crank.angle", "actuator.acceleration"].map(|name| gear.reference(name));
     loaded.set_reals(&[force], &[2e4]).unwrap();
     assert_eq!(linked.set("actuator.force", 2e4), Status::Ok);
     loaded.initialize().unwrap();
@@ -49,6 +60,21 @@ fn a_loaded_library_answers_as_the_linked_functions() {
     loaded.free(&mut state).unwrap();
     let refused = loaded.step(-1.0, 1e-3).unwrap_err();
     assert!(refused.contains("fmi2DoStep: fmi2Status 3") && refused.contains("-1"), "{refused}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn resources_are_found_next_to_the_library() {
+    let folder = std::env::temp_dir().join(format!("linkage-fmu unpacked {}", std::process::id()));
+    let (binaries, resources) = (folder.join("binaries/linux64"), folder.join("resources"));
+    fs::create_dir_all(&binaries).unwrap();
+    fs::create_dir_all(&resources).unwrap();
+    let file = binaries.join("Gear").with_extension(own().extension().unwrap());
+    fs::copy(own(), &file).unwrap();
+    fs::copy(Path::new(FOLDER).join("resources/mechanism.json"), resources.join("mechanism.json")).unwrap();
+    let library = Library::open(file.as_os_str(), gear().interface().guid(), "").unwrap();
+    library.instantiate("gear", Some(logger())).unwrap();
+    fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]

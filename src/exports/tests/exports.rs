@@ -17,7 +17,7 @@ const GLIBC: (u32, u32) = (2, 35);
 /// The library that cargo builds beside this test, from the same sources as the packed one.
 fn library() -> Vec<u8> {
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
-    let name = "liblinkage_fmu.so";
+    let name = "liblinkage_fmu_exports.so";
     let path: PathBuf = [folder.join(name), folder.join("..").join(name)].into_iter().find(|p| p.exists()).unwrap();
     std::fs::read(path).unwrap()
 }
@@ -63,6 +63,6 @@ fn the_version_of_glibc_is_that_of_the_readme() {
     });
     let newest = newest.max().unwrap();
     assert!(newest <= GLIBC, "GLIBC_{}.{} is needed: say so in README.md and here", newest.0, newest.1);
-    let readme = include_str!("../../README.md");
+    let readme = include_str!("../../../README.md");
     assert!(readme.contains(&format!("glibc {}.{}", GLIBC.0, GLIBC.1)), "README.md names another glibc");
 }
