@@ -194,20 +194,24 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
     }
 }
 
-/// Drives and springs between two points whose distance is one in every position.
+/// Drives and springs between two points or in a joint that never move relative to one another.
 fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Finding>) {
     let loading = reduced.loading();
     let drives = mechanism.actuators.names().into_iter().enumerate().map(|(load, name)| ("actuators", name, load));
     let springs = loading.springs.iter().map(|spring| ("springs", spring.name.as_str(), spring.load));
     for (group, name, load) in drives.chain(springs) {
         let load = loading.loads[load].along();
-        if matches!(load, Load::Pair { is_idle: true, .. }) {
-            let length = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
-            let message = format!(
-                "its two ends are {} m apart in every position, so that it never moves the mechanism and only loads joints",
-                Decimal::rounded(length)
-            );
-            let remedy = "name two points whose distance changes";
+        if load.is_idle() {
+            let at = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
+            let (at, never) =
+                (Decimal::rounded(at), "in every position, so that it never moves the mechanism and only loads joints");
+            let (message, remedy) = match load {
+                Load::Pair { .. } => {
+                    (format!("its two ends are {at} m apart {never}"), "name two points whose distance changes")
+                }
+                Load::Slide { .. } => (format!("its joint is at {at} m {never}"), "name a joint that moves"),
+                _ => (format!("its joint is at {at} rad {never}"), "name a joint that moves"),
+            };
             all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
     }

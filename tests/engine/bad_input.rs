@@ -341,6 +341,13 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
             5e-324.into(),
             "bodies.crank.length = 5e-324 m: must be a number > 0, from 1e-100 to 1e100",
         ),
+        ("bodies.crank.mass", 1e308.into(), "bodies.crank.mass = 1e308 kg: must be a number from -1e100 to 1e100"),
+        (
+            "bodies.slider.inertia",
+            1e308.into(),
+            "bodies.slider.inertia = 1e308 kg.m2: must be a number from -1e100 to 1e100",
+        ),
+        ("start.speed", (-1e200).into(), "start.speed = -1e200 rad/s: must be a number from -1e100 to 1e100"),
         ("experiment", json!({ "stop_time": -1e250, "step_size": 1 }), "experiment.stop_time = -1e250: must"),
     ] {
         check(&slider_crank(&[(path, value)]), &[fragment]);
@@ -373,6 +380,20 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
     let held = (2.0_f64 / 3.0).acos();
     let held = format!("left is held at {held:.10}");
     check(&text("left"), &["left.start_angle = 1.2", &held, "rigid", "spinner moves freely", "remove a joint"]);
+    // Wheels as large as the sun, of the sun and of the ground, hold the sun.
+    let wheels = |first: &str| {
+        json!({ "type": "gears", "first": first, "second": "planet.origin", "carrier": "arm", "first_teeth": 24,
+            "second_teeth": 24 })
+    };
+    let planetary = json!({ "name": "Planetary",
+        "bodies": { "ground": {}, "sun": { "inertia": 0.01 }, "arm": { "length": 0.1, "mass": 1 }, "planet": { "mass": 1 } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "sun.origin" },
+            "b": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
+            "c": { "type": "revolute", "first": "arm.end", "second": "planet.origin" } },
+        "couplings": { "inner": wheels("sun.origin"), "outer": wheels("ground.origin") },
+        "start": { "body": "sun", "angle": 0.3 }, "guess": { "sun": 0, "arm": 0, "planet": 0 } });
+    let says = ["sun is held at 0 rad", "joints or couplings", "arm, planet move freely", "a joint or a coupling"];
+    check(&planetary.to_string(), &says);
 }
 
 #[test]

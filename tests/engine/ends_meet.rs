@@ -255,4 +255,30 @@ fn ends_that_keep_their_distance_have_no_effect() {
         }
     }
     assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
+    // In a joint of the two bars that move as one.
+    for (kind, unit) in [("revolute", "rad"), ("prismatic", "m")] {
+        let within = |group: &str| {
+            let mut text = bars.clone();
+            text["joints"]["w"] = json!({ "type": kind, "first": "rod.origin", "second": "twin.origin" });
+            if kind == "prismatic" {
+                text["guess"]["w"] = json!(0);
+            }
+            text[group] = json!({ "idle": { "joint": "w" } });
+            text.to_string()
+        };
+        let mut run = Run::new(&within("actuators")).started();
+        run.set(if kind == "revolute" { "idle.torque" } else { "idle.force" }, 1e3);
+        run.step(0.1);
+        assert_eq!(run.get("idle.speed"), 0.0, "{kind}");
+        assert_says(run.undefined("idle.required_force"), &["indeterminate"]);
+        for group in ["actuators", "springs"] {
+            let told = inspect(&within(group)).findings;
+            let path = format!("{group}.idle");
+            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            assert!(
+                texts.any(|text| text.contains(&format!("0 {unit} in every position, so that it never moves"))),
+                "{told:?}"
+            );
+        }
+    }
 }

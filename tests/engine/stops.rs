@@ -314,7 +314,7 @@ proptest! {
 /// A crank that turns has no end of travel at a stop which no number of revolutions reaches: the search for it ends.
 #[test]
 fn a_stop_beyond_all_numbers_is_never_met() {
-    for angle in [1e17, 1e300] {
+    for angle in [1e17, 1e100] {
         let mut crank = Run::new(&changed(SLIDER_CRANK, |m| {
             m["stops"] = serde_json::json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
         }))

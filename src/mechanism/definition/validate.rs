@@ -36,8 +36,10 @@ impl Mechanism {
         faults.keep(self.check_snap());
         faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
-            if !parameter.range.contains(*value) {
-                faults.keep(parameter.range.check_in(parameter.unit, parameter.key.concat(), *value));
+            // No product of a few numbers overflows that have the limits of coordinates.
+            let ranges = [parameter.range, Range::Coordinate];
+            if let Some(range) = ranges.into_iter().find(|range| !range.contains(*value)) {
+                faults.keep(range.check_in(parameter.unit, parameter.key.concat(), *value));
             }
         });
         self.check_bodies(&mut faults);

@@ -71,6 +71,12 @@ impl Positions {
 }
 
 impl Rates {
+    /// Largest rate of an angle, or of an origin in sizes of the linkage [rad per unit].
+    pub fn largest(&self, size: f64) -> f64 {
+        let origins = self.origin.iter().map(|rate| rate.norm() / size);
+        self.angle.iter().map(|rate| rate.abs()).chain(origins).fold(0.0, f64::max)
+    }
+
     /// Add other derivatives.
     pub fn add(&mut self, other: &Self) {
         self.angle.iter_mut().zip(&other.angle).for_each(|(own, other)| *own += other);

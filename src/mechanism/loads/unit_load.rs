@@ -25,7 +25,7 @@ pub enum Load {
         first: Point,
         /// The other end.
         second: Point,
-        /// Whether the distance is one in every position, so that its derivatives are 0 and not rounding.
+        /// Whether S is one in every position, so that its derivatives are 0 and not rounding.
         is_idle: bool,
     },
     /// 1 N.m on a body. S is its angle plus a constant [rad].
@@ -43,6 +43,8 @@ pub enum Load {
         second: usize,
         /// S less the angle between the two: from the bodies that the definition names [rad].
         shift: f64,
+        /// Whether S is one in every position, so that its derivatives are 0 and not rounding.
+        is_idle: bool,
     },
     /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one another
     /// do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
@@ -66,6 +68,8 @@ pub enum Load {
         joint: usize,
         /// 1 for the force on the joint's second body, -1 for the force on its first body.
         sign: f64,
+        /// Whether S is one in every position, so that its derivatives are 0 and not rounding.
+        is_idle: bool,
     },
 }
 
@@ -99,24 +103,48 @@ fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) 
 }
 
 impl Load {
+    /// Whether its S is one in every position.
+    pub fn is_idle(&self) -> bool {
+        match *self.along() {
+            Self::Pair { is_idle, .. } | Self::Couple { is_idle, .. } | Self::Slide { is_idle, .. } => is_idle,
+            _ => false,
+        }
+    }
+
     /// The load along the line of a screw; another load itself.
     pub fn along(&self) -> &Self {
         if let Self::Screw { along, .. } = self { along } else { self }
     }
 
-    /// Mark the load between two points as idle, if their distance is one in each of these configurations but for
+    /// Mark the load between two points or in a joint as idle, if its S is one in each of these configurations but for
     /// rounding. Whether it is idle.
-    pub fn mark_idle(&mut self, mut at: impl Iterator<Item = Configuration>) -> bool {
-        /// Part of the speeds of the two points below which the rate of their distance is rounding.
+    pub fn mark_idle(&mut self, linkage: &Linkage, at: &[Configuration]) -> bool {
+        /// Part of the speeds of two bodies below which the rate of what is between them is rounding.
         const ROUNDING: f64 = 1e-12;
+        let still = |rate: f64, of: f64| rate.abs() <= ROUNDING * of;
+        let size = linkage.size;
         match self {
-            Self::Screw { along, .. } => along.mark_idle(at),
+            Self::Screw { along, .. } => along.mark_idle(linkage, at),
             Self::Pair { first, second, is_idle } => {
-                *is_idle = at.all(|c| {
+                *is_idle = at.iter().all(|c| {
                     let [(x1, v1), (x2, v2)] =
                         [*first, *second].map(|end| (c.positions.point(end), c.positions.velocity(&c.rates, end)));
-                    let rate = (v2 - v1).dot(&(x2 - x1));
-                    rate.abs() <= ROUNDING * (v1.norm() + v2.norm()) * (x2 - x1).norm()
+                    still((v2 - v1).dot(&(x2 - x1)), (v1.norm() + v2.norm()) * (x2 - x1).norm())
+                });
+                *is_idle
+            }
+            Self::Couple { first, second, is_idle, .. } => {
+                *is_idle = at.iter().all(|c| {
+                    let [one, other] = [*first, *second].map(|body| c.rates.angle[body]);
+                    still(other - one, c.rates.largest(size))
+                });
+                *is_idle
+            }
+            Self::Slide { joint, is_idle, .. } => {
+                *is_idle = at.iter().all(|c| {
+                    let (first, second, axis) = axis(linkage, &c.positions, *joint);
+                    let [v1, v2] = [first, second].map(|point| c.positions.velocity(&c.rates, point));
+                    still(axis.dot(&(v2 - v1)), c.rates.largest(size) * size)
                 });
                 *is_idle
             }
@@ -141,9 +169,9 @@ impl Load {
             Self::Force { at, direction } => direction.dot(&p.point(at)),
             Self::Pair { first, second, .. } => (p.point(second) - p.point(first)).norm(),
             Self::Torque { body, shift } => p.angle[body] + shift,
-            Self::Couple { first, second, shift } => p.angle[second] - p.angle[first] + shift,
+            Self::Couple { first, second, shift, .. } => p.angle[second] - p.angle[first] + shift,
             Self::Screw { ref along, ratio } => ratio * along.displacement_at(linkage, p),
-            Self::Slide { joint, sign } => {
+            Self::Slide { joint, sign, .. } => {
                 let (first, second, axis) = axis(linkage, p, joint);
                 sign * axis.dot(&(p.point(second) - p.point(first)))
             }
@@ -167,7 +195,9 @@ impl Load {
             Self::Separation { .. } => [0.0; 3],
             Self::Screw { ref along, ratio } => along.displacement(linkage, c).map(|s| ratio * s),
             Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
-            Self::Pair { first, second, is_idle: true } => [(p.point(second) - p.point(first)).norm(), 0.0, 0.0],
+            Self::Pair { is_idle: true, .. }
+            | Self::Couple { is_idle: true, .. }
+            | Self::Slide { is_idle: true, .. } => [self.displacement_at(linkage, p), 0.0, 0.0],
             Self::Pair { first, second, .. } => {
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
                 let (x, v, a) = (x2 - x1, v2 - v1, a2 - a1);
@@ -177,11 +207,11 @@ impl Load {
                 [length, rate, along.dot(&a) + (v.norm_squared() - rate * rate) / length]
             }
             Self::Torque { body, shift } => [p.angle[body] + shift, c.rates.angle[body], c.second.angle[body]],
-            Self::Couple { first, second, shift } => {
+            Self::Couple { first, second, shift, .. } => {
                 let of = |angle: &[f64]| angle[second] - angle[first];
                 [of(&p.angle) + shift, of(&c.rates.angle), of(&c.second.angle)]
             }
-            Self::Slide { joint, sign } => {
+            Self::Slide { joint, sign, .. } => {
                 // The gap is s e, with e fixed in the first body: gap'' = (s'' - s omega^2) e + (...) e_normal.
                 let (first, second, axis) = axis(linkage, p, joint);
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));
@@ -231,7 +261,7 @@ impl Load {
                 act(couple(first, -1.0));
                 act(couple(second, 1.0));
             }
-            Self::Slide { joint, sign } => {
+            Self::Slide { joint, sign, .. } => {
                 let (first, second, axis) = axis(linkage, p, joint);
                 let axis = sign * axis;
                 // Both forces act at the second point, where the bodies are in contact.

@@ -107,10 +107,12 @@ impl fmt::Display for ReductionError {
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints of its loop, which is rigid, and \
-                     {} moves freely; remove a joint of that loop or add a body to it, and hold what moves freely",
+                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings of its loop, \
+                     which is rigid, and {} move{} freely; remove a joint or a coupling of that loop or add a body to it, and \
+                     hold what moves freely",
                     Decimal(*value),
-                    moving.join(", ")
+                    moving.join(", "),
+                    if moving.len() == 1 { "s" } else { "" }
                 )
             }
             Self::StartSpeed { name, value } => write!(

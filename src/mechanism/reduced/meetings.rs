@@ -16,14 +16,15 @@ const SAMPLES: usize = 24;
 /// Number of positions at which the distance of two ends is looked at.
 const LOOKED: usize = 8;
 
-/// The loads on a curve, those marked whose two ends keep one distance.
+/// The loads on a curve, those marked whose two ends never move relative to one another.
 pub(super) fn with_idle(curve: &Curve, mut loading: std::sync::Arc<Loading>) -> std::sync::Arc<Loading> {
     let (first, last) = curve.range;
     // Parts of the curve that no symmetry of a motion repeats.
     let at = |k: usize| curve.configuration(first + (last - first) * (0.31 + 0.618_034 * k as f64).fract());
+    let at: Vec<Configuration> = (0..LOOKED).map(at).collect();
     let marked = |load: &Load| {
         let mut load = load.clone();
-        load.mark_idle((0..LOOKED).map(at)).then_some(load)
+        load.mark_idle(curve.linkage(), &at).then_some(load)
     };
     let idle: Vec<(usize, Load)> =
         loading.loads.iter().enumerate().filter_map(|(index, load)| Some((index, marked(load)?))).collect();

@@ -81,7 +81,10 @@ impl Reduced {
                 };
                 let coordinates = &self.linkage().coordinates;
                 let moving = (0..coordinates.len()).filter(moves).map(|i| coordinates[i].clone()).collect();
-                return ReductionError::Rigid { name: name.into(), value, held: 0.5 * (low + high), moving };
+                let held = 0.5 * (low + high);
+                // What is 0 but for rounding is 0.
+                let held = if held.abs() < RIGID { 0.0 } else { held };
+                return ReductionError::Rigid { name: name.into(), value, held, moving };
             }
             let same = value + TAU * ((0.5 * (low + high) - value) / TAU).round();
             let turned = (coordinate < self.linkage().angles && (low..=high).contains(&same)).then_some(same);

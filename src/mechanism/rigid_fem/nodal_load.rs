@@ -34,7 +34,7 @@ impl NodalLoad {
             Load::Force { at, direction } => Self::Force(mesh.locate(at), direction),
             Load::Pair { first, second, .. } => Self::Pair(mesh.locate(first), mesh.locate(second)),
             Load::Torque { body, shift } => Self::Couple([element(GROUND), element(body)], shift),
-            Load::Couple { first, second, shift } => Self::Couple([element(first), element(second)], shift),
+            Load::Couple { first, second, shift, .. } => Self::Couple([element(first), element(second)], shift),
             // No mesh has a coupling.
             Load::Separation { .. } | Load::Screw { .. } => return None,
             Load::Slide { joint, .. } => {

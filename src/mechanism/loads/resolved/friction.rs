@@ -84,14 +84,17 @@ impl Loading {
             }
             let joint = &linkage.joints[coupling.joint];
             let (load, radius) = match (coupling.second, &coupling.kind) {
-                (Second::Position { joint, sign, .. }, _) => (Load::Slide { joint, sign }, 1.0),
+                (Second::Position { joint, sign, .. }, _) => (Load::Slide { joint, sign, is_idle: false }, 1.0),
                 (Second::Angle { .. }, kind) => {
                     let [_, slope, _] = coupling.law.at(0.0);
                     let radius = match kind {
                         Kind::Belt { radii, .. } => radii[1],
                         _ => linkage.hinge_distance(coupling.carrier, joint) / (slope - 1.0).abs(),
                     };
-                    (Load::Couple { first: coupling.carrier, second: joint.second.body, shift: 0.0 }, radius)
+                    (
+                        Load::Couple { first: coupling.carrier, second: joint.second.body, shift: 0.0, is_idle: false },
+                        radius,
+                    )
                 }
             };
             let coefficient = 1.0 - efficiency;
