@@ -51,9 +51,10 @@ impl Warnings {
     }
 
     /// What the steps have raised and when it is looked for, written or read. What depends on the outputs that a host has
-    /// read stays with the instance.
+    /// read is not part of it, and may be raised again.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.pending = [false; KINDS];
+        self.raised[BY_STEPS..].fill(false);
         self.raised[..BY_STEPS].iter_mut().try_for_each(|raised| record.flag("warned before", raised))?;
         record.count("steps since the initialisation", &mut self.steps)
     }
