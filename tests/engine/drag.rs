@@ -196,3 +196,22 @@ fn a_plate_passes_edge_on_within_the_tolerance() {
         }
     }
 }
+
+/// Wind that turns round in a step, where the drag of every surface passes 0 at once: energy and work agree.
+#[test]
+fn the_wind_may_turn_round_in_a_step() {
+    for (relative, tolerance) in [(false, 1e-9), (true, 1e-9), (false, 1e-4), (true, 1e-12)] {
+        for h in [1.0, 0.9, 0.01] {
+            let mut run = gear(relative).with(&[("solver.tolerance", tolerance), ("actuator.force", 0.0)]).started();
+            run.set("airspeed", 1.0);
+            let steps = (1.0_f64 / h).ceil() as u32;
+            for k in 0..steps {
+                run.set("airspeed", 1.0 - 2.0 * f64::from(k) * h);
+                run.set_derivative("airspeed", 1, -2.0);
+                run.step(h);
+            }
+            let (drift, kinetic) = (run.get("energy.drift"), run.get("energy.kinetic"));
+            assert!(drift.abs() < 100.0 * tolerance * kinetic.max(1000.0), "{relative} {h}: {drift} of {kinetic} J");
+        }
+    }
+}

@@ -103,6 +103,7 @@ impl Model {
                 (followed?, None)
             }
         };
+        warnings.count_step();
         if warnings.may_raise() {
             let begin = || point(parameters, state::dynamic(&before), inputs);
             warnings::watch(warnings, &setting, (state, &begin), h, read || mode != Mode::Follow);

@@ -59,6 +59,11 @@ impl Warnings {
         record.count("steps since the initialisation", &mut self.steps)
     }
 
+    /// A step is made.
+    pub fn count_step(&mut self) {
+        self.steps += 1;
+    }
+
     /// Whether any may still be raised by [`watch`].
     pub fn may_raise(&self) -> bool {
         !(self.raised[0] && self.raised[1] && self.raised[3])
@@ -138,7 +143,6 @@ pub fn watch(
     previewed: bool,
 ) {
     let inputs = setting.inputs;
-    warnings.steps += 1;
     if let Some(largest) = setting.command(state.time()).clipped(h) {
         warnings.raise(Warning::Clipped, [largest, 0.0]);
     }

@@ -5,6 +5,9 @@
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::reduced::{Argument, Kink};
 
+/// Speed of the air that is slow for any mechanism [m/s].
+const SLOW: f64 = 1.0;
+
 impl EquationOfMotion<'_> {
     /// How far the quantity of a law is beyond one of its kinks, 0 where it is at it; sigma may be revolutions away.
     pub fn beyond_kink(&self, kink: &Kink, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
@@ -30,7 +33,8 @@ impl EquationOfMotion<'_> {
         if beyond.abs() <= kink.near { 0.0 } else { beyond }
     }
 
-    /// Sine of the angle between a surface's line and the flow relative to a place on it; 0 where there is no flow.
+    /// Component across a surface of the flow relative to a place on it, over the speed of that flow and [`SLOW`]: without a
+    /// jump where the flow turns round.
     fn facing(&self, (surface, place): (usize, f64), [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         let (Some(state_loads), Some(air)) = (self.state_loads, &self.reduced.loading().air) else { return 0.0 };
         let airspeed = self.applied.air(t);
@@ -40,7 +44,6 @@ impl EquationOfMotion<'_> {
             let [x, y, omega] = [0, 1, 2].map(|k| self.component(3 * surface + k, sigma) * sigma_dot);
             wind = [wind[0] - x + omega * place * line_y, wind[1] - y - omega * place * line_x];
         }
-        let speed = wind[0].hypot(wind[1]);
-        if speed == 0.0 { 0.0 } else { (wind[1] * line_x - wind[0] * line_y) / speed }
+        (wind[1] * line_x - wind[0] * line_y) / (wind[0].hypot(wind[1]) + SLOW)
     }
 }

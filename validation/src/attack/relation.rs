@@ -48,6 +48,10 @@ impl Relation {
                 "torque" => None,
                 _ => get(name),
             },
+            // The axis points the other way, and with it what drives a rack forward.
+            Self::Exchanged { is_revolute: false, .. } if ["transmitted_force", "loss_force"].contains(&quantity) => {
+                None
+            }
             Self::Exchanged { .. } => get(name),
             Self::Chained { body, base, angle } if owner == body => {
                 Some(get(&format!("{base}.{quantity}"))? + if quantity == "angle" { *angle } else { 0.0 })

@@ -29,7 +29,7 @@ pub enum Argument {
     Rate(usize),
     /// Angle of a spring by its index in [`StateLoads::springs`], over all revolutions.
     Angle(usize),
-    /// Sine of the angle between the line of a surface, by its index, and the flow at a place on it.
+    /// Component of the flow across a surface, over its speed, at a place on it.
     Facing {
         /// Index of the surface.
         surface: usize,
