@@ -51,7 +51,7 @@ impl Finding {
 
     /// A warning about the value at this path.
     pub fn warning(path: impl fmt::Display, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let (path, message, remedy) = (path.to_string(), message.into(), remedy.into());
+        let (path, message, remedy) = (path.to_string(), on_one_line(&message.into()), on_one_line(&remedy.into()));
         Self { severity: Severity::Warning, path, message, remedy }
     }
 }
