@@ -311,6 +311,34 @@ fn a_stop_and_friction_hold_together() {
 }
 
 /// Less static than kinetic friction is refused where the law sticks.
+/// A block is pushed along a rail while its weight turns up and down again: the normal force passes 0, and the block slips,
+/// sticks and slips again in one step. At rest, a limit on the step that its last slip needed has no meaning any more.
+#[test]
+fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
+    let position = |tolerance: f64| {
+        let mut definition = block(0.0, 0.0);
+        definition["friction"] = json!({
+            "enabled": true, "law": "stick", "static_coefficient": 0.2, "kinetic_coefficient": 0.1,
+            "static_speed": 0.001, "kinetic_speed": 0.1,
+        });
+        definition["solver"] = json!({ "tolerance": tolerance });
+        let mut run = opened(&definition);
+        run.set_all(&[("load_factor", -3.0), ("pull.force_x", 3.0)]);
+        run.initialize();
+        for factor in [-3.0, 3.0] {
+            run.set("load_factor", factor);
+            run.set_derivative("load_factor", 1, -2.0 * factor);
+            run.step(1.0);
+        }
+        run.get("slide.position")
+    };
+    let exact = position(1e-10);
+    for tolerance in [0.1, 1e-2, 1e-3, 1e-4, 1e-6] {
+        let error = position(tolerance) - exact;
+        assert!(error.abs() <= 10.0 * tolerance, "at {tolerance}: {error} m from {exact} m");
+    }
+}
+
 #[test]
 fn static_below_kinetic_friction_is_refused() {
     let mut definition = block(0.0, 0.0);

@@ -259,7 +259,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Time at which the step from the state z ends at the latest [s].
     #[inline(always)]
     fn latest(&mut self, z: &[f64; N]) -> f64 {
-        let limit = self.progress.limit.take().unwrap_or(f64::INFINITY);
+        // A limit that passed while the mechanism rested no longer holds.
+        let limit = self.progress.limit.take().filter(|limit| *limit > self.progress.t).unwrap_or(f64::INFINITY);
         if self.dynamics.has_knots() { limit.min(self.beyond_next_knot(z)) } else { limit }
     }
 
