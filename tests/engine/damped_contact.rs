@@ -8,6 +8,8 @@ const MU: f64 = 0.3;
 const ETA: f64 = 0.8;
 /// Error allowed, in tolerances of the distance that matters.
 const ALLOWED: f64 = 10.0;
+/// Error allowed besides [m]: rounding at the size of a motion of 1 rad, to which positions are relative.
+const ROUNDING: f64 = 1e-16;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -123,7 +125,7 @@ impl Case {
             run.step(h);
             most = most.max((run.get("slide.position") - self.free(h * f64::from(k))).abs());
         }
-        most / (ALLOWED * self.tolerance.max(1e-13) * self.exact().abs())
+        most / self.allowed()
     }
 
     /// Error over what is allowed.
@@ -141,9 +143,13 @@ impl Case {
         for _ in 0..self.steps {
             run.0.step(self.span / f64::from(self.steps)).map_err(|e| e.to_string())?;
         }
-        let (got, exact) = (run.get("slide.position"), self.exact());
-        let size = exact.abs().max(self.distance).max(if self.kind == Kind::Thrown { 1.0 } else { 0.0 });
-        Ok((got - exact).abs() / (ALLOWED * self.tolerance.max(1e-13) * size))
+        Ok((run.get("slide.position") - self.exact()).abs() / self.allowed())
+    }
+
+    /// Error allowed [m].
+    fn allowed(&self) -> f64 {
+        let size = self.exact().abs().max(self.distance).max(if self.kind == Kind::Thrown { 1.0 } else { 0.0 });
+        ALLOWED * self.tolerance.max(1e-13) * size + ROUNDING
     }
 }
 
@@ -181,6 +187,7 @@ impl Numbers {
 #[test]
 fn damped_motions_leave_and_reach_what_holds_them() {
     let count = cases().unwrap_or(4);
+    let mut wrong = Vec::new();
     for kind in KINDS {
         for exponent in [2, 3, 4, 5, 6, 8, 10, 12] {
             for steps in [1, 300] {
@@ -189,11 +196,14 @@ fn damped_motions_leave_and_reach_what_holds_them() {
                     let case = numbers.case(kind, 10f64.powi(-exponent), steps);
                     let error = case.error().unwrap_or_else(|e| panic!("{e}: {case:?}"));
                     let is_free = error > 1.0 && kind != Kind::Thrown && error <= 1.5 * case.error_without_events();
-                    assert!(error <= 1.0 || is_free, "{error} times what is allowed: {case:?}");
+                    if !(error <= 1.0 || is_free) {
+                        wrong.push(format!("{error} times what is allowed: {case:?}"));
+                    }
                 }
             }
         }
     }
+    assert!(wrong.is_empty(), "{} runs: {}", wrong.len(), wrong.join("\n"));
 }
 
 /// A tailgate with a strong damper leaves its latch: one step at a loose tolerance against a tight one.
