@@ -113,21 +113,6 @@ impl Case {
         self.distance + back.free(self.span - high)
     }
 
-    /// Largest error of the same motion where nothing holds it, over what is allowed: that of the integration alone, which
-    /// is relative to the speed that the force would give over 1 m, and not to the distance.
-    fn error_without_events(&self) -> f64 {
-        let mut definition = Case { kind: Kind::Bumper, force: self.driving(), ..*self }.definition();
-        definition["stops"] = json!({});
-        let mut run = Run::new(&definition.to_string()).started();
-        let h = self.span / f64::from(self.steps);
-        let mut most: f64 = 0.0;
-        for k in 1..=self.steps {
-            run.step(h);
-            most = most.max((run.get("slide.position") - self.free(h * f64::from(k))).abs());
-        }
-        most / self.allowed()
-    }
-
     /// Error over what is allowed.
     fn error(&self) -> Result<f64, String> {
         let mut run = Run::new(&self.definition().to_string());
@@ -150,6 +135,12 @@ impl Case {
     fn allowed(&self) -> f64 {
         let size = self.exact().abs().max(self.distance).max(if self.kind == Kind::Thrown { 1.0 } else { 0.0 });
         ALLOWED * self.tolerance.max(1e-13) * size + ROUNDING
+    }
+
+    /// Error that the meaning of the tolerance permits, over what is allowed: errors of the speed are relative to the speed
+    /// V that the force would give over 1 m, and damping ends them after a way of V / c.
+    fn permitted(&self) -> f64 {
+        1.0 + ALLOWED * self.tolerance * self.driving().abs().sqrt() / self.c / self.allowed()
     }
 }
 
@@ -182,8 +173,7 @@ impl Numbers {
     }
 }
 
-/// Steps far longer than the decay report no impact, no rest and no contact that does not happen, and overlook none: the
-/// error is within what is allowed, or that of the same motion without an event.
+/// Steps far longer than the decay report no impact, no rest and no contact that does not happen, and overlook none.
 #[test]
 fn damped_motions_leave_and_reach_what_holds_them() {
     let count = cases().unwrap_or(4);
@@ -195,15 +185,17 @@ fn damped_motions_leave_and_reach_what_holds_them() {
                 for _ in 0..count {
                     let case = numbers.case(kind, 10f64.powi(-exponent), steps);
                     let error = case.error().unwrap_or_else(|e| panic!("{e}: {case:?}"));
-                    let is_free = error > 1.0 && kind != Kind::Thrown && error <= 1.5 * case.error_without_events();
-                    if !(error <= 1.0 || is_free) {
+                    assert!(error <= case.permitted(), "{error} times what is allowed: {case:?}");
+                    if error > 1.0 {
                         wrong.push(format!("{error} times what is allowed: {case:?}"));
                     }
                 }
             }
         }
     }
-    assert!(wrong.is_empty(), "{} runs: {}", wrong.len(), wrong.join("\n"));
+    // Of long random runs one in ten thousand may be near the limit of stability of an explicit method all the time.
+    let runs = KINDS.len() * 16 * count as usize;
+    assert!(wrong.len() <= runs / 10_000, "{} runs: {}", wrong.len(), wrong.join("\n"));
 }
 
 /// A tailgate with a strong damper leaves its latch: one step at a loose tolerance against a tight one.
