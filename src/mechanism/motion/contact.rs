@@ -27,6 +27,7 @@
 //! that comes to it, the state of contact. It must not know time, forces or what causes a transition.
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
+use std::iter;
 
 /// The rigid stop that ends the travel on one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -355,15 +356,14 @@ impl Contact {
     }
 
     /// What holds the mechanism at rest, and where, with locks as they are in `ends`. `acceleration` is sigma_ddot
-    /// without rigid stops and locks. A stop comes first: a lock carries what the stop cannot.
-    pub fn holder(mut self, ends: &Ends, acceleration: f64) -> Option<(Place, Holder)> {
-        self.locks_set(ends);
+    /// without rigid stops and locks. A stop comes first: a lock carries what no stop can. Of several places at the
+    /// position of rest each may hold, so that two rigid stops of opposite sides hold against any load.
+    pub fn holder(self, ends: &Ends, acceleration: f64) -> Option<(Place, Holder)> {
         let place = self.at_rest()?;
-        if ends.is_pressed(place, acceleration) {
-            Some((place, Holder::Stop))
-        } else {
-            self.is_latched().then_some((place, Holder::Lock))
-        }
+        let others = || ends.position(place).into_iter().flat_map(|sigma| ends.at(sigma));
+        let all = || iter::once(place).chain(others());
+        let pressed = all().find(|place| ends.is_pressed(*place, acceleration)).map(|place| (place, Holder::Stop));
+        pressed.or_else(|| Some((all().find(|place| ends.is_locked(*place))?, Holder::Lock)))
     }
 
     /// The state, written or read.

@@ -7,7 +7,7 @@ mod oracle;
 mod release;
 mod scene;
 
-use crate::support::assert_says;
+use crate::support::{Run, assert_says};
 use linkage_fmu::simulation::Simulation;
 use oracle::{Machine, Quantity, Stop};
 use scene::{Scene, block, bumper, rigid, scene};
@@ -122,6 +122,33 @@ fn stops_at_one_place() {
     }
     let [a, b] = [&mut pair, &mut sum].map(|run| run.get("slide.position"));
     assert!((a - b).abs() < 1e-9 && a > 0.4, "{a} {b}");
+}
+
+/// A start between two stops of opposite sides at one place: the block is at rest from the start on, whichever way the
+/// load pushes, and the stop in the way carries it.
+#[test]
+fn two_opposite_stops_hold_a_start_against_any_load() {
+    let (lower, upper) = (rigid(Quantity::Slide, -1.0, 0.3, 0.5), rigid(Quantity::Slide, 1.0, 0.3, 0.5));
+    for (stops, [low, high]) in [([lower, upper], ["s0", "s1"]), ([upper, lower], ["s1", "s0"])] {
+        let scene = Scene { start: [0.3, 0.0], ..block(&stops) };
+        for force in [81.8, -81.8, 0.0] {
+            let mut run = Run::new(&scene.definition());
+            run.set("load.force", force);
+            run.initialize();
+            // The force turns round at each communication point.
+            for sign in [1.0, -1.0, -1.0, 1.0] {
+                let force = sign * force;
+                run.set("load.force", force);
+                assert_eq!((run.get("slide.acceleration"), run.get("slide.speed")), (0.0, 0.0), "{force}");
+                let forces = [low, high].map(|stop| run.get(&format!("{stop}.force")));
+                assert!((forces[0] - (-force).max(0.0)).abs() < 1e-12, "{force}: {forces:?}");
+                assert!((forces[1] + force.max(0.0)).abs() < 1e-12, "{force}: {forces:?}");
+                assert!((0..2).all(|k| run.is(&format!("s{k}.reached"))));
+                run.step(0.1);
+                assert_eq!(run.get("slide.position"), 0.3);
+            }
+        }
+    }
 }
 
 /// Places closer and closer to each other.

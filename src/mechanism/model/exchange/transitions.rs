@@ -65,7 +65,10 @@ pub fn value_of(
     Ok(match indicator {
         _ if state.contact.is_latched() => ABSENT,
         Indicator::End(side) => match (rest, state.travel.end(side)) {
-            (Some(place), _) if place == Place::rigid(side) => view.forces()?.free * outward(side) + PRESS_SHIFT,
+            // Between two rigid stops at one place nothing releases the mechanism.
+            (Some(place), end) if place == Place::rigid(side) && end != state.travel.end(1 - side) => {
+                view.forces()?.free * outward(side) + PRESS_SHIFT
+            }
             (_, Some(position)) => shift - beyond(x, position, side),
             (_, None) => ABSENT,
         },

@@ -107,6 +107,28 @@ fn a_lock_carries_what_the_stop_cannot() {
 }
 
 #[test]
+fn of_stops_at_one_place_each_holds() {
+    let mut travel = travel();
+    travel.rigid[1] = travel.rigid[0];
+    let [low, high] = [0, 1].map(Place::rigid);
+    let open = ends(&travel, NONE);
+    for place in [low, high] {
+        let contact = Contact::at_start(Some(place));
+        assert_eq!(contact.holder(&open, -1.0), Some((low, Holder::Stop)));
+        assert_eq!(contact.holder(&open, 1.0), Some((high, Holder::Stop)));
+        assert_eq!(contact.holder(&open, 0.0), Some((place, Holder::Stop)));
+    }
+    // A lock at the place of a bumper on the other side.
+    travel.rigid[1] = None;
+    travel.bumpers[0].positions[1] = Some(0.0);
+    let engaged = EngagedLocks { bumpers: BumperSet::default().with(0), ..NONE };
+    let contact = Contact::at_start(Some(low));
+    assert_eq!(contact.holder(&ends(&travel, engaged), 1.0), Some((Place::of_bumper(1, 0), Holder::Lock)));
+    assert_eq!(contact.holder(&ends(&travel, engaged), -1.0), Some((low, Holder::Stop)));
+    assert_eq!(contact.holder(&ends(&travel, NONE), 1.0), None);
+}
+
+#[test]
 fn places_are_told_with_their_locks() {
     let travel = travel();
     let all: Vec<_> = travel.places().collect();
