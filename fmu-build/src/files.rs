@@ -112,9 +112,31 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<()> {
     replace_with(path, |file| file.write_all(content))
 }
 
+/// Make the folder that this option of a command names, unless it is there.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
+    fs::create_dir_all(folder)
+        .with_context(|| format!("{}: the folder cannot be made; name another with {option}", folder.display()))
+}
+
+/// [`replace`] the file that this option of a command names.
+///
+/// # Errors
+/// As [`replace`].
+pub fn replace_named(path: &Path, option: &str, content: &[u8]) -> Result<()> {
+    make_folder(folder_of(path), option)?;
+    replace(path, content)
+}
+
+/// Folder of a file; of a bare file name the present one.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
-    // The folder of a bare file name is the present one.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     fs::create_dir_all(folder)
         .with_context(|| format!("{}: the folder cannot be made; name another one", folder.display()))?;
     let written = Replacement::begin(path).and_then(|mut own| {
@@ -144,13 +166,14 @@ impl Replacement {
     /// # Errors
     /// The file cannot be made.
     pub fn begin(path: &Path) -> io::Result<Self> {
-        // A link stays, and leads to the new file.
-        let path = if path.is_symlink() { path.canonicalize()? } else { path.to_path_buf() };
-        let name = path.file_name().filter(|_| !fs::metadata(&path).is_ok_and(|found| !found.is_file()));
-        let Some(name) = name else {
+        // A link to a pipe, as /dev/stdout may be one, leads to no path of a file.
+        let is_other = fs::metadata(path).is_ok_and(|found| !found.is_file());
+        // A link to a file stays, and leads to the new file.
+        let path = if path.is_symlink() && !is_other { path.canonicalize()? } else { path.to_path_buf() };
+        let Some(name) = path.file_name().filter(|_| !is_other) else {
             return Ok(Self { file: OpenOptions::new().write(true).open(&path)?, paths: None });
         };
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = folder_of(&path);
         clear(folder, name);
         let (partial, file) = begin(folder, name)?;
         Ok(Self { file, paths: Some((partial, path)) })

@@ -2,8 +2,8 @@
 //!
 //! In: the definitions there. Out: beside each, or in another folder, a GIF of its experiment.
 
-use crate::simulate;
 use crate::workspace::Workspace;
+use crate::{files, simulate};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub fn run(workspace: &Workspace, out: Option<&Path>) -> Result<()> {
     let gallery = workspace.gallery();
     let out = out.unwrap_or(&gallery);
-    fs::create_dir_all(out).with_context(|| format!("{}: the folder cannot be made", out.display()))?;
+    files::make_folder(out, "--out")?;
     for path in definitions(workspace)? {
         let name = Path::new(path.file_stem().unwrap_or_default()).with_extension("gif");
         let arguments = simulate::Arguments { path, gif: Some(out.join(name)), ..Default::default() };

@@ -42,7 +42,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     }
     let all = model.linearise(&named.what, arguments.count as usize)?;
     if let Some(path) = &arguments.output_file {
-        files::replace(path, named.csv(&all)?.as_slice())?;
+        files::replace_named(path, "--output-file", named.csv(&all)?.as_slice())?;
         eprintln!("{}", path.display());
     }
     if let Some(path) = &arguments.plot {

@@ -93,6 +93,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     }
     let binaries = libraries(workspace, arguments)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
+    files::make_folder(&out, "--out")?;
     let interfaces: HashMap<_, _> =
         prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
     let extent = Extent { animation: !arguments.no_animation, results: !arguments.no_results };

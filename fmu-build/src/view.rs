@@ -32,8 +32,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let html = html(&data)?;
     let path =
         arguments.out.clone().unwrap_or_else(|| workspace.output("view").join(format!("{}.html", data.file_name())));
-    files::replace(&path, html.as_bytes())?;
-    println!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
+    files::replace_named(&path, "--out", html.as_bytes())?;
+    let written = format!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
+    match path.is_file() {
+        true => println!("{written}"),
+        // The page itself may be what stands in standard output.
+        false => eprintln!("{written}"),
+    }
     if arguments.open {
         open::that_detached(&path).with_context(|| format!("{}: no browser opens it", path.display()))?;
     }

@@ -35,6 +35,35 @@ fn run(words: &[String], stdout: Stdio, stderr: Stdio) -> Output {
     command.args(words).stdout(stdout).stderr(stderr).spawn().unwrap().wait_with_output().unwrap()
 }
 
+/// Standard output by its name holds the file alone, whether it is a pipe or leads to a file.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_is_written_to_standard_output_by_its_name() {
+    let folder = env::temp_dir().join(format!("fmu-build-stdout-{}", process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let crank = Workspace::locate().descriptions().join("SliderCrank").display().to_string();
+    let own = folder.join("own");
+    for (words, option, [first, last]) in [
+        (&["simulate", &crank, "--stop-time", "0.01"][..], "--output-file", ["time,", "\n"]),
+        (&["view", &crank, "--stop-time", "0.01"], "--out", ["<!", "</html>\n"]),
+    ] {
+        let command =
+            |path: &str| -> Vec<String> { words.iter().chain([&option, &path]).map(|w| (*w).to_owned()).collect() };
+        let expected = {
+            assert!(run(&command(own.to_str().unwrap()), Stdio::null(), Stdio::null()).status.success());
+            fs::read_to_string(&own).unwrap()
+        };
+        assert!(expected.starts_with(first) && expected.ends_with(last), "{words:?}: {expected}");
+        for path in ["/dev/stdout", "/dev/fd/1"] {
+            let output = run(&command(path), Stdio::piped(), Stdio::piped());
+            let said = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(output.status.success() && said.contains(path), "{words:?} {path}: {said}");
+            assert_eq!(String::from_utf8(output.stdout).unwrap(), expected, "{words:?} {path}");
+        }
+    }
+    fs::remove_dir_all(folder).unwrap();
+}
+
 #[test]
 fn what_is_printed_into_a_closed_pipe_or_onto_a_full_disk_ends_in_no_panic() {
     let folder = env::temp_dir().join(format!("fmu-build-output-{}", process::id()));

@@ -168,7 +168,7 @@ def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("a file", encoding="utf-8")
     line = refused(package(tmp_path, "own.json", "--out", f"taken{os.sep}fmus"))
     assert "taken" in line
-    assert "name another" in line
+    assert "name another with --out" in line
 
 
 def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:

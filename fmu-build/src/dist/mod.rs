@@ -41,7 +41,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     keeps_its_promise(&made)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
-    files::replace(&wheel, &content)?;
+    files::replace_named(&wheel, "--out", &content)?;
     let platforms: Vec<&str> = binaries.iter().map(Binary::platform).collect();
     println!("{} ({:.1} MB, libraries: {})", wheel.display(), content.len() as f64 / 1e6, platforms.join(", "));
     if arguments.test {

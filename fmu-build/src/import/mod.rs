@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     match &arguments.out {
         Some(out) => {
-            files::replace(out, imported.definition.as_bytes())?;
+            files::replace_named(out, "--out", imported.definition.as_bytes())?;
             eprintln!("{}", out.display());
         }
         None => print!("{}", imported.definition),

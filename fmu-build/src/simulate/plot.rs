@@ -73,7 +73,8 @@ pub fn write(path: &Path, picture: &Picture) -> Result<()> {
     }
     picture::register()?;
     let size = (WIDTH, HEIGHT * panels.len().max(1) as u32);
-    files::replace(path, &content(path, size, &panels, picture).with_context(|| format!("--plot: {}", path.display()))?)
+    let content = content(path, size, &panels, picture).with_context(|| format!("--plot: {}", path.display()))?;
+    files::replace_named(path, "--plot", &content)
 }
 
 /// What the file holds.

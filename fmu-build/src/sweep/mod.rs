@@ -87,8 +87,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         .out
         .clone()
         .unwrap_or_else(|| workspace.output("sweep").join(arguments.study.file_stem().unwrap_or_default()));
-    fs::create_dir_all(&out)
-        .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
+    files::make_folder(&out, "--out")?;
     let identity = format!("{:032x}", study.identity);
     let draw = || -> Result<()> {
         if arguments.page {

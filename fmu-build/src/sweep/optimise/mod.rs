@@ -27,7 +27,6 @@ use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::inspection::{Pose, Scene};
 use optimiser::{Optimiser, Problem, Said};
 use serde_json::{Map, Value, json};
-use std::fs;
 use std::io::IsTerminal;
 use std::path::Path;
 
@@ -117,8 +116,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         .out
         .clone()
         .unwrap_or_else(|| workspace.output("optimise").join(arguments.study.file_stem().unwrap_or_default()));
-    fs::create_dir_all(&out)
-        .with_context(|| format!("{}: the folder cannot be made; name another with --out", out.display()))?;
+    files::make_folder(&out, "--out")?;
     let mut component = stated.component.clone();
     let present = factors.iter().map(|factor| Ok(component.real(factor.reference)?)).collect::<Result<Vec<f64>>>()?;
     let space = Space { bounds };
