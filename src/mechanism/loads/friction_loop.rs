@@ -56,10 +56,11 @@ pub struct FrictionLoop<T> {
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
-    /// Unknowns that some friction affects: not the components across the axes of prismatic joints, which are 0.
-    active: Vec<usize>,
-    /// Index of each unknown in `active`, or [`NONE`].
+    /// Index of each unknown among those that some friction affects, or [`NONE`]: of the components across the axes of
+    /// prismatic joints, which are 0.
     places: Vec<usize>,
+    /// Number of unknowns that some friction affects.
+    active: usize,
     before: Vec<T>,
     /// Magnitudes of the solution before.
     last: Vec<f64>,
@@ -106,8 +107,8 @@ impl<T: Number> FrictionLoop<T> {
             flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
-            active: Vec::with_capacity(unknowns),
             places: vec![NONE; unknowns],
+            active: 0,
             before: vec![zero; unknowns],
             last: vec![0.0; n],
             rest: vec![zero; unknowns],

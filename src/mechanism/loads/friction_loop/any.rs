@@ -59,13 +59,12 @@ impl<T: Number> FrictionLoop<T> {
 
     /// Find the unknowns that some friction affects.
     fn find_active(&mut self) {
-        self.active.clear();
+        self.active = 0;
         self.places.fill(NONE);
-        let rows = self.effect.chunks_exact(self.arm.len());
-        for ((k, row), place) in rows.enumerate().zip(&mut self.places) {
+        for (row, place) in self.effect.chunks_exact(self.arm.len()).zip(&mut self.places) {
             if row.iter().any(|effect| effect.value() != 0.0 || !effect.is_constant()) {
-                *place = self.active.len();
-                self.active.push(k);
+                *place = self.active;
+                self.active += 1;
             }
         }
     }
@@ -100,7 +99,7 @@ impl<T: Number> FrictionLoop<T> {
     /// Newton's method from the current unknowns with a part of the arms. False if it does not converge in `most`
     /// iterations, or if a determinant is not positive.
     fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
-        let (n, unknowns, zero) = (self.arm.len(), self.active.len(), T::constant(0.0));
+        let (n, unknowns, zero) = (self.arm.len(), self.active, T::constant(0.0));
         let mut converged = false;
         for iteration in 1..=most {
             self.iterations = iteration;
@@ -126,7 +125,7 @@ impl<T: Number> FrictionLoop<T> {
             }
             let (matrix, rest) = (&mut self.matrix[..unknowns * unknowns], &mut self.rest[..unknowns]);
             matrix.fill(0.0);
-            for (place, &k) in self.active.iter().enumerate() {
+            for (k, &place) in self.places.iter().enumerate().filter(|(_, place)| **place != NONE) {
                 let row = &self.effect[k * n..(k + 1) * n];
                 rest[place] = total(row, &self.size) * T::constant(part) - self.unknown[k];
                 let out = &mut matrix[place * unknowns..(place + 1) * unknowns];
@@ -161,8 +160,8 @@ impl<T: Number> FrictionLoop<T> {
                 }
                 self.size[i] = self.size[i] + more;
             }
-            for (&k, step) in self.active.iter().zip(&*rest) {
-                self.unknown[k] = self.unknown[k] + *step;
+            for (unknown, &place) in self.unknown.iter_mut().zip(&self.places).filter(|(_, place)| **place != NONE) {
+                *unknown = *unknown + rest[place];
             }
             if !error.is_finite() {
                 return false;
