@@ -18,6 +18,7 @@ use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::path::{Path, PathBuf};
 
 pub use print::{findings, json, line, listed, summary};
+pub use units::FileUnits;
 
 /// A definition that was checked.
 pub struct Checked {

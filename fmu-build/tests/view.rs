@@ -251,6 +251,10 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     let gear = workspace.descriptions().join("LandingGearRetraction");
     assert!(view::run(&workspace, &arguments(gear, "gear.html")).unwrap());
     assert!(fs::read_to_string(folder.join("gear.html")).unwrap().starts_with("<!DOCTYPE html>"));
+    // A run of no length is the start.
+    let gear = workspace.descriptions().join("LandingGearRetraction");
+    assert!(view::run(&workspace, &Arguments { stop_time: Some(0.0), ..arguments(gear, "start.html") }).unwrap());
+    assert!(fs::read_to_string(folder.join("start.html")).unwrap().contains("\"count\":1,\"stop_time\":0.0"));
     let entry =
         Entry { name: "resources/mechanism.json".into(), content: definition("LandingGearRetraction").into_bytes() };
     archive::write(&folder.join("Gear.fmu"), vec![entry]).unwrap();

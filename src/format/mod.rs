@@ -149,11 +149,21 @@ pub fn read_with<T: DeserializeOwned>(kind: &str, text: &str, numbers: &Numbers)
 
 /// The parser's message, for whoever writes the file; `is_top`: about the text as a whole.
 fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
+    if text.trim().is_empty() {
+        return "the file is empty; a definition is one object { \"name\": ... }".to_owned();
+    }
     let message = error.to_string().replace("expected f64", "expected a number");
+    let message = message.replace("EOF while parsing", "the text ends within");
     let message = message.replace("invalid type: sequence", "invalid type: a list [ ]");
     let message = message.replace("invalid type: map", "invalid type: an object { }");
     if let Some(meant) = meant(&message) {
-        return format!("{message}; did you mean `{meant}`?");
+        // A list of many words would hide the one that is meant.
+        if message.matches('`').count() <= 2 + 2 * MOST_WORDS {
+            return format!("{message}; did you mean `{meant}`?");
+        }
+        let said = message.split_once(", expected ").map_or(&*message, |(said, _)| said);
+        let place = message.rfind(" at line ").map_or("", |at| &message[at..]);
+        return format!("{said}; did you mean `{meant}`?{place}");
     }
     let remedy = if message.contains("invalid type: null") {
         "; leave the key out if it has no value"
@@ -176,11 +186,30 @@ fn message(error: &serde_json::Error, text: &str, is_top: bool) -> String {
     message + remedy
 }
 
+/// Most words that may stand in a place which are told beside the one that is meant.
+const MOST_WORDS: usize = 4;
+/// Words of other programs and of everyday speech, with those of a definition.
+const SYNONYMS: [(&str, &str); 9] = [
+    ("weight", "mass"),
+    ("moment_of_inertia", "inertia"),
+    ("links", "bodies"),
+    ("hinges", "joints"),
+    ("drives", "actuators"),
+    ("motors", "actuators"),
+    ("dampers", "springs"),
+    ("spring_rate", "stiffness"),
+    ("initial", "start"),
+];
+
 /// Of the words that the parser expected in the place of another one, the one that was probably meant.
 fn meant(message: &str) -> Option<String> {
     let rest = message.strip_prefix("unknown field `").or_else(|| message.strip_prefix("unknown variant `"))?;
     let (word, expected) = rest.split_once("`, expected ")?;
-    let nearest = nearest(expected.split('`').skip(1).step_by(2), word).into_iter().next()?;
+    let expected = || expected.split('`').skip(1).step_by(2);
+    if let Some((_, own)) = SYNONYMS.iter().find(|(other, own)| *other == word && expected().any(|one| one == *own)) {
+        return Some((*own).to_owned());
+    }
+    let nearest = nearest(expected(), word).into_iter().next()?;
     let is_alike = edits(word, nearest) <= 1 + word.len() / 5 || nearest.starts_with(word) || word.starts_with(nearest);
     is_alike.then(|| nearest.to_owned())
 }
@@ -226,6 +255,10 @@ mod tests {
         ] {
             let message = read::<std::collections::HashMap<String, f64>>("test", text).unwrap_err().to_string();
             assert!(message.contains(said), "{text}: {message}");
+        }
+        for (text, said) in [("", "the file is empty"), (" \n", "the file is empty"), ("{ \"a\": 1", "ends within")] {
+            let message = read::<Named<f64>>("test", text).unwrap_err().to_string();
+            assert!(message.contains(said) && !message.contains("EOF"), "{text}: {message}");
         }
         let message = read::<std::collections::HashMap<String, [f64; 2]>>("test", "{ \"a\": [0,5, 0,2] }");
         let message = message.unwrap_err().to_string();

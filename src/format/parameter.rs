@@ -47,7 +47,7 @@ impl Range {
             Self::Finite => (true, "a finite number"),
             Self::NonNegative => (value >= 0.0, "a finite number >= 0"),
             Self::Positive => (value > 0.0, "a finite number > 0"),
-            Self::Length => ((1e-100..=1e100).contains(&value), "a number > 0, from 1e-100 to 1e100"),
+            Self::Length => ((1e-100..=1e100).contains(&value), "a length > 0, from 1e-100 m to 1e100 m"),
             Self::Size => ((0.0..=1e100).contains(&value), "a finite number >= 0 and <= 1e100"),
             Self::Coordinate => (value.abs() <= 1e100, "a number from -1e100 to 1e100"),
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),
@@ -101,8 +101,13 @@ impl Range {
         if self.contains(value) {
             return Ok(());
         }
-        let unit = if unit == Unit::One { String::new() } else { format!(" {}", unit.name()) };
-        Err(DefinitionError::value(key, format_args!("{}{unit}", Decimal(value)), self.text()))
+        let name = if unit == Unit::One { String::new() } else { format!(" {}", unit.name()) };
+        let allowed = match (self, unit) {
+            // A file may state lengths and angles in another unit.
+            (Self::Coordinate, Unit::Metre | Unit::Radian) => format!("a number from -1e100{name} to 1e100{name}"),
+            _ => self.text(),
+        };
+        Err(DefinitionError::value(key, format_args!("{}{name}", Decimal(value)), allowed))
     }
 
     /// The range in words.

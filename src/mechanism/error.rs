@@ -80,6 +80,11 @@ pub enum ModelError {
     Interrupted { time: f64, why: String },
 }
 
+/// Unit of an angle, a length or a position by its name.
+pub fn unit_of(name: &str) -> &'static str {
+    if name.ends_with(".angle") { "rad" } else { "m" }
+}
+
 impl ModelError {
     /// Whether a step gave this error after it had begun: the model is in the state before the step, but its
     /// integration starts anew. Any other error, [`Self::Interrupted`] apart, refuses a step before it begins.
@@ -151,9 +156,10 @@ impl fmt::Display for ModelError {
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
-                "{name} = {}: this stop is reached {} s into the step, and solver.method = \"rigid_fem\" has no stops; \
-                 end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\"",
+                "{name} = {} {}: this stop is reached {} s into the step, and solver.method = \"rigid_fem\" has no \
+                 stops; end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\"",
                 Decimal(*value),
+                unit_of(name),
                 Decimal(*time)
             ),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
@@ -201,12 +207,12 @@ impl fmt::Display for ModelError {
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "stops.{name} = {}{unit}: the start, at {}{unit}, is beyond this stop; \
+                "stops.{name} = {} {unit}: the start, at {} {unit}, is beyond this stop; \
                  move the start or the stop, or set the stop's enabled to false{}",
                 Decimal::rounded(*value),
                 Decimal::rounded(*start),
                 if name.ends_with(".angle") { if_degrees(*start) } else { String::new() },
-                unit = if name.ends_with(".angle") { " rad" } else { " m" }
+                unit = unit_of(name)
             ),
             Self::NoEquilibrium { near, reason, remedy } => {
                 write!(f, "start.equilibrium: no stable equilibrium is found from {near} on: {reason}; {remedy}")
@@ -249,7 +255,7 @@ impl fmt::Display for ModelError {
             ),
             Self::Prescribed { name, value, time, why } => {
                 let (value, time) = (Decimal::rounded(*value), Decimal::rounded(*time));
-                write!(f, "{name} = {value} is prescribed {time} s into the step: {why}")
+                write!(f, "{name} = {value} {} is prescribed {time} s into the step: {why}", unit_of(name))
             }
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {

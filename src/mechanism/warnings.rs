@@ -6,16 +6,14 @@ mod cams;
 
 pub use belts::of_slack_belt;
 
-use super::closure::guessed;
-use super::curve::{Near, NearMiss, cure};
+use super::closure::{AssemblyError, guessed, straight};
+use super::curve::{Near, NearMiss, REPORTED, cure};
 use super::definition::Mechanism;
-use super::linkage::{Freedom, GROUND, Joint, Linkage, Point};
-use super::loads::unit_load::Load;
+use super::linkage::{GROUND, Linkage};
 use super::motion::contact::Travel;
 use super::reduced::Reduced;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
-use crate::numerics::plane::{Vec2, cross, turned};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
@@ -24,15 +22,14 @@ const FAR: f64 = 0.5;
 /// Least move of a joint's point that is told, as a part of the largest one, and most of them that are told.
 const TOLD: f64 = 1e-3;
 const MOST_TOLD: usize = 12;
-/// Distance of two points that are one, and sine of the angle between two axes that are parallel, relative to the size.
-const SAME: f64 = 1e-9;
+/// Difference of two pitch radii that are one, relative to their size.
+const SAME: f64 = 3.2e-5;
 
 /// All warnings that need geometry.
 pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     let mut all = of_guess(mechanism, reduced.linkage(), &reduced.curve().guess);
     warn_of_grounded_loads(mechanism, reduced.linkage(), &mut all);
     warn_of_idle_loads(mechanism, reduced, &mut all);
-    warn_of_joints_given_twice(reduced.linkage(), &mut all);
     cams::warn_of_cams(reduced.linkage(), &mut all);
     belts::warn_of_overlaps(reduced.linkage(), &mut all);
     warn_of_wheels(mechanism, reduced.linkage(), &reduced.curve().guess, &mut all);
@@ -41,11 +38,13 @@ pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
 
 /// The warning about a drive whose motion begins elsewhere than the start has it: both displacements [m or rad].
 pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding> {
-    let (name, motion) = mechanism.actuators.iter().find_map(|(name, drive)| Some((name, drive.motion.as_ref()?)))?;
-    let [here, there] = [here, there].map(Decimal::rounded);
+    let mut drives = mechanism.actuators.iter();
+    let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
+    let unit = if mechanism.turns(drive) { "rad" } else { "m" };
+    let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
     let message = format!("begins at {there}, and the start has the drive at {here}: the run begins with this jump");
     let (key, remedy) = match motion.profile {
-        Some(_) => ("points", "let the table be 0 at time 0, as its distances count from the start".to_owned()),
+        Some(_) => ("points", format!("let the table be 0 {unit} at time 0, as its distances count from the start")),
         None => ("position", format!("state {here}, or the start where the motion begins")),
     };
     Some(Finding::warning(format_args!("actuators.{name}.motion.{key}"), message, remedy))
@@ -67,7 +66,7 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
         ];
         for (which, body, teeth, radius) in wheels {
             let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
-            if (radius - other).abs() > SAME.sqrt() * radius {
+            if (radius - other).abs() > SAME * radius {
                 let message = format!(
                     "makes the wheel of {} with {teeth} teeth one with a pitch radius of {} m, and couplings.{at} with {} m",
                     linkage.bodies[body].name,
@@ -109,12 +108,16 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
         };
         let as_degrees = stated.0 * PI / 180.0;
         let off = (found.0 - as_degrees).rem_euclid(TAU);
-        let remedy = match is_angle && off.min(TAU - off) <= FAR && stated.0.abs() > PI {
+        let may_be_degrees = is_angle && !mechanism.file_units.has_degrees();
+        let remedy = match may_be_degrees && off.min(TAU - off) <= FAR && stated.0.abs() > PI {
             true => format!(
-                "if {stated} degrees are meant, write {} or give \"units\": {{ \"angle\": \"deg\" }}",
+                "if {stated} degrees are meant, write {} rad or give \"units\": {{ \"angle\": \"deg\" }}",
                 Decimal::rounded(as_degrees)
             ),
-            false => format!("write {found} if this assembly is meant, else check the lengths or guess closer"),
+            false => {
+                let unit = if is_angle { "rad" } else { "m" };
+                format!("write {found} {unit} if this assembly is meant, else check the lengths or guess closer")
+            }
         };
         all.push(Finding::warning(path, message, remedy));
     }
@@ -124,7 +127,13 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
 /// Warnings about places within the travel where the lengths almost let branches cross, so that the motion turns off.
 pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel) -> Vec<Finding> {
     let size = reduced.linkage().size;
-    let misses = reduced.curve().near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma));
+    let misses = || reduced.curve().near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma));
+    // No branches cross where a loop is stretched flat, however its points are moved.
+    let drawn = reduced.curve().drawn();
+    let flat = misses().next().and_then(|_| straight(drawn, REPORTED));
+    if let Some(error @ AssemblyError::TooLong { joint, .. }) = &flat {
+        return vec![Finding::warning(format_args!("joints.{joint}"), error.to_string(), "")];
+    }
     let warning = |miss: &NearMiss| {
         let message = format!(
             "branches of motion almost cross at {}: the lengths miss a crossing by {:.1e} of the size of the mechanism \
@@ -137,7 +146,7 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
             format!("if it is to go straight on, write \"snap\": {:e} or correct the lengths", cure(miss.miss));
         Finding::warning(if mechanism.snap.is_some() { "snap" } else { "" }, message, remedy)
     };
-    misses.map(warning).collect()
+    misses().map(warning).collect()
 }
 
 /// Whether a sigma on the curve is within the travel.
@@ -203,50 +212,9 @@ fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Fi
         let load = loading.loads[load].along();
         if load.is_idle() {
             let at = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
-            let (at, never) =
-                (Decimal::rounded(at), "in every position, so that it never moves the mechanism and only loads joints");
-            let (message, remedy) = match load {
-                Load::Pair { .. } => {
-                    (format!("its two ends are {at} m apart {never}"), "name two points whose distance changes")
-                }
-                Load::Slide { .. } => (format!("its joint is at {at} m {never}"), "name a joint that moves"),
-                _ => (format!("its joint is at {at} rad {never}"), "name a joint that moves"),
-            };
+            let (words, remedy) = load.idle_words(at, reduced.linkage().size);
+            let message = format!("{words}, so that it never moves the mechanism and only loads joints");
             all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
-    }
-}
-
-/// Joints that hold the same two bodies in the same way.
-fn warn_of_joints_given_twice(linkage: &Linkage, all: &mut Vec<Finding>) {
-    let mut known: HashMap<[usize; 2], Vec<&Joint>> = HashMap::new();
-    for joint in &linkage.joints {
-        let bodies = [joint.first.body, joint.second.body];
-        let others = known.entry([bodies[0].min(bodies[1]), bodies[0].max(bodies[1])]).or_default();
-        // Two bodies with many joints between them are no linkage; the first few tell it.
-        match others.iter().take(16).find(|other| is_same(linkage, joint, other)) {
-            Some(other) => {
-                let message = format!("is the same joint as {}, so that the two share one reaction", other.name);
-                all.push(Finding::warning(format_args!("joints.{}", joint.name), message, "remove one of them"));
-            }
-            None => others.push(joint),
-        }
-    }
-}
-
-fn is_same(linkage: &Linkage, one: &Joint, other: &Joint) -> bool {
-    let near = |a: Point, b: Point| (a.local - b.local).norm() <= SAME * linkage.size;
-    let swapped = one.first.body != other.first.body;
-    let (first, second) = if swapped { (other.second, other.first) } else { (other.first, other.second) };
-    match (one.freedom, other.freedom) {
-        (Freedom::Revolute, Freedom::Revolute) => near(one.first, first) && near(one.second, second),
-        // Sliding along one line, stated in the same order: the points differ along the axis at most.
-        (Freedom::Prismatic(a), Freedom::Prismatic(b)) if !swapped => {
-            let angle = |body: usize| linkage.bodies[body].offset;
-            let on_second = turned(a, angle(one.first.body) - angle(one.second.body));
-            let off = |a: Point, b: Point, axis: Vec2| cross(axis, a.local - b.local).abs() <= SAME * linkage.size;
-            cross(a, b).abs() <= SAME && off(one.first, first, a) && off(one.second, second, on_second)
-        }
-        _ => false,
     }
 }

@@ -246,7 +246,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
         run.step(0.1);
         assert_eq!([run.get("idle.speed"), run.get("idle.holding_force")], [0.0; 2], "{first}");
         assert_eq!(run.get("idle.reduced_mass"), f64::MAX, "{first}");
-        assert_says(run.undefined("idle.required_force"), &["indeterminate"]);
+        assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
             let told = inspect(&between(group, first, second)).findings;
             let path = format!("{group}.idle");
@@ -270,7 +270,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
         run.set(if kind == "revolute" { "idle.torque" } else { "idle.force" }, 1e3);
         run.step(0.1);
         assert_eq!(run.get("idle.speed"), 0.0, "{kind}");
-        assert_says(run.undefined("idle.required_force"), &["indeterminate"]);
+        assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
             let told = inspect(&within(group)).findings;
             let path = format!("{group}.idle");

@@ -3,6 +3,7 @@
 use crate::support::{assert_says, changed};
 use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::Model;
+use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::{Causality, Kind, Reference, Variability};
 use serde_json::{Value, json};
@@ -255,8 +256,65 @@ fn what_is_wrong_is_named_with_its_key() {
     let text =
         changed(FAMILY, |m| m["guess"] = json!({ "crank": "pi/3", "coupler": "0.5", "rocker": "1.6 * size / 0.3" }));
     Model::from_json(&text).unwrap();
+    // Expressions are in SI units in any file.
     let degrees = changed(&text, |m| m["units"] = json!({ "angle": "deg" }));
-    assert_says(Model::from_json(&degrees).unwrap_err().to_string(), &["guess.coupler", "SI units", "remove units"]);
+    let [plain, degrees] = [text, degrees].map(|text| Mechanism::from_json(&text).unwrap().guess);
+    for (name, value) in plain.iter() {
+        assert!((degrees.get(name).unwrap() - value).abs() < 1e-15, "{name}");
+    }
+}
+
+/// Numbers that are read once, of every kind, by an expression in SI units and by a number in the file's units.
+#[test]
+fn an_expression_of_a_number_that_is_read_once_is_in_si_units_too() {
+    let file = |number: &dyn Fn(f64, &str) -> Value| {
+        let (mm, deg) = (|mm: f64| number(mm, &format!("{mm} / 1000")), |deg: f64| number(deg, &format!("rad({deg})")));
+        json!({
+            "name": "Drawn", "units": { "length": "mm", "angle": "deg" },
+            "bodies": {
+                "ground": { "points": { "far": [500, 0] } },
+                "arm": {
+                    "drawn": { "origin": [mm(0.0), 0], "end": [mm(300.0), mm(40.0)], "points": { "eye": [mm(90.0), 0] } }
+                },
+                "block": { "mass": 1, "drawn": { "origin": [mm(500.0), 0], "angle": deg(20.0) } }
+            },
+            "joints": {
+                "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
+                "wheel": { "type": "revolute", "first": "ground.far", "second": "block.origin" }
+            },
+            "couplings": { "mesh": { "type": "gears", "first": "arm.origin", "second": "block.origin",
+                "first_teeth": 20, "second_teeth": 30 } },
+            "springs": {
+                "coil": { "joint": "pin", "points": [[deg(-30.0), -1], [deg(30.0), 1]] },
+                "wire": { "first": "arm.eye", "second": "ground.far", "points": [[mm(100.0), 0], [mm(700.0), 5]] }
+            },
+            "stops": { "end": { "body": "arm", "limit": "upper", "angle": 90, "rigid": false,
+                "points": [[0, 0], [deg(5.0), 2]] } },
+            "start": { "body": "arm", "angle": 8 }, "guess": { "arm": deg(7.5) },
+        })
+        .to_string()
+    };
+    let numbers = Mechanism::from_json(&file(&|value, _| json!(value))).unwrap();
+    let expressions = Mechanism::from_json(&file(&|_, text| json!(text))).unwrap();
+    let [one, other] = [numbers, expressions].map(|m| serde_json::to_value(m).unwrap());
+    fn same(path: &str, one: &Value, other: &Value) {
+        match (one, other) {
+            (Value::Object(a), Value::Object(b)) => {
+                assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>(), "{path}");
+                a.iter().for_each(|(key, value)| same(&format!("{path}.{key}"), value, &b[key]));
+            }
+            (Value::Array(a), Value::Array(b)) => {
+                assert_eq!(a.len(), b.len(), "{path}");
+                a.iter().zip(b).for_each(|(a, b)| same(path, a, b));
+            }
+            (Value::Number(a), Value::Number(b)) => {
+                let [a, b] = [a, b].map(|number| number.as_f64().unwrap());
+                assert!((a - b).abs() <= 1e-15 * a.abs().max(1.0), "{path}: {a} {b}");
+            }
+            _ => assert_eq!(one, other, "{path}"),
+        }
+    }
+    same("", &one, &other);
 }
 
 /// In a file in millimetres and degrees an expression is clear where its numbers have units.
@@ -272,7 +330,11 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
             "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
             "start": { "body": "arm", "angle": 30 }, "guess": { "arm": 30 },
         });
-        file["bodies"]["tip"][key] = json!(text);
+        if key == "arm" {
+            file["guess"]["arm"] = json!(text);
+        } else {
+            file["bodies"]["tip"][key] = json!(text);
+        }
         let model = Model::from_json(&file.to_string()).unwrap();
         let found = model.warnings().iter().filter(|w| w.message.contains("expressions are in SI units"));
         found.map(|w| w.path.clone()).collect::<Vec<_>>()
@@ -284,8 +346,11 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
         ("angle", "a"),
         ("angle", "t + 10"),
         ("angle", "deg(asin(0.5))"),
+        ("arm", "30"),
+        ("arm", "t * 2 + 1"),
     ] {
-        assert_eq!(warned(key, text), [format!("bodies.tip.{key}")], "{text}");
+        let path = if key == "arm" { "guess.arm".to_owned() } else { format!("bodies.tip.{key}") };
+        assert_eq!(warned(key, text), [path], "{text}");
     }
     for (key, text) in [
         ("length", "size"),
@@ -297,6 +362,8 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
         ("angle", "t / 2"),
         ("angle", "atan2(size, arm.length)"),
         ("mass", "L / 100"),
+        ("arm", "rad(a)"),
+        ("arm", "t * 2"),
     ] {
         assert!(warned(key, text).is_empty(), "{text}");
     }

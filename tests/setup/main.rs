@@ -219,7 +219,7 @@ fn a_reset_allocates_the_state_alone() {
         (&|_| {}, 36),
         (&|gear| gear.set_real(gravity, 9.8).unwrap(), 40),
         (&|gear| gear.set_real(tolerance, 1e-8).unwrap(), 40),
-        (&|gear| gear.set_boolean(friction, true).unwrap(), 99),
+        (&|gear| gear.set_boolean(friction, true).unwrap(), 95),
     ];
     for (which, (set_up, most)) in set_ups.into_iter().enumerate() {
         let mut count = 0;

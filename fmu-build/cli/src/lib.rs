@@ -127,7 +127,7 @@ pub struct Simulate {
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
     /// Relative tolerance of the integration [default: solver.tolerance]
-    #[arg(long, value_name = "REL")]
+    #[arg(long, value_name = "REL", value_parser = part)]
     pub relative_tolerance: Option<f64>,
     /// Start values: pairs of a name and a value, or name=value; a number may have the unit or the display unit of the
     /// variable (45deg)
@@ -173,6 +173,21 @@ fn seconds(text: &str) -> Result<f64, String> {
     match number.trim().replace(',', ".").parse::<f64>() {
         Ok(value) => Err(format!("write {} (seconds), without a unit", factor * value)),
         Err(_) => Err("write a number of seconds, such as 2.5".to_owned()),
+    }
+}
+
+/// A part of 1.
+///
+/// # Errors
+/// The text is no number; a percentage, or one with a decimal comma, says what to write.
+fn part(text: &str) -> Result<f64, String> {
+    if let Ok(part) = text.parse() {
+        return Ok(part);
+    }
+    let (number, of) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 100.0));
+    match number.trim().replace(',', ".").parse::<f64>() {
+        Ok(value) => Err(format!("write {} (a part of 1), without a unit", value / of)),
+        Err(_) => Err("write a part of 1, such as 1e-6".to_owned()),
     }
 }
 

@@ -114,6 +114,13 @@ mod tests {
             assert!(error.contains(remedy), "{error}");
         }
         assert!(parsed("fmu view p --stop-time soon").err().unwrap().to_string().contains("a number of seconds"));
+        for (text, remedy) in
+            [("1%", "write 0.01 (a part"), ("1e-4 %", "write 0.000001"), ("0,01", "write 0.01"), ("x", "1e-6")]
+        {
+            let line = ["fmu", "simulate", "p", "--relative-tolerance", text].map(OsString::from);
+            let error = Cli::try_parse_from(line).err().unwrap().to_string();
+            assert!(error.contains(remedy), "{error}");
+        }
         // An option is no value.
         let error = parsed("fmu simulate p --start-time --stop-time 3").err().unwrap().to_string();
         assert!(error.contains("a value is required for '--start-time <S>'"), "{error}");

@@ -100,7 +100,8 @@ fn quantity(quantity: &Quantity) -> String {
     };
     match unit.strip_prefix('1') {
         Some("") => format!("{name} {}", number(*value)),
-        _ if value.is_infinite() => format!("{name} without bound"),
+        // The largest number stands for an infinite value of a variable.
+        _ if value.abs() >= f64::MAX => format!("{name} without bound"),
         _ => format!("{name} {} {unit}{degrees}", number(*value)),
     }
 }

@@ -44,7 +44,10 @@ impl FileUnits {
     /// Every number that is followed by a converted unit in this unit.
     fn converted(&self, message: &str) -> String {
         let mut out = String::with_capacity(message.len());
-        let mut words = message.split(' ').peekable();
+        let has_degrees = self.0.iter().any(|unit| unit.own == "deg");
+        // Nobody who states degrees means radians.
+        let asks = message.rfind("; if ").filter(|at| has_degrees && message[*at..].contains(" degrees are meant"));
+        let mut words = message[..asks.unwrap_or(message.len())].split(' ').peekable();
         while let Some(word) = words.next() {
             let unit = words.peek().and_then(|next| self.of_word(next).map(|unit| (unit, *next)));
             let digits = word.trim_start_matches('(');
@@ -52,8 +55,18 @@ impl FileUnits {
                 Some(((unit, next), value)) => {
                     let rest = &next[unit.si.len()..];
                     out.push_str(&word[..word.len() - digits.len()]);
-                    out.push_str(&format!("{} {}{rest}", Decimal::rounded(value * unit.factor), unit.own));
+                    // One digit less than the engine gives, which the factor may have changed.
+                    let value = value * unit.factor;
+                    let own = Decimal(format!("{value:.8e}").parse().unwrap_or(value));
+                    out.push_str(&format!("{own} {}{rest}", unit.own));
                     words.next();
+                    // The engine tells degrees beside radians.
+                    let mut beside = words.clone();
+                    let again = beside.next().is_some_and(|word| unit.own == "deg" && word.starts_with('('));
+                    if let Some(rest) = beside.next().filter(|_| again).and_then(|word| word.strip_prefix("deg)")) {
+                        out.push_str(rest);
+                        words = beside;
+                    }
                 }
                 None => out.push_str(&self.bracketed(word)),
             }
@@ -93,6 +106,8 @@ mod tests {
             ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),
             ("give its rough angle [rad]", "give its rough angle [deg]"),
             ("1e4 N/m and m alone", "1e4 N/m and m alone"),
+            ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
+            ("at 15.70796327 rad; if 15 degrees are meant, write 0.2 rad", "at 900 deg"),
         ] {
             assert_eq!(FileUnits::of(text).converted(message), told);
             assert_eq!(FileUnits::of("{}").converted(message), message);

@@ -15,6 +15,7 @@ pub(crate) mod signals;
 mod table;
 mod thinned;
 
+use crate::check::FileUnits;
 use crate::source::Definition;
 use crate::start_values::{self, find};
 use crate::workspace::Workspace;
@@ -51,8 +52,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
         .with_context(|| format!("{}; `{} check` tells more", definition.shown, workspace.program()))?;
+    let units = FileUnits::of(&definition.text);
     for finding in model.warnings() {
-        eprintln!("warning: {finding}");
+        eprintln!("warning: {}", units.told(finding.clone()));
     }
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;

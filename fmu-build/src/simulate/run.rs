@@ -93,7 +93,9 @@ pub fn run(
             Stepped::Failed(why) => bail!("the run ends at {} s: {why}", Decimal(ended.time)),
         }
         if let Some(warning) = model.take_warning() {
-            bar.say(&format!("warning: at {} s: {warning}", Decimal(next)));
+            // A contact that parts tells its time.
+            let when = if warning.contains(" at t = ") { String::new() } else { format!("at {} s: ", Decimal(next)) };
+            bar.say(&format!("warning: {when}{warning}"));
         }
         (ended.time, ended.steps) = (next, ended.steps + 1);
         if is_close(next, regular) {

@@ -33,6 +33,33 @@ fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
     assert_eq!(toggles, 2);
 }
 
+/// Angles, lengths and forces that are rounding are 0, also in words; no large number stands for infinity.
+#[test]
+fn what_is_rounding_is_told_as_zero() {
+    let mut text = slider_crank();
+    text["bodies"]["twin"] = json!({ "length": 0.1, "points": { "eye": [0.05, 0] } });
+    for (name, first, at) in [("axis", "ground.origin", "origin"), ("twins", "crank.end", "end")] {
+        text["joints"][name] = json!({ "type": "revolute", "first": first, "second": format!("twin.{at}") });
+    }
+    text["guess"]["twin"] = json!(0.5);
+    text["bodies"]["crank"]["points"] = json!({ "eye": [0.05, 0] });
+    text["actuators"]["idle"] = json!({ "joint": "twins" });
+    text["actuators"]["short"] = json!({ "first": "ground.origin", "second": "twin.eye" });
+    let all = checked(&text.to_string());
+    for name in ["start", "least", "most", "stroke"] {
+        assert_eq!(number(&all, "Drives", "idle", name), 0.0, "{name}");
+    }
+    assert_eq!(number(&all, "Drives", "short", "stroke"), 0.0);
+    let told: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
+    let [idle, short] = &told[..] else { panic!("{told:#?}") };
+    assert!(idle.contains("its joint is at 0 rad in every position"), "{idle}");
+    assert!(short.contains("its two ends are 0.05 m apart in every position"), "{short}");
+    let lines: Vec<String> = all.inspection.facts.iter().map(check::line).collect();
+    assert!(lines.iter().all(|line| !line.contains("-0.000000") && !line.contains("e308")), "{lines:#?}");
+    let small = |line: &String| line.contains("e-1") || line.contains("e-2") || line.contains("e-3");
+    assert!(!lines.iter().any(small), "{lines:#?}");
+}
+
 #[test]
 fn the_start_holds_in_balance_and_at_a_stop() {
     let balanced = with("/actuators/motor", json!({ "joint": "bearing", "torque": 0.5 * 0.5_f64.cos() }));

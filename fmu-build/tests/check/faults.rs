@@ -37,6 +37,31 @@ fn every_fault_of_the_form_is_found_at_its_place() {
     assert!(!all.is_whole);
 }
 
+/// The key that is meant stands at the beginning of the message, in the place of all that may stand there.
+#[test]
+fn a_key_that_is_meant_is_named() {
+    for (path, value, meant) in [
+        ("/actuatros", json!({}), "unknown field `actuatros`; did you mean `actuators`?"),
+        ("/bodies/crank/weight", json!(1), "unknown field `weight`; did you mean `mass`?"),
+        ("/bodies/crank/moment_of_inertia", json!(1), "did you mean `inertia`?"),
+        ("/joints/pin/kind", json!("revolute"), "expected one of"),
+    ] {
+        let all = found(&with(path, value), Severity::Error);
+        assert!(all.len() == 1 && all[0].1.contains(meant), "{all:#?}");
+        assert!(all[0].1.contains("expected one of") == meant.contains("expected"), "{all:#?}");
+    }
+    // A body that turns with another one has no guess.
+    let mut text = slider_crank();
+    text["bodies"]["weight"] = json!({ "fixed_to": "crank.origin", "angle": 3.0, "length": 0.05, "mass": 1 });
+    text["guess"]["weight"] = json!(3.5);
+    let all = found(&text.to_string(), Severity::Error);
+    assert!(all[0].0 == "guess.weight" && all[0].1.contains("fixed to crank.origin"), "{all:#?}");
+    for text in ["", " \n"] {
+        let all = found(text, Severity::Error);
+        assert!(all.len() == 1 && all[0].1.contains("the file is empty"), "{all:#?}");
+    }
+}
+
 #[test]
 fn every_fault_of_the_meaning_is_found() {
     let mut text = slider_crank();
@@ -133,6 +158,25 @@ fn values_are_told_in_the_units_of_the_file() {
     text["stops"] = json!({ "s": { "joint": "guide", "limit": "upper", "position": 0.35 } });
     let all = found(&text.to_string(), Severity::Error);
     assert!(all[0].1.starts_with("stops.s.position = 0.35 mm: the start, at 390 mm") && all[0].2 == "0.35", "{all:#?}");
+    // A remedy has the file's units too, and asks for none that the file has.
+    text["units"]["angle"] = json!("deg");
+    (text["stops"], text["gravity"]["up_angle"]) = (json!({}), json!(90));
+    (text["guess"], text["start"]) =
+        (json!({ "crank": 30, "rod": -10, "guide": 0.38 }), json!({ "body": "crank", "angle": 900 }));
+    let all = found(&text.to_string(), Severity::Warning);
+    let [(_, warning, _)] = &all[..] else { panic!("{all:#?}") };
+    assert!(warning.contains("guess of 0.38 mm; write 361.250755 mm if"), "{warning}");
+    (text["guess"], text["stops"]) = (
+        json!({ "crank": 900, "rod": 30, "guide": -380 }),
+        json!({ "s": { "body": "crank", "limit": "upper", "angle": 7 } }),
+    );
+    let all = [found(&text.to_string(), Severity::Error), found(&text.to_string(), Severity::Warning)].concat();
+    assert!(all[0].1.contains("the start, at 900 deg, is beyond"), "{all:#?}");
+    assert!(all.iter().all(|(_, text, _)| !text.contains("degrees") && !text.contains("units")), "{all:#?}");
+    text["bodies"]["crank"]["length"] = json!(1e308);
+    let all = [found(&text.to_string(), Severity::Error), found(&text.to_string(), Severity::Warning)].concat();
+    assert!(all[0].1.contains("a length > 0, from 1e-97 mm to 1e103 mm"), "{all:#?}");
+    assert!(all.iter().all(|(_, text, _)| !text.contains("units") && !text.contains("000000")), "{all:#?}");
 }
 
 #[test]

@@ -5,13 +5,15 @@
 use super::{AssemblyError, rounding_at};
 use crate::format::on_one_line;
 use crate::mechanism::definition::Named;
-use crate::mechanism::linkage::{Freedom, Linkage, Positions};
+use crate::mechanism::linkage::{Freedom, Linkage, Positions, Side};
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
 const CLOSED: f64 = 1e-14;
 /// Largest gap of redundant loops, relative to the linkage's size, that is blamed on their lengths and not on the guess.
 const CONTRADICTION: f64 = 1e-2;
+/// Part of the length of a loop that is stretched flat by which its longest side is shorter by rounding.
+pub(super) const FLAT: f64 = 1e-9;
 /// Singular values below this part of the largest count as zero.
 pub(super) const RANK: f64 = 1e-9;
 
@@ -75,7 +77,7 @@ pub(super) fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f
             q[i] += shorten * s / w[i];
         }
     }
-    if let Some(error) = straight(linkage) {
+    if let Some(error) = straight(linkage, FLAT) {
         return Err(error);
     }
     let gaps = linkage.gaps(&linkage.positions(&q));
@@ -84,11 +86,18 @@ pub(super) fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f
     Err(AssemblyError::Open { joint, gap, contradicts: is_redundant && gap < CONTRADICTION * linkage.size })
 }
 
-/// The error for a loop that cannot close, or that cannot move.
-pub(super) fn straight(linkage: &Linkage) -> Option<AssemblyError> {
-    let (joint, body, lengths) = linkage.straight_loop()?;
-    let (joint, body) = (linkage.joints[joint].name.clone(), linkage.bodies[body].name.clone());
-    Some(AssemblyError::TooLong { joint, body, lengths })
+/// The error for a loop that cannot close, or that fits only when it is stretched flat; `slack`: part of its length by
+/// which its longest side may be too short for that.
+pub fn straight(linkage: &Linkage, slack: f64) -> Option<AssemblyError> {
+    let found = linkage.straight_loop(slack)?;
+    let name = |body: usize| linkage.bodies[body].name.clone();
+    let (side, is_slide) = match found.side {
+        Side::Body(body) => (name(body), false),
+        Side::Slide(joint) => (linkage.joints[joint].name.clone(), true),
+    };
+    let others = found.others.iter().map(|(body, length)| (name(*body), *length)).collect();
+    let joint = linkage.joints[found.joint].name.clone();
+    Some(AssemblyError::TooLong { joint, side, is_slide, length: found.length, others })
 }
 
 /// The correction of Levenberg and Marquardt for J = U S V^T and this right side, damped by its norm.

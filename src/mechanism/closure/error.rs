@@ -1,5 +1,6 @@
 //! Errors of assembly.
 use crate::numerics::decimal::Decimal;
+use std::cmp::Ordering;
 use std::fmt;
 
 /// Error of assembly.
@@ -21,14 +22,18 @@ pub enum AssemblyError {
         /// Whether joints hold some bodies more than once, and the gap is small beside the linkage.
         contradicts: bool,
     },
-    /// A loop of revolute joints that no position closes, or a single one.
+    /// A loop that no position closes, or a single one, in which it is stretched flat.
     TooLong {
         /// Name of the joint that would close it.
         joint: String,
-        /// The body between whose joints the distance is too large.
-        body: String,
-        /// This distance, and the sum of those on the other bodies of the loop [m].
-        lengths: [f64; 2],
+        /// The body between whose joints the distance is too large, or the prismatic joint across whose axis it is.
+        side: String,
+        /// Whether the side is a prismatic joint.
+        is_slide: bool,
+        /// This distance [m].
+        length: f64,
+        /// The other bodies of the loop, each with the distance of its two joints [m].
+        others: Vec<(String, f64)>,
     },
     /// The number of degrees of freedom is not one.
     Freedom {
@@ -53,14 +58,27 @@ impl fmt::Display for AssemblyError {
                 f,
                 "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
             ),
-            Self::TooLong { joint, body, lengths: [length, others] } => write!(
-                f,
-                "the loop of {joint} cannot {}: its joints on {body} are {} m apart, and the other bodies reach over {} m \
-                 only; shorten {body}, or lengthen the other bodies of the loop",
-                if Decimal::rounded(*length).0 > Decimal::rounded(*others).0 { "close" } else { "move" },
-                Decimal::rounded(*length),
-                Decimal::rounded(*others)
-            ),
+            Self::TooLong { joint, side, is_slide, length, others } => {
+                let told = Decimal::rounded;
+                let (length, reach) = (told(*length), told(others.iter().map(|(_, length)| length).sum()));
+                let listed: Vec<String> =
+                    others.iter().map(|(name, length)| format!("{name} {} m", told(*length))).collect();
+                let (what, only) = match length.0.total_cmp(&reach.0) {
+                    Ordering::Greater => ("cannot close", " only"),
+                    Ordering::Equal => ("fits only stretched flat and cannot move", " only"),
+                    Ordering::Less => ("is stretched almost flat and can hardly move", ""),
+                };
+                let (between, remedy) = match is_slide {
+                    true => (format!("across the slide {side} its joints"), format!("bring the axis of {side} nearer")),
+                    false => (format!("its joints on {side}"), format!("shorten {side}")),
+                };
+                write!(
+                    f,
+                    "the loop of {joint} {what}: {between} are {length} m apart, and the other bodies reach over \
+                     {reach} m{only} ({}); {remedy}, or lengthen another body of the loop",
+                    listed.join(", ")
+                )
+            }
             Self::Freedom { count } => write!(
                 f,
                 "the linkage has {count} degrees of freedom where it must have 1: {}",

@@ -6,13 +6,14 @@ mod assembly;
 mod error;
 mod factors;
 
-pub use assembly::guessed;
+pub use assembly::{guessed, straight};
 pub use error::AssemblyError;
 pub use factors::{Factors, dot};
 
 use crate::mechanism::linkage::{Linkage, Positions};
+use crate::numerics::decimal::Decimal;
 use crate::numerics::twofold::Twofold;
-use assembly::{RANK, close, independent_rows, rank, scaled_jacobian, straight};
+use assembly::{FLAT, RANK, close, independent_rows, rank, scaled_jacobian};
 use std::sync::Arc;
 
 /// Position of a prismatic joint, in sizes of the linkage, up to which its rounding is no more than that of Newton's
@@ -93,7 +94,7 @@ impl Closure {
         let j = scaled_jacobian(&linkage, &linkage.positions(&q), &q, &w);
         let freedom = n - rank(&j, RANK);
         if freedom != 1 {
-            if let Some(error) = straight(&linkage) {
+            if let Some(error) = straight(&linkage, FLAT) {
                 return Err(error);
             }
             // Branches cross here if there is one degree of freedom a little way off, in an arbitrary fixed direction.
@@ -212,8 +213,13 @@ impl Closure {
     pub fn describe(&self, q: &[f64]) -> String {
         let names = &self.linkage.coordinates;
         let unit = |i: usize| if i < self.linkage.angles { "rad" } else { "m" };
+        // Zeros without a sign, and no endless row of digits.
+        let number = |value: f64| match value.abs() < 1e15 {
+            true => format!("{:.6}", (value * 1e6).round() / 1e6 + 0.0),
+            false => Decimal(value).to_string(),
+        };
         let parts: Vec<String> =
-            (0..q.len().min(6)).map(|i| format!("{} = {:.6} {}", names[i], q[i], unit(i))).collect();
+            (0..q.len().min(6)).map(|i| format!("{} = {} {}", names[i], number(q[i]), unit(i))).collect();
         parts.join(", ")
     }
 

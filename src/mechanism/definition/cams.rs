@@ -1,10 +1,11 @@
 //! Disc cams: motion law of the follower, with the checks that need no geometry.
 use super::couplings::Coupling;
 use super::interpolation::Interpolation;
-use crate::format::DefinitionError;
+use crate::format::{DefinitionError, Range};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::periodic::{Periodic, Segment};
 use crate::numerics::rise::Rise;
+use crate::variables::Unit;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -75,7 +76,7 @@ impl Coupling {
     /// Segments that are no revolution or do not return; points of no function.
     pub fn lift(&self, key: &str) -> Result<Periodic, DefinitionError> {
         match (&self.segments, &self.points) {
-            (Some(segments), None) => of_segments(segments, key),
+            (Some(segments), None) => of_segments(segments, key, self.joint.is_none()),
             (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
             (Some(_), Some(_)) => {
                 refused(format!("{key}.points"), "the lift is given by segments already: remove one of both")
@@ -155,8 +156,9 @@ impl Coupling {
     }
 }
 
-fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, DefinitionError> {
+fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Periodic, DefinitionError> {
     let last = segments.len().saturating_sub(1);
+    let unit = if turns { Unit::Radian } else { Unit::Metre };
     let (mut angle, mut lift, mut largest) = (0.0, 0.0, 0.0_f64);
     let mut all = Vec::new();
     for (k, segment) in segments.iter().enumerate() {
@@ -165,7 +167,8 @@ fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, Definitio
         let length = match segment.angle {
             Some(length) if length > 0.0 && length <= TAU => length,
             Some(length) => {
-                return Err(DefinitionError::value(at("angle"), Decimal(length), "an angle > 0 and <= 2 pi rad"));
+                let allowed = format!("an angle > 0 and <= {} rad, a whole revolution", Decimal::rounded(TAU));
+                return Err(DefinitionError::value(at("angle"), format_args!("{} rad", Decimal(length)), allowed));
             }
             None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
             None if k == last => {
@@ -180,9 +183,9 @@ fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, Definitio
         let distance = match (law, segment.rise) {
             (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove it, or choose another law"),
             (None, None) => 0.0,
-            (Some(_), Some(rise)) if rise.is_finite() && rise.abs() <= 1e100 => rise,
             (Some(_), Some(rise)) => {
-                return Err(DefinitionError::value(at("rise"), Decimal(rise), "a number from -1e100 to 1e100"));
+                Range::Coordinate.check_in(unit, at("rise"), rise)?;
+                rise
             }
             (Some(_), None) if k == last => -lift,
             (Some(_), None) => return refused(at("rise"), "is missing: only the last segment returns without it"),
@@ -194,17 +197,19 @@ fn of_segments(segments: &[CamSegment], key: &str) -> Result<Periodic, Definitio
     }
     if (angle - TAU).abs() > CLOSE * TAU {
         let message = format!(
-            "the angles add up to {} rad instead of 2 pi: change them, or leave out that of the last segment, which then has \
-             the rest",
-            Decimal::rounded(angle)
+            "the angles add up to {} rad instead of {} rad, 2 pi: change them, or leave out that of the last \
+             segment, which then has the rest",
+            Decimal::rounded(angle),
+            Decimal::rounded(TAU)
         );
         return refused(format!("{key}.segments"), message);
     }
     if lift.abs() > CLOSE * largest {
         let message = format!(
-            "the rises add up to {} instead of 0, so that the lift does not return: change them, or leave out that of the \
-             last segment",
-            Decimal::rounded(lift)
+            "the rises add up to {} {} instead of 0, so that the lift does not return: change them, or leave out that \
+             of the last segment",
+            Decimal::rounded(lift),
+            unit.name()
         );
         return refused(format!("{key}.segments"), message);
     }

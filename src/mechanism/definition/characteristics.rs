@@ -139,7 +139,8 @@ impl Mechanism {
                 continue;
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
-                let message = format!("push no more beyond the depth {}, however hard the impact", Decimal(last[0]));
+                let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
+                let message = format!("push no more beyond the depth {depth} {unit}, however hard the impact");
                 let remedy = "add a point for the deepest impact, or a stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }

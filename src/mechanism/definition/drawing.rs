@@ -3,7 +3,8 @@
 //!
 //! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
 //! It must not know how loops are closed.
-use super::bodies::{Body, JointKind};
+use super::bodies::{Body, Joint, JointKind};
+use super::loads::Actuator;
 use super::mechanism::{GROUND, Mechanism};
 use super::{Role, Visit};
 use crate::format::{DefinitionError, Faults, Named};
@@ -70,14 +71,24 @@ pub struct Drawn {
 }
 
 impl Units {
+    /// Whether angles are in degrees.
+    pub fn has_degrees(self) -> bool {
+        self.angle == Some(AngleUnit::Deg)
+    }
+
+    /// Whether lengths are in millimetres.
+    pub fn has_millimetres(self) -> bool {
+        self.length == Some(LengthUnit::Mm)
+    }
+
     fn angle(self, value: &mut f64) {
-        if self.angle == Some(AngleUnit::Deg) {
+        if self.has_degrees() {
             *value = value.to_radians();
         }
     }
 
     fn length(self, value: &mut f64) {
-        if self.length == Some(LengthUnit::Mm) {
+        if self.has_millimetres() {
             *value /= 1000.0;
         }
     }
@@ -93,14 +104,40 @@ impl Units {
             (_, Role::Circuit | Role::CircuitStart) => None,
             // A named parameter has the unit that it states.
             (_, Role::Named) => None,
-            (Unit::Radian, _) => (self.angle == Some(AngleUnit::Deg)).then_some("deg"),
-            (Unit::Metre, _) => (self.length == Some(LengthUnit::Mm)).then_some("mm"),
+            _ => self.of_number(unit),
+        }
+    }
+
+    /// The file's unit of a number in this unit, where it is none of SI.
+    pub(super) fn of_number(self, unit: Unit) -> Option<&'static str> {
+        match unit {
+            Unit::Radian => self.has_degrees().then_some("deg"),
+            Unit::Metre => self.has_millimetres().then_some("mm"),
             _ => None,
+        }
+    }
+
+    /// The number that states a value in this unit [SI] in the file.
+    pub(super) fn stated(self, unit: Unit, value: f64) -> f64 {
+        match self.of_number(unit) {
+            Some("deg") => value.to_degrees(),
+            Some(_) => 1000.0 * value,
+            None => value,
         }
     }
 }
 
 impl Mechanism {
+    /// Whether the motion of a drive is an angle.
+    pub(in crate::mechanism) fn turns(&self, drive: &Actuator) -> bool {
+        self.is_rotary(&drive.joint) || drive.screw.is_some()
+    }
+
+    /// Whether a load in this joint turns; one between two points does not.
+    pub(super) fn is_rotary(&self, joint: &Option<String>) -> bool {
+        is_rotary(&self.joints, joint)
+    }
+
     /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
     pub(super) fn resolve_drawing(&mut self, faults: &mut Faults) {
         self.convert_units();
@@ -119,6 +156,7 @@ impl Mechanism {
     /// Every angle and length of the file in SI units, if it has others.
     pub(super) fn convert_units(&mut self) {
         if let Some(units) = self.units.take() {
+            self.file_units = units;
             self.convert(units);
         }
     }
@@ -132,10 +170,7 @@ impl Mechanism {
         };
         self.parameters(convert);
         let Self { joints, actuators, springs, stops, .. } = self;
-        let is_rotary = |joint: &Option<String>| {
-            let joint = joint.as_ref().and_then(|joint| joints.get(joint));
-            joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
-        };
+        let is_rotary = |joint: &Option<String>| is_rotary(joints, joint);
         let way = |is_rotary: bool, way: &mut f64| if is_rotary { units.angle(way) } else { units.length(way) };
         for (_, actuator) in actuators.iter_mut() {
             let is_rotary = is_rotary(&actuator.joint) || actuator.screw.is_some();
@@ -282,6 +317,12 @@ impl Mechanism {
         let stated = self.guess.iter().map(|(name, value)| (name.to_owned(), *value));
         self.guess = stated.chain(guesses).collect();
     }
+}
+
+/// Whether a load in this joint turns.
+fn is_rotary(joints: &Named<Joint>, joint: &Option<String>) -> bool {
+    let joint = joint.as_ref().and_then(|joint| joints.get(joint));
+    joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
 }
 
 /// Bodies that turn together: joined by fixings and by prismatic joints.

@@ -3,6 +3,7 @@
 //! In: a mechanism as read, with placeholders where expressions stand. Out: the mechanism with all its numbers, and its
 //! expressions in an order in which each finds the values that it reads. It must not know the laws of the mechanism.
 mod order;
+mod read_once;
 
 use super::Mechanism;
 use crate::format::{DefinitionError, Expression, Numbers, Range, index_of, number_with_unit, read_with};
@@ -40,6 +41,8 @@ pub struct Calculated {
     pub index: usize,
     /// Indices of the parameters that the expression reads, by its names.
     arguments: Vec<usize>,
+    /// Units of these.
+    units: Vec<Unit>,
     /// Indices of the parameters that a host sets and that decide the value, ascending.
     pub bases: Vec<usize>,
 }
@@ -57,6 +60,19 @@ pub struct Fault {
     pub allowed: String,
     /// What the expression read, in words.
     pub because: String,
+}
+
+/// An expression for a length or an angle that holds a number without a unit, in a file with other units than SI.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unclear {
+    /// Path of its key in the file.
+    pub key: String,
+    /// The expression as it was written.
+    pub text: String,
+    /// Value, in SI units.
+    pub value: f64,
+    /// Unit of numbers under this key.
+    pub file_unit: &'static str,
 }
 
 impl PartialEq for Expressions {
@@ -93,34 +109,18 @@ impl Calculated {
 
     /// The values that the expression reads, in words.
     fn because(&self, values: &[f64]) -> String {
-        let read = self.expression.names().iter().zip(&self.arguments);
-        let read: Vec<String> = read.map(|(name, &i)| format!("{name} = {}", Decimal(values[i]))).collect();
+        let unit = |unit: Unit| if unit == Unit::One { String::new() } else { format!(" {}", unit.name()) };
+        let read = self.expression.names().iter().zip(&self.arguments).zip(&self.units);
+        let read = read.map(|((name, &i), &of)| format!("{name} = {}{}", Decimal(values[i]), unit(of)));
+        let read: Vec<String> = read.collect();
         if read.is_empty() { String::new() } else { format!("; it reads {}", read.join(", ")) }
     }
 
-    /// Value in SI units and the unit of the file, where a number in the expression may be meant in that unit: the value
-    /// is then no sum of products of quantities with units alone. `parameters`: units and values of all parameters.
-    pub fn unclear(&self, parameters: &[(Unit, f64)]) -> Option<(f64, &'static str)> {
-        const SCALE: f64 = 2.0;
-        let of_base = |unit: Unit| {
-            let [_, (_, metres), _, (_, radians)] = unit.base();
-            if self.unit == Unit::Radian { radians } else { metres }
-        };
-        // The same expression where the unit of length, or of angle, is half of the SI unit.
-        let scaled = self.expression.evaluate(|name| {
-            let (unit, value) = parameters[self.arguments[name]];
-            value * SCALE.powi(of_base(unit).into())
-        });
-        let value = parameters[self.index].1;
-        let is_alike = (scaled - SCALE * value).abs() <= 1e-9 * value.abs();
-        let is_clear = match self.unit {
-            Unit::Radian if self.expression.reads("deg") => false,
-            Unit::Radian => {
-                is_alike || ["pi", "rad", "asin", "acos", "atan", "atan2"].iter().any(|w| self.expression.reads(w))
-            }
-            _ => is_alike,
-        };
-        self.file_unit.filter(|_| !is_clear).map(|unit| (value, unit))
+    /// What is unclear about the unit of this expression. `parameters`: units and values of all parameters.
+    pub fn unclear(&self, parameters: &[(Unit, f64)]) -> Option<Unclear> {
+        let (file_unit, value) = (self.file_unit?, parameters[self.index].1);
+        let is_clear = is_clear(&self.expression, self.unit, value, |name| parameters[self.arguments[name]]);
+        (!is_clear).then(|| Unclear { key: self.key.clone(), text: self.text().to_owned(), value, file_unit })
     }
 
     fn fault(&self, values: &[f64]) -> Option<Fault> {
@@ -133,6 +133,27 @@ impl Calculated {
             allowed: self.range.text(),
             because: because(),
         })
+    }
+}
+
+/// Whether no number in an expression may be meant in another unit of length or angle: its value is a sum of products
+/// of quantities with units alone. `parameter`: unit and value of each parameter that it reads, by its names.
+fn is_clear(expression: &Expression, of: Unit, value: f64, parameter: impl Fn(usize) -> (Unit, f64)) -> bool {
+    const SCALE: f64 = 2.0;
+    let of_base = |unit: Unit| {
+        let [_, (_, metres), _, (_, radians)] = unit.base();
+        if of == Unit::Radian { radians } else { metres }
+    };
+    // The same expression where the unit of length, or of angle, is half of the SI unit.
+    let scaled = expression.evaluate(|name| {
+        let (unit, value) = parameter(name);
+        value * SCALE.powi(of_base(unit).into())
+    });
+    let is_alike = (scaled - SCALE * value).abs() <= 1e-9 * value.abs();
+    match of {
+        Unit::Radian if expression.reads("deg") => false,
+        Unit::Radian => is_alike || ["pi", "rad", "asin", "acos", "atan", "atan2"].iter().any(|w| expression.reads(w)),
+        _ => is_alike,
     }
 }
 
@@ -201,9 +222,6 @@ struct Place {
     expression: Option<usize>,
 }
 
-/// Index and expression of a number that is no parameter; why it cannot be read.
-type Fixed = (usize, Result<Expression, String>);
-
 /// All parameters, in order.
 fn places(mechanism: &mut Mechanism) -> Vec<Place> {
     let mut places = Vec::new();
@@ -243,6 +261,7 @@ impl Mechanism {
         let names = indices(&places);
         let calculated = self.calculated(&places, &names, texts)?;
         let read = self.fixed_expressions(&places, &names, texts)?;
+        let units = self.units.unwrap_or_default();
         self.convert_units();
         let mut values = Vec::new();
         self.parameters(&mut |_, value| values.push(*value));
@@ -259,13 +278,17 @@ impl Mechanism {
         if !read.is_empty() {
             // Numbers that are no parameters have the values that their expressions have now.
             places.iter_mut().zip(&values).for_each(|(place, value)| place.value = *value);
-            let mut known = vec![None; texts.len()];
-            for (index, expression) in read {
-                known[index] = Some(value_once(&expression, &names, &places));
+            let (mut known, mut unclear) = (vec![None; texts.len()], Vec::new());
+            for fixed in &read {
+                let value = fixed.value(&names, &places);
+                unclear.extend(fixed.unclear(&value, units, (&names, &places)));
+                let unit = fixed.stated.as_ref().and_then(|(_, unit)| *unit).unwrap_or(Unit::One);
+                known[fixed.index] = Some(value.map(|value| units.stated(unit, value)));
             }
             let numbers = Numbers::with_values(known);
             *self = read_with("mechanism", text, &numbers)?;
             self.convert_units();
+            self.unclear = unclear;
         }
         let mut all = values.iter();
         self.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
@@ -316,92 +339,21 @@ impl Mechanism {
             }
             let (name, key, range, unit) = (place.name.clone(), place.key.clone(), place.range, place.unit);
             let (file_unit, arguments, bases) = (place.file_unit, Vec::new(), Vec::new());
-            calculated.push(Calculated { name, key, expression, range, unit, file_unit, index, arguments, bases });
+            let units = expression.names().iter().map(|name| places[names[name]].unit).collect();
+            calculated.push(Calculated {
+                name,
+                key,
+                expression,
+                range,
+                unit,
+                file_unit,
+                index,
+                arguments,
+                units,
+                bases,
+            });
         }
         Ok(calculated)
-    }
-
-    /// Expressions of numbers that are no parameters, by their index; those that cannot be read are refused as they
-    /// are reached.
-    #[inline(never)]
-    fn fixed_expressions(
-        &self,
-        places: &[Place],
-        names: &HashMap<String, usize>,
-        texts: &[String],
-    ) -> Result<Vec<Fixed>, DefinitionError> {
-        let mut is_parameter = vec![false; texts.len()];
-        for index in places.iter().filter_map(|place| place.expression) {
-            is_parameter[index] = true;
-        }
-        let others = (0..texts.len()).filter(|index| !is_parameter[*index]);
-        let read = |index: usize| {
-            let text = &texts[index];
-            Expression::new(text).map_err(|why| without_unit(text, None, names).unwrap_or(why))
-        };
-        let others: Vec<_> = others.map(|index| (index, read(index))).collect();
-        let reads = |value: f64| {
-            let index = index_of(value)?;
-            let (_, expression) = others.iter().find(|(other, _)| *other == index)?;
-            Some((&texts[index], expression.as_ref().ok()?.names().first()))
-        };
-        for (key, value, is_drawn) in self.numbers_read_once() {
-            let Some((text, name)) = reads(value) else { continue };
-            if is_drawn && self.units.is_some() {
-                let why = "an expression is in SI units, and the file has others: write a number, or remove units";
-                return Err(DefinitionError::key(key, format_args!("\"{text}\": {why}")));
-            }
-            if let (Some(name), false) = (name, key.starts_with("guess.")) {
-                let why = format!(
-                    "{name} may change after this number was read, which is no parameter: write numbers and functions \
-                     alone, or for a drawing the body's length and points in its own frame"
-                );
-                return Err(DefinitionError::key(key, format_args!("\"{text}\": {why}")));
-            }
-        }
-        Ok(others)
-    }
-
-    /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; whether the unit of the
-    /// file is theirs.
-    fn numbers_read_once(&self) -> Vec<(String, f64, bool)> {
-        let mut all = Vec::new();
-        for (name, body) in self.bodies.iter() {
-            let Some(drawn) = &body.drawn else { continue };
-            let key = |part: &str| format!("bodies.{name}.drawn.{part}");
-            let mut pair = |part: &str, [x, y]: [f64; 2]| {
-                all.extend([(key(&format!("{part}[0]")), x, true), (key(&format!("{part}[1]")), y, true)]);
-            };
-            pair("origin", drawn.origin);
-            drawn.end.into_iter().for_each(|end| pair("end", end));
-            drawn.center.into_iter().for_each(|center| pair("center", center));
-            drawn.points.iter().for_each(|(point, place)| pair(&format!("points.{point}"), *place));
-            all.extend(drawn.angle.map(|angle| (key("angle"), angle, true)));
-        }
-        let mut points = |key: String, points: &Option<Vec<[f64; 2]>>, has_unit: bool| {
-            for (i, [x, force]) in points.iter().flatten().enumerate() {
-                all.extend([(format!("{key}[{i}][0]"), *x, has_unit), (format!("{key}[{i}][1]"), *force, false)]);
-            }
-        };
-        for (name, spring) in self.springs.iter() {
-            points(format!("springs.{name}.points"), &spring.points, true);
-            points(format!("springs.{name}.damping_points"), &spring.damping_points, false);
-        }
-        self.actuators.iter().for_each(|(name, a)| points(format!("actuators.{name}.points"), &a.points, false));
-        self.stops.iter().for_each(|(name, stop)| points(format!("stops.{name}.points"), &stop.points, true));
-        for (name, actuator) in self.actuators.iter() {
-            let table = actuator.motion.as_ref().and_then(|motion| motion.points.as_ref());
-            for (i, [time, distance]) in table.into_iter().flatten().enumerate() {
-                let key = format!("actuators.{name}.motion.points[{i}]");
-                all.extend([(format!("{key}[0]"), *time, false), (format!("{key}[1]"), *distance, true)]);
-            }
-        }
-        for (name, coupling) in self.couplings.iter() {
-            let numbers = coupling.stated_lift(&format!("couplings.{name}")).into_iter();
-            all.extend(numbers.map(|(key, value)| (key, value, true)));
-        }
-        all.extend(self.guess.iter().map(|(name, value)| (format!("guess.{name}"), *value, true)));
-        all
     }
 }
 
@@ -414,24 +366,6 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
         Some(own) if own != "1" => format!("write the number in {own}, without a unit"),
         _ => format!("write the number without a unit, such as {number}"),
     })
-}
-
-/// Value of an expression of a number that is read once.
-fn value_once(
-    expression: &Result<Expression, String>,
-    names: &HashMap<String, usize>,
-    places: &[Place],
-) -> Result<f64, String> {
-    let expression = expression.as_ref().map_err(String::clone)?;
-    let said = |why: String| format!("\"{}\": {why}", expression.text());
-    if let Some(unknown) = expression.names().iter().find(|name| !names.contains_key(*name)) {
-        return Err(said(unknown_name(unknown, places)));
-    }
-    let value = expression.evaluate(|name| places[names[&expression.names()[name]]].value);
-    match value.is_finite() {
-        true => Ok(value),
-        false => Err(said(format!("its value is {}: must be a finite number", Decimal(value)))),
-    }
 }
 
 fn unknown_name(name: &str, places: &[Place]) -> String {

@@ -62,19 +62,28 @@ impl Mechanism {
             let (Some(points), Ok(lift)) = (&coupling.points, coupling.lift(name)) else { continue };
             let [[first, value], ..] = points[..] else { continue };
             let closed = [&points[..], &[[first + TAU, value]]].concat();
-            warn_of_table(&format!("couplings.{name}"), "angle", &closed, |u| lift.at(u)[0], all);
-            warn_of_digits(&format!("couplings.{name}"), &closed, |u| lift.at(u)[2], all);
+            let unit = if coupling.joint.is_none() { "rad" } else { "m" };
+            warn_of_table(&format!("couplings.{name}"), ["angle", "rad", unit], &closed, |u| lift.at(u)[0], all);
+            warn_of_digits(&format!("couplings.{name}"), unit, &closed, |u| lift.at(u)[2], all);
         }
         for (name, drive) in self.actuators.iter() {
             let Some(motion) = &drive.motion else { continue };
             let (Some(points), Some(curve)) = (&motion.points, motion.curve()) else { continue };
-            warn_of_table(&format!("actuators.{name}.motion"), "time", points, |t| curve.at(t)[0], all);
-            warn_of_digits(&format!("actuators.{name}.motion"), points, |t| curve.at(t)[2], all);
+            let unit = if self.turns(drive) { "rad" } else { "m" };
+            warn_of_table(&format!("actuators.{name}.motion"), ["time", "s", unit], points, |t| curve.at(t)[0], all);
+            warn_of_digits(&format!("actuators.{name}.motion"), unit, points, |t| curve.at(t)[2], all);
         }
     }
 }
 
-fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
+/// Warn of a spline that goes beyond its points; of these: name and unit of the first number, unit of the second.
+fn warn_of_table(
+    key: &str,
+    [of, first, second]: [&str; 3],
+    points: &[[f64; 2]],
+    at: impl Fn(f64) -> f64,
+    all: &mut Vec<Finding>,
+) {
     let (low, high) = points
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [_, value]| (low.min(*value), high.max(*value)));
@@ -85,7 +94,8 @@ fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f
     let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
     let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
     let message = format!(
-        "make a spline that goes beyond them: {} at the {of} {}, where the points lie from {} to {}",
+        "make a spline that goes beyond them: {} {second} at the {of} {} {first}, where the points lie from {} \
+         {second} to {} {second}",
         Decimal::rounded(value),
         Decimal::rounded(x),
         Decimal(low),
@@ -96,7 +106,7 @@ fn warn_of_table(key: &str, of: &str, points: &[[f64; 2]], at: impl Fn(f64) -> f
 }
 
 /// Warn of a dense table of rounded values, whose second derivative comes from the last digits.
-fn warn_of_digits(key: &str, points: &[[f64; 2]], second: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
+fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64) -> f64, all: &mut Vec<Finding>) {
     let unit = (0..=DIGITS).map(|k| 10.0_f64.powi(-k)).find(|unit| {
         let is_multiple = |value: f64| (value / unit - (value / unit).round()).abs() < 1e-6;
         points.iter().all(|[_, value]| is_multiple(*value))
@@ -111,8 +121,8 @@ fn warn_of_digits(key: &str, points: &[[f64; 2]], second: impl Fn(f64) -> f64, a
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {}: at this distance of the points their rounding makes up to about {part:.0} % of the \
-             acceleration",
+            "have values in steps of {} {of}: at this distance of the points their rounding makes up to about {part:.0} \
+             % of the acceleration",
             Decimal(unit)
         );
         let remedy = "give more digits, or fewer points";

@@ -5,7 +5,7 @@ use super::contact::{Lock, Stop};
 use super::couplings::Coupling;
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
-use super::expressions::Expressions;
+use super::expressions::{Expressions, Unclear};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use super::motion::PrescribedMotion;
 use super::named_parameter::{NamedParameter, Shared};
@@ -46,6 +46,12 @@ pub struct Mechanism {
     /// Parameters whose values are expressions of others.
     #[serde(skip_deserializing, skip_serializing_if = "Expressions::is_empty")]
     pub expressions: Expressions,
+    /// Units that the file has stated, once all angles and lengths are in SI units.
+    #[serde(skip)]
+    pub file_units: Units,
+    /// Expressions of numbers that are no parameters whose unit is unclear.
+    #[serde(skip)]
+    pub unclear: Vec<Unclear>,
     /// Units of the file's angles and lengths; None once all are in SI units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<Units>,

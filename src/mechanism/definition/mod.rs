@@ -26,7 +26,7 @@ pub use contact::{Limit, Lock, Stop};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
-pub use expressions::{Calculated, Expressions, Fault};
+pub use expressions::{Calculated, Expressions, Fault, Unclear};
 pub use interpolation::Interpolation;
 pub use loads::{Actuator, Air, Force, Gas, Gravity, Screw, Spring, Surface, Torque};
 pub use mechanism::{GROUND, Mechanism};

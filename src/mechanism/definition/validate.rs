@@ -240,7 +240,11 @@ impl Mechanism {
             let key = format_args!("guess.{name}");
             let (is_body, is_joint) = (self.bodies.get(name).is_some(), self.joints.get(name).is_some());
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
-            if is_body || is_joint {
+            if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
+                let message =
+                    format!("is fixed to {carrier} and turns with it: guess that body, and leave this key out");
+                faults.keep::<()>(refused(key, message));
+            } else if is_body || is_joint {
                 faults.keep(range.check_in(unit, key, value));
             } else {
                 let slides = self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic);

@@ -4,7 +4,7 @@
 //! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
 //! closed.
 use super::mechanism::{GROUND, Mechanism};
-use super::{JointKind, Range};
+use super::{JointKind, Range, Unclear};
 use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
@@ -50,14 +50,13 @@ impl Mechanism {
 
     /// Expressions, which are in SI units, among numbers in other units.
     fn warn_of_expressions(&self, all: &mut Vec<Finding>) {
-        if self.expressions.is_empty() {
-            return;
-        }
         let mut parameters = Vec::new();
-        self.clone().parameters(&mut |parameter, value| parameters.push((parameter.unit, *value)));
-        for one in self.expressions.iter() {
-            let Some((value, unit)) = one.unclear(&parameters) else { continue };
-            let (text, number) = (one.text(), Decimal::rounded(value));
+        if !self.expressions.is_empty() {
+            self.clone().parameters(&mut |parameter, value| parameters.push((parameter.unit, *value)));
+        }
+        let of_parameters = self.expressions.iter().filter_map(|one| one.unclear(&parameters));
+        for Unclear { key, text, value, file_unit: unit } in of_parameters.chain(self.unclear.iter().cloned()) {
+            let number = Decimal::rounded(value);
             let (si, remedy) = match unit {
                 "mm" => ("m", String::new()),
                 _ => ("rad", format!("write \"rad({text})\" if {number} {unit} are meant, or ")),
@@ -67,7 +66,7 @@ impl Mechanism {
             );
             let remedy =
                 format!("{remedy}give its numbers names in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
-            all.push(Finding::warning(&one.key, message, remedy));
+            all.push(Finding::warning(&key, message, remedy));
         }
     }
 
@@ -157,20 +156,26 @@ impl Mechanism {
                     Decimal::rounded(away),
                     Decimal::rounded(size)
                 );
-                let remedy = "check its unit: lengths are in m, in the body's frame";
+                let unit = if self.file_units.has_millimetres() { "mm" } else { "m" };
+                let remedy = format!("check its unit: lengths are in {unit}, in the body's frame");
                 all.push(Finding::warning(format_args!("bodies.{name}.center"), message, remedy));
             }
         }
     }
 
     fn warn_of_angles(&self, all: &mut Vec<Finding>) {
+        if self.file_units.has_degrees() {
+            // Who states degrees means no radians.
+            return;
+        }
         let mut warn = |path: &dyn fmt::Display, value: Option<f64>, most: f64| {
             let Some(value) = value.filter(|value| value.abs() > most && Range::Turn.contains(*value)) else { return };
             let message =
                 format!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
             let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
-            let remedy =
-                format!("if {degrees} degrees are meant, write {radians} or give \"units\": {{ \"angle\": \"deg\" }}");
+            let remedy = format!(
+                "if {degrees} degrees are meant, write {radians} rad or give \"units\": {{ \"angle\": \"deg\" }}"
+            );
             all.push(Finding::warning(path, message, remedy));
         };
         warn(&"gravity.up_angle", self.gravity.as_ref().map(|gravity| gravity.up_angle), DIRECTION);
@@ -213,10 +218,14 @@ impl Mechanism {
                 "{} measures {} m, and the next smaller body a part in {} of that",
                 above.1,
                 Decimal::rounded(above.0),
-                ratio.round()
+                Decimal::rounded(ratio.round())
             );
-            let remedy =
-                "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm";
+            let remedy = match self.file_units.has_millimetres() {
+                true => "check for other units beside millimetres, in which all lengths of this file are",
+                false => {
+                    "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm"
+                }
+            };
             all.push(Finding::warning(format_args!("bodies.{}", above.1), message, remedy));
         }
     }
@@ -255,7 +264,10 @@ impl Mechanism {
         }
         if largest.0 > HUGE {
             let message = format!("measures {} m", Decimal::rounded(largest.0));
-            let remedy = "if millimetres are meant, give \"units\": { \"length\": \"mm\" }";
+            let remedy = match self.file_units.has_millimetres() {
+                true => "check its lengths, which are in mm",
+                false => "if millimetres are meant, give \"units\": { \"length\": \"mm\" }",
+            };
             all.push(Finding::warning(format_args!("bodies.{}", largest.1), message, remedy));
         }
     }

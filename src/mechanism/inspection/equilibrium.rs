@@ -40,17 +40,18 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let Some(reference) = model.variables().find(&format!("{name}.acceleration")) else { return };
     let Ok(acceleration) = model.real(reference) else { return };
     let unit = if is_angle { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
-    let fact = Fact::new(TOPIC, name).with("acceleration", acceleration, unit);
     let all = natural_acceleration(reduced, &model.original.inputs.reals, state.sigma);
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
     let sticking = model.variables().find("friction.sticking");
     let sticks = sticking.is_some_and(|reference| model.boolean(reference).unwrap_or(false));
+    let is_balanced = acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all;
+    let fact = Fact::new(TOPIC, name).with("acceleration", if is_balanced { 0.0 } else { acceleration }, unit);
     let text = if sticks {
         "holds: friction holds it".to_owned()
     } else if acceleration.is_nan() {
         let reason = model.undefined(reference).unwrap_or_default();
         format!("is unknown: {reason}")
-    } else if acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all {
+    } else if is_balanced {
         match held_by(reduced, &state.travel, here).filter(|_| acceleration == 0.0 && all > 0.0) {
             Some(stop) => format!("holds: it is pressed against {stop}, or held there"),
             None if all == 0.0 => "holds: no load acts".to_owned(),
@@ -66,7 +67,10 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
         }
     };
     facts.push(fact.saying(text));
-    for drive in &reduced.loading().drives {
+    for (load, drive) in reduced.loading().drives.iter().enumerate() {
+        // The force that all loads are for this drive.
+        let influence = reduced.loading().loads[load].displacement(linkage, &c)[1].abs();
+        let is_rounding = |value: f64| influence > 0.0 && value.abs() * influence <= BALANCE * all;
         let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
         let mut fact = Fact::new(TOPIC, &drive.name);
         let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
@@ -77,7 +81,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
         for &(label, ref variable) in given.iter().chain(range) {
             let reference = model.variables().find(&format!("{}.{variable}", drive.name));
             if let Some(Ok(value)) = reference.map(|reference| model.real(reference)) {
-                fact = fact.with(label, value, unit);
+                fact = fact.with(label, if label != "given" && is_rounding(value) { 0.0 } else { value }, unit);
             }
         }
         facts.push(fact);

@@ -6,7 +6,7 @@ use super::{equilibrium, friction};
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::closure::{AssemblyError, Closure, guessed};
 use crate::mechanism::curve::{Configuration, Ends};
-use crate::mechanism::definition::Mechanism;
+use crate::mechanism::definition::{Mechanism, Units};
 use crate::mechanism::linkage::{GROUND, Linkage, Point, Positions};
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::contact::Travel;
@@ -21,6 +21,8 @@ use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
+/// Topic of positions where branches almost cross, by lengths that may be as small as rounding.
+const NEAR: &str = "Near misses";
 /// Most places of one kind that are listed.
 const PLACES: usize = 12;
 /// Most coordinates, drives and bends that are followed over the travel, so that a large mechanism takes seconds.
@@ -40,10 +42,26 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     let done = remarks(&reduced, mechanism.snap()).into_iter();
     out.facts.extend(done.map(|text| Fact::new("Snapped lengths", "").saying(text)));
     let ends = ends(&reduced, &state.travel, here);
-    add_travel(&reduced, &state, (here, ends), out);
+    add_travel(&reduced, &state, (here, ends), mechanism.file_units, out);
     friction::add((&reduced, &state), &model.original.inputs, ends, out);
     add_redundant_joints(&reduced, &assembled, &mut out.facts);
     equilibrium::add(model, &reduced, &state, &mut out.facts);
+    without_rounding(&mut out.facts, reduced.linkage().size);
+}
+
+/// Angles and lengths that are rounding are 0; `size`: that of the linkage [m].
+fn without_rounding(facts: &mut [Fact], size: f64) {
+    const ROUNDING: f64 = 1e-12;
+    for quantity in facts.iter_mut().filter(|fact| fact.topic != NEAR).flat_map(|fact| &mut fact.quantities) {
+        let scale = match quantity.unit {
+            "rad" => 1.0,
+            "m" => size,
+            _ => continue,
+        };
+        if quantity.value.abs() <= ROUNDING * scale {
+            quantity.value = 0.0;
+        }
+    }
 }
 
 /// Facts about a mechanism that gives no model: as far as its assembly goes.
@@ -185,7 +203,13 @@ fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2
     }
 }
 
-fn add_travel(reduced: &Reduced, state: &State, (here, ends): (f64, [f64; 2]), out: &mut Inspection) {
+fn add_travel(
+    reduced: &Reduced,
+    state: &State,
+    (here, ends): (f64, [f64; 2]),
+    file_units: Units,
+    out: &mut Inspection,
+) {
     let (linkage, loading) = (reduced.linkage(), reduced.loading());
     let mut walk = Walk::new(reduced, ends, functions(reduced));
     let at_start = walk.at(here);
@@ -208,7 +232,7 @@ fn add_travel(reduced: &Reduced, state: &State, (here, ends): (f64, [f64; 2]), o
         });
         toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
     }
-    add_ends(reduced, state, &walk, out);
+    add_ends(reduced, state, &walk, file_units, out);
     for (drive, defined) in loading.drives.iter().enumerate().take(FOLLOWED) {
         let (motion, influence) = (walk.extremes(coordinates + 2 * drive), walk.extremes(coordinates + 2 * drive + 1));
         let (length, mass) = match defined.is_rotary {
@@ -253,6 +277,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     reduced: &Reduced,
     state: &State,
     walk: &Walk<F>,
+    file_units: Units,
     out: &mut Inspection,
 ) {
     let stops = &reduced.loading().stops;
@@ -288,11 +313,11 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
         });
         let nearest = values.fold(f64::NEG_INFINITY, |most: f64, s| most.max(stop.beyond(s)));
         let unit = if stop.quantity == "angle" { "rad" } else { "m" };
-        let as_degrees = stop.quantity == "angle" && stop.value.abs() > PI;
+        let as_degrees = stop.quantity == "angle" && stop.value.abs() > PI && !file_units.has_degrees();
         let remedy = match as_degrees {
             true => {
                 format!(
-                    "if {} degrees are meant, write {}",
+                    "if {} degrees are meant, write {} rad",
                     Decimal(stop.value),
                     Decimal::rounded(stop.value * PI / 180.0)
                 )
@@ -323,7 +348,7 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
         let text = format!("branches almost cross at {}; the motion turns off there", miss.position);
-        let fact = Fact::new("Near misses", "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
+        let fact = Fact::new(NEAR, "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
         out.facts.push(fact.with("relative to the size", miss.miss, Unit::One).saying(text));
     }
 }

@@ -24,7 +24,7 @@ pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {
         ModelError::BeyondStop { name, .. } => format!("stops.{name}"),
         ModelError::LockStill { name, .. } => format!("locks.{name}.at"),
         ModelError::TooManyBumpers { .. } => "stops".into(),
-        ModelError::Stroke { name, .. } => element(name, mechanism),
+        ModelError::Stroke { name, .. } | ModelError::Prescribed { name, .. } => element(name, mechanism),
         ModelError::Locked { joint, .. } => format!("joints.{joint}"),
         ModelError::Table { name, .. } if name == "friction" => name.clone(),
         ModelError::Table { name, .. } => element(name, mechanism),

@@ -5,10 +5,33 @@
 //! axis (its bodies share one angle); a coupling gives one. A row depends on the coordinates round its loop only. It must not know Newton's
 //! method.
 use super::motion::{Positions, Rates};
-use super::structure::{Freedom, Linkage, Loop, Step};
-use crate::numerics::plane::{Vec2, perp};
+use super::structure::{Freedom, Linkage, Loop, Point, Step};
+use crate::numerics::plane::{Vec2, cross, perp, turned};
 use nalgebra::DMatrix;
 use std::collections::HashMap;
+use std::iter;
+
+/// The side of a loop that is as long as all others together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Side {
+    /// A body, between its two joints of the loop.
+    Body(usize),
+    /// The two bodies of a prismatic joint, between their other joints of the loop, across the axis.
+    Slide(usize),
+}
+
+/// A loop that cannot close, or only stretched flat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Straight {
+    /// The joint that closes it.
+    pub joint: usize,
+    /// Its longest side.
+    pub side: Side,
+    /// Length of this side [m].
+    pub length: f64,
+    /// The other bodies, each with the distance of its two joints of the loop [m].
+    pub others: Vec<(usize, f64)>,
+}
 
 impl Linkage {
     /// Find the branches and columns of every loop, once the tree is complete and the coordinates are numbered.
@@ -63,29 +86,56 @@ impl Linkage {
         self.cuts.iter().flat_map(|&j| vec![j; self.joints[j].freedom.rows()]).collect()
     }
 
-    /// A loop of revolute joints alone that cannot move, as one side is as long as all others together, or longer: the
-    /// joint that closes it, the body of this side, its length and that of the others [m].
-    pub fn straight_loop(&self) -> Option<(usize, usize, [f64; 2])> {
-        const ROUNDING: f64 = 1e-9;
+    /// A loop of revolute joints, and of one prismatic joint at most, one side of which is as long as all others
+    /// together, or longer: it cannot close, or only stretched flat. `slack`: part of the length by which that side may
+    /// be shorter.
+    pub fn straight_loop(&self, slack: f64) -> Option<Straight> {
         self.cuts.iter().zip(&self.loops).find_map(|(&cut, round)| {
-            let joints = || std::iter::once(cut).chain(round.steps.iter().map(|step| self.tree[step.branch].joint));
-            if joints().any(|joint| self.joints[joint].freedom != Freedom::Revolute) {
-                return None;
-            }
+            let joints = || iter::once(cut).chain(round.steps.iter().map(|step| self.tree[step.branch].joint));
             // Each body of the loop has two points of its joints.
             let mut corners: HashMap<usize, Vec2> = HashMap::new();
-            let mut sides: Vec<(f64, usize)> = Vec::new();
-            for point in joints().flat_map(|joint| [self.joints[joint].first, self.joints[joint].second]) {
-                match corners.remove(&point.body) {
-                    Some(other) => sides.push(((point.local - other).norm(), point.body)),
-                    None => drop(corners.insert(point.body, point.local)),
+            let mut sides: Vec<(f64, Side)> = Vec::new();
+            let mut slides = Vec::new();
+            for index in joints() {
+                let joint = &self.joints[index];
+                match joint.freedom {
+                    Freedom::Coupling(_) => return None,
+                    Freedom::Prismatic(axis) => slides.push((index, axis)),
+                    Freedom::Revolute => {
+                        for point in [joint.first, joint.second] {
+                            match corners.remove(&point.body) {
+                                Some(other) => sides.push(((point.local - other).norm(), Side::Body(point.body))),
+                                None => drop(corners.insert(point.body, point.local)),
+                            }
+                        }
+                    }
                 }
             }
-            let (side, body) = sides.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0))?;
-            let others = sides.iter().map(|(length, _)| length).sum::<f64>() - side;
+            let (side, length) = match slides[..] {
+                [] => sides.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(length, side)| (side, length))?,
+                // Its two bodies are one side, which can only become longer by sliding.
+                [(index, axis)] => {
+                    let joint = &self.joints[index];
+                    let across = |end: Point| {
+                        let turn = self.bodies[end.body].offset - self.bodies[joint.first.body].offset;
+                        Some(cross(axis, turned(corners.get(&end.body)? - end.local, turn)))
+                    };
+                    (Side::Slide(index), (across(joint.second)? - across(joint.first)?).abs())
+                }
+                _ => return None,
+            };
+            let mut others: Vec<(usize, f64)> = sides
+                .iter()
+                .filter_map(|&(length, other)| match other {
+                    Side::Body(body) if other != side => Some((body, length)),
+                    _ => None,
+                })
+                .collect();
+            others.sort_unstable_by_key(|(body, _)| *body);
+            let reach: f64 = others.iter().map(|(_, length)| length).sum();
             // Two bodies with two joints are one, whatever the direction.
-            let slack = if sides.len() > 2 { -ROUNDING } else { ROUNDING };
-            (side >= others * (1.0 + slack)).then_some((cut, body, [side, others]))
+            let slack = if others.len() > 1 { -slack } else { slack };
+            (reach > 0.0 && length >= reach * (1.0 + slack)).then_some(Straight { joint: cut, side, length, others })
         })
     }
 

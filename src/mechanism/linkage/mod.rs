@@ -23,6 +23,7 @@ pub use cam::{Cam, Guide};
 pub use contact::Contact;
 pub use coupling::{Coupling, Kind, Second};
 pub use law::Law;
+pub use loops::Side;
 pub use motion::{Arms, Positions, Rates};
 pub use outline::Outline;
 pub use rotor::{Rotor, Stroke, Thrust};

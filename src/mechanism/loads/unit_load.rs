@@ -5,7 +5,12 @@
 //! unit load for each d sigma. It must not know the size of a load.
 use crate::mechanism::curve::{Configuration, Curve};
 use crate::mechanism::linkage::{Freedom, Linkage, Point, Positions};
+use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross};
+
+/// Part of a size below which a position is rounding, and of the speeds of two bodies below which the rate of what is
+/// between them is.
+const ROUNDING: f64 = 1e-12;
 
 /// A load of unit size.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,6 +116,19 @@ impl Load {
         }
     }
 
+    /// The words for an idle load with this S [m or rad], and what to name in its place.
+    pub fn idle_words(&self, s: f64, size: f64) -> (String, &'static str) {
+        let rounding = if matches!(self, Self::Couple { .. }) { ROUNDING } else { ROUNDING * size };
+        let s = Decimal::rounded(if s.abs() <= rounding { 0.0 } else { s });
+        match self.along() {
+            Self::Pair { .. } => {
+                (format!("its two ends are {s} m apart in every position"), "name two points whose distance changes")
+            }
+            Self::Slide { .. } => (format!("its joint is at {s} m in every position"), "name a joint that moves"),
+            _ => (format!("its joint is at {s} rad in every position"), "name a joint that moves"),
+        }
+    }
+
     /// The load along the line of a screw; another load itself.
     pub fn along(&self) -> &Self {
         if let Self::Screw { along, .. } = self { along } else { self }
@@ -119,8 +137,6 @@ impl Load {
     /// Mark the load between two points or in a joint as idle, if its S is one in each of these configurations but for
     /// rounding. Whether it is idle.
     pub fn mark_idle(&mut self, linkage: &Linkage, at: &[Configuration]) -> bool {
-        /// Part of the speeds of two bodies below which the rate of what is between them is rounding.
-        const ROUNDING: f64 = 1e-12;
         let still = |rate: f64, of: f64| rate.abs() <= ROUNDING * of;
         let size = linkage.size;
         match self {

@@ -32,7 +32,7 @@ impl Model {
             Formulation::Reduced(motion) => motion.output(reduced, &self.inputs, output),
             Formulation::RigidFem(motion) => motion.output(reduced, &self.inputs, output),
         };
-        self.reason(value)
+        self.reason_of(output, value)
     }
 
     /// Why an output has no derivative in the direction of the last call of [`Self::directional_derivative`] or
@@ -42,7 +42,7 @@ impl Model {
         let output = self.real_output(reference)?;
         let Some(Formulation::Reduced(motion)) = &mut self.state else { return None };
         let derivative = motion.derivative(self.reduced.as_ref()?, &self.inputs, output);
-        self.reason(derivative)
+        self.reason_of(output, derivative)
     }
 
     /// Why the mechanism cannot set off from its start under the present inputs, if friction locks it there.
@@ -68,6 +68,20 @@ impl Model {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Output(output)) => Some(output),
             _ => None,
+        }
+    }
+
+    /// Why this is no value of an output.
+    fn reason_of(&self, output: Output, value: Result<f64, OutputError>) -> Option<String> {
+        let reason = self.reason(value)?;
+        let (state, reduced) = (self.state.as_ref()?.along_curve(), self.reduced.as_ref()?);
+        match output {
+            Output::OneElement { drive, .. } if reduced.loading().loads[drive].is_idle() => {
+                let (s, size) = (state.displacement(reduced, drive), reduced.linkage().size);
+                let (words, _) = reduced.loading().loads[drive].idle_words(s, size);
+                Some(format!("{words}, so that the drive never moves the mechanism"))
+            }
+            _ => Some(reason),
         }
     }
 

@@ -47,6 +47,8 @@ impl PrescribedState {
 pub enum Missed {
     /// The drive turns back before.
     DeadPoint(f64),
+    /// The drive has one position, whatever the mechanism does.
+    Idle(f64),
     /// The travel ends before, on this side.
     End(usize),
     /// The curve ends before, or its functions are not smooth there.
@@ -90,6 +92,9 @@ impl Track<'_> {
         let scale = self.whole.scale();
         let (low, high) = (self.ends.limits[0], self.ends.limits[1]);
         let mut sigma = from.clamp(low, high);
+        if self.whole.loading().loads[self.load].is_idle() {
+            return Err(Missed::Idle(sigma));
+        }
         let mut last = f64::INFINITY;
         for _ in 0..MOST {
             let [s, slope, curvature] = self.displacement(sigma)?;

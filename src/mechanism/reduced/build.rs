@@ -10,12 +10,13 @@ use super::meetings::{self, MEET};
 use super::model::{Reduced, Tables};
 use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
-use super::snap::trace;
+use super::snap::{FLAT, trace};
 use super::source::Source;
 use super::state_loads::StateLoads;
 use super::stored::{START, Stored};
 use super::stretches::Beyond;
 use super::weight::Weight;
+use crate::mechanism::closure::straight;
 use crate::mechanism::curve::{Configuration, Curve, CurveError, NEAR_CROSSING, NearMiss};
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::linkage::{Linkage, Point};
@@ -310,6 +311,10 @@ pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> Reduct
         let (misses, near) =
             (curve.near.misses.iter(), |miss: &NearMiss| (miss.sigma - at.sigma).abs() < curve.scale());
         let miss = misses.filter(|miss| near(miss)).map(|miss| miss.miss).reduce(f64::min);
+        // No branches cross where a loop is stretched flat.
+        if let Some(flat) = straight(curve.drawn(), FLAT) {
+            return ReductionError::Assembly(flat);
+        }
         ReductionError::Curve(CurveError::NearCrossing { position, at: curve.configuration(at.sigma).q, miss })
     } else {
         ReductionError::Table { what, position }

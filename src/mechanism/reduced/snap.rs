@@ -4,12 +4,14 @@
 //! no crossing by less than `snap`; the misses that are larger. It must not know tables.
 use super::error::ReductionError;
 use super::resolved::{self, Resolved};
-use crate::mechanism::closure::{Closure, guessed};
+use crate::mechanism::closure::{Closure, guessed, straight};
 use crate::mechanism::curve::{Candidate, Curve, CurveError, Near, NearMiss, Place, REPORTED, Singular, is_same};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
 use std::sync::Arc;
 
+/// Part of the length of a loop by which it may be shorter than stretched flat where tracing gives up on it.
+pub(super) const FLAT: f64 = 1e-5;
 /// Most times that the curve is traced again: each time it comes to a place that it has not met before.
 const ROUNDS: usize = 12;
 
@@ -18,6 +20,17 @@ const ROUNDS: usize = 12;
 /// # Errors
 /// [`ReductionError::Assembly`], [`ReductionError::Curve`].
 pub(super) fn trace(resolved: &Resolved, mechanism: &Mechanism, whole: bool) -> Result<Curve, ReductionError> {
+    snapped(resolved, mechanism, whole).map_err(|error| match error {
+        // No branches cross where a loop is stretched flat.
+        ReductionError::Curve(CurveError::NearCrossing { .. } | CurveError::Stuck { .. }) => {
+            straight(&resolved.linkage, FLAT).map_or(error, ReductionError::Assembly)
+        }
+        _ => error,
+    })
+}
+
+/// [`trace`] with errors of tracing as they are.
+fn snapped(resolved: &Resolved, mechanism: &Mechanism, whole: bool) -> Result<Curve, ReductionError> {
     let guess = guessed(&resolved.linkage, &mechanism.guess).map_err(ReductionError::Assembly)?;
     let drawn = Arc::new(resolved.linkage.clone());
     let assemble = |linkage: &Arc<Linkage>| Closure::assemble(Arc::clone(linkage), &guess);

@@ -65,6 +65,31 @@ fn a_dead_point_is_told_and_nothing_hangs() {
     assert_says(error, &["ram.position = 0.6", "dead point"]);
 }
 
+/// A drive between points at one distance, and in a joint that does not turn: no dead point, but no drive at all.
+#[test]
+fn a_drive_that_never_moves_takes_no_motion() {
+    for (ends, words) in [
+        (json!({ "first": "ground.origin", "second": "crank.end" }), "m apart in every position"),
+        (json!({ "joint": "twins" }), "its joint is at 0 rad in every position"),
+    ] {
+        for position in [0.0, 0.1] {
+            let mut crank = slider_crank(&json!(null));
+            let length = crank["bodies"]["crank"]["length"].clone();
+            crank["bodies"]["twin"] = json!({ "length": length });
+            for (name, at) in [("axes", "origin"), ("twins", "end")] {
+                let first = if at == "origin" { "ground.origin" } else { "crank.end" };
+                crank["joints"][name] = json!({ "type": "revolute", "first": first, "second": format!("twin.{at}") });
+            }
+            crank["guess"]["twin"] = crank["guess"]["crank"].clone();
+            crank["actuators"] = json!({ "ram": ends.clone() });
+            crank["actuators"]["ram"]["motion"] = json!({ "position": position });
+            let error = Model::from_json(&crank.to_string()).unwrap_err();
+            assert_says(error.to_string(), &["ram.", "is prescribed", words, "name "]);
+            assert!(!error.to_string().contains("dead"), "{error}");
+        }
+    }
+}
+
 #[test]
 fn friction_that_locks_the_mechanism_against_its_drive_is_told() {
     let text = changed(BUCKET, |bucket| {
@@ -118,7 +143,7 @@ fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
         (json!({ "position": 0.8 }), ["motion.position", "begins at 0.8", "the drive at 0.5"]),
         (
             json!({ "profile": "table", "points": [[0, 0.7], [1, 1]] }),
-            ["motion.points", "begins at 1.2", "be 0 at time 0"],
+            ["motion.points", "begins at 1.2", "be 0 m at time 0"],
         ),
     ] {
         let all = warned(&motion);

@@ -74,7 +74,8 @@ impl Motion {
         wanted: &Wanted,
     ) -> Result<(Self, Option<String>), SimulationError> {
         let stop_time = wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time);
-        let mut count = FRAMES;
+        // A run of no length is its start.
+        let mut count = if stop_time > 0.0 { FRAMES } else { 0 };
         let (mut frames, _) = record(simulation, stop_time, count, &[])?;
         let turn = frames.largest_turn();
         if turn > TURN {
@@ -96,7 +97,7 @@ impl Motion {
             [0, 1, 2].map(|i| Series::new(&frames.poses.iter().map(|poses| poses[body][i]).collect::<Vec<_>>()))
         };
         let motion = Self {
-            step: stop_time / count as f64,
+            step: if count > 0 { stop_time / count as f64 } else { 1.0 },
             count: frames.poses.len(),
             stop_time,
             poses: (0..bodies).map(pose).collect(),

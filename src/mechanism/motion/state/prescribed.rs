@@ -9,6 +9,8 @@
 //! The force of the drive follows by inverse dynamics; its work less all losses is integrated over the step, so that the
 //! energy balance shows what the loads, the friction and the drive do not agree in. In: a state, inputs. Out: the state
 //! after the step, or why the mechanism cannot make the motion. It must not know outputs.
+mod refusals;
+
 use super::inputs::engaged_locks;
 use super::{Arrival, Begin, Reached, State, shift};
 use crate::mechanism::definition::Solver;
@@ -19,13 +21,12 @@ use crate::mechanism::dynamics::inverse::{Demand, toward, with_efficiency};
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::prescribed::{Prescribed, end_of};
 use crate::mechanism::dynamics::state_loads::Mode;
-use crate::mechanism::error::ModelError;
+use crate::mechanism::error::{ModelError, unit_of};
 use crate::mechanism::loads::resolved::MotionDrive;
-use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::prescribed::{Missed, PrescribedState, Track};
+use crate::mechanism::motion::prescribed::{PrescribedState, Track};
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
@@ -67,66 +68,6 @@ impl Step<'_> {
         let sigma_dot = speed / slope;
         let sigma_ddot = (acceleration - curvature * sigma_dot * sigma_dot) / slope;
         Ok(Place { y: [sigma, sigma_dot, sigma_ddot], slope })
-    }
-
-    /// Name of the quantity that is prescribed.
-    fn name(&self) -> String {
-        let loading = self.track.whole.loading();
-        let quantity = match &loading.loads[self.drive.load] {
-            Load::Couple { .. } | Load::Screw { .. } => "angle",
-            Load::Slide { .. } => "position",
-            _ => "length",
-        };
-        format!("{}.{quantity}", loading.drives[self.drive.load].name)
-    }
-
-    /// Why the drive cannot have a position.
-    #[cold]
-    fn refusal(&self, time: f64, value: f64, missed: Missed) -> ModelError {
-        let (whole, ends) = (self.track.whole, self.track.ends);
-        let at = |sigma: f64| {
-            let (within, more) = whole.unwound(sigma);
-            whole.describe(within, self.track.revolutions + more)
-        };
-        let reach = |sigma: f64| match self.track.displacement(sigma) {
-            Ok([s, ..]) => format!("{} at {}", Decimal::rounded(s), at(sigma)),
-            Err(_) => at(sigma),
-        };
-        let why = match missed {
-            Missed::DeadPoint(sigma) => format!(
-                "the drive has a dead point near {}, where no force of it moves the mechanism; let the motion end before, \
-                 or drive the mechanism elsewhere there",
-                reach(sigma)
-            ),
-            Missed::End(side) => match ends.travel.rigid[side] {
-                Some(end) => format!(
-                    "{} ends the travel at {}; let the motion end there, or set the stop's enabled to false",
-                    whole.loading().stops[end.stop].name,
-                    reach(ends.limits[side])
-                ),
-                None => format!("the travel ends at {}; let the motion end before", reach(ends.limits[side])),
-            },
-            Missed::Curve(sigma) => {
-                format!("the travel ends near {}, or is not smooth there; let the motion end before", at(sigma))
-            }
-            Missed::Far => "the position is too far from the last one; take shorter communication steps".to_owned(),
-        };
-        ModelError::Prescribed { name: self.name(), value, time, why }
-    }
-
-    /// Refuse a motion away from a place where a lock holds the mechanism, or past one where a lock would catch it.
-    fn check_locks(&self, t: f64, from: f64, to: f64) -> Result<(), ModelError> {
-        let ends = self.track.ends;
-        if ends.locked == EngagedLocks::default() || from == to {
-            return Ok(());
-        }
-        let is_passed = |position: f64| position == from || (position - from) * (position - to) < 0.0;
-        let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_locked(*place));
-        let Some(place) = places.find(|place| ends.position(*place).is_some_and(is_passed)) else { return Ok(()) };
-        let stop = ends.travel.stop(place).map_or("a stop", |(stop, _)| &self.track.whole.loading().stops[stop].name);
-        let why = format!("a lock at {stop} is engaged, which the motion leaves or passes; disengage it before");
-        let [value, ..] = self.motion.at(t);
-        Err(ModelError::Prescribed { name: self.name(), value, time: t, why })
     }
 }
 
@@ -192,8 +133,9 @@ impl State {
         let miss = motion.at(0.0)[0] - here;
         if is_begun && miss.abs() > SWITCH * found.slope.abs() * reduced.scale() {
             let why = format!(
-                "the drive is at {} where its motion begins to be prescribed; set {}.motion.position to this before",
+                "the drive is at {} {} where its motion begins to be prescribed; set {}.motion.position to this before",
                 Decimal::rounded(here),
+                unit_of(&step.name()),
                 reduced.loading().drives[drive.load].name
             );
             return Err(ModelError::Prescribed { name: step.name(), value: here + miss, time: 0.0, why });

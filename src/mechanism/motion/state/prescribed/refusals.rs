@@ -1,0 +1,78 @@
+//! Motions of a drive that a mechanism cannot make.
+//!
+//! In: a step under a prescribed motion, a position of the drive that is not found. Out: the error with limit and remedy.
+//! It must not know how positions are found.
+use super::Step;
+use crate::mechanism::error::{ModelError, unit_of};
+use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::motion::contact::EngagedLocks;
+use crate::mechanism::motion::prescribed::Missed;
+use crate::numerics::decimal::Decimal;
+
+impl Step<'_> {
+    /// Name of the quantity that is prescribed.
+    pub(super) fn name(&self) -> String {
+        let loading = self.track.whole.loading();
+        let quantity = match &loading.loads[self.drive.load] {
+            Load::Couple { .. } | Load::Screw { .. } => "angle",
+            Load::Slide { .. } => "position",
+            _ => "length",
+        };
+        format!("{}.{quantity}", loading.drives[self.drive.load].name)
+    }
+
+    /// Why the drive cannot have a position.
+    #[cold]
+    pub(super) fn refusal(&self, time: f64, value: f64, missed: Missed) -> ModelError {
+        let (whole, ends) = (self.track.whole, self.track.ends);
+        let at = |sigma: f64| {
+            let (within, more) = whole.unwound(sigma);
+            whole.describe(within, self.track.revolutions + more)
+        };
+        let name = self.name();
+        let reach = |sigma: f64| match self.track.displacement(sigma) {
+            Ok([s, ..]) => format!("{} {} at {}", Decimal::rounded(s), unit_of(&name), at(sigma)),
+            Err(_) => at(sigma),
+        };
+        let why = match missed {
+            Missed::Idle(sigma) => {
+                let s = self.track.displacement(sigma).map_or(f64::NAN, |[s, ..]| s);
+                let (words, remedy) = whole.loading().loads[self.drive.load].idle_words(s, whole.linkage().size);
+                format!("{words}, so that no other can be prescribed, nor its force be found; {remedy}")
+            }
+            Missed::DeadPoint(sigma) => format!(
+                "the drive has a dead point near {}, where no force of it moves the mechanism; let the motion end before, \
+                 or drive the mechanism elsewhere there",
+                reach(sigma)
+            ),
+            Missed::End(side) => match ends.travel.rigid[side] {
+                Some(end) => format!(
+                    "{} ends the travel at {}; let the motion end there, or set the stop's enabled to false",
+                    whole.loading().stops[end.stop].name,
+                    reach(ends.limits[side])
+                ),
+                None => format!("the travel ends at {}; let the motion end before", reach(ends.limits[side])),
+            },
+            Missed::Curve(sigma) => {
+                format!("the travel ends near {}, or is not smooth there; let the motion end before", at(sigma))
+            }
+            Missed::Far => "the position is too far from the last one; take shorter communication steps".to_owned(),
+        };
+        ModelError::Prescribed { name, value, time, why }
+    }
+
+    /// Refuse a motion away from a place where a lock holds the mechanism, or past one where a lock would catch it.
+    pub(super) fn check_locks(&self, t: f64, from: f64, to: f64) -> Result<(), ModelError> {
+        let ends = self.track.ends;
+        if ends.locked == EngagedLocks::default() || from == to {
+            return Ok(());
+        }
+        let is_passed = |position: f64| position == from || (position - from) * (position - to) < 0.0;
+        let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_locked(*place));
+        let Some(place) = places.find(|place| ends.position(*place).is_some_and(is_passed)) else { return Ok(()) };
+        let stop = ends.travel.stop(place).map_or("a stop", |(stop, _)| &self.track.whole.loading().stops[stop].name);
+        let why = format!("a lock at {stop} is engaged, which the motion leaves or passes; disengage it before");
+        let [value, ..] = self.motion.at(t);
+        Err(ModelError::Prescribed { name: self.name(), value, time: t, why })
+    }
+}
