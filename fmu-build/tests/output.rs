@@ -44,8 +44,8 @@ fn a_file_is_written_to_standard_output_by_its_name() {
     let crank = Workspace::locate().descriptions().join("SliderCrank").display().to_string();
     let own = folder.join("own");
     for (words, option, [first, last]) in [
-        (&["simulate", &crank, "--stop-time", "0.01"][..], "--output-file", ["time,", "\n"]),
-        (&["view", &crank, "--stop-time", "0.01"], "--out", ["<!", "</html>\n"]),
+        (&["simulate", &crank, "--stop-time", "0.01"][..], "--output-file", ["\"time\",", "\n"]),
+        (&["view", &crank, "--stop-time", "0.01"], "--out", ["<!", "</html>"]),
     ] {
         let command =
             |path: &str| -> Vec<String> { words.iter().chain([&option, &path]).map(|w| (*w).to_owned()).collect() };

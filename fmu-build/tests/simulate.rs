@@ -281,3 +281,26 @@ fn what_cannot_be_written_whole_leaves_what_was_there() {
     let line = "error: /dev/full: cannot be written; free space there, or name another folder: No space left on device";
     assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
 }
+
+/// A belt that goes slack is told with its time, once; a remark without a time gets that of the step.
+#[test]
+fn the_time_of_a_warning_is_told_once() {
+    let folder = Folder::new("slack");
+    let path = folder.0.join("belt.json");
+    let text = r#"{ "name": "Shafts",
+        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "inertia": 0.02 }, "two": { "inertia": 0.5 } },
+        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
+            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" } },
+        "couplings": { "loop": { "type": "belt", "first": "one.origin", "second": "two.origin",
+            "first_radius": 0.05, "second_radius": 0.08 } },
+        "torques": { "motor": { "on": "one", "torque": 3 } },
+        "start": { "body": "one", "angle": 0.4 }, "guess": { "one": 0.4, "two": 1.1 } }"#;
+    fs::write(&path, text).unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    let output = command.arg("simulate").arg(&path).args(["--stop-time", "0.1"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let told: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
+    let [line] = told[..] else { panic!("{said}") };
+    assert!(line.starts_with("warning: loop transmits ") && line.matches(" s").count() >= 1, "{line}");
+    assert_eq!(line.matches("at t = ").count() + line.matches("warning: at ").count(), 1, "{line}");
+}

@@ -274,7 +274,8 @@ fn an_expression_of_a_number_that_is_read_once_is_in_si_units_too() {
             "bodies": {
                 "ground": { "points": { "far": [500, 0] } },
                 "arm": {
-                    "drawn": { "origin": [mm(0.0), 0], "end": [mm(300.0), mm(40.0)], "points": { "eye": [mm(90.0), 0] } }
+                    "drawn": { "origin": [mm(0.0), 0], "end": [mm(300.0), mm(40.0)],
+                        "points": { "eye": [mm(90.0), 0] } }
                 },
                 "block": { "mass": 1, "drawn": { "origin": [mm(500.0), 0], "angle": deg(20.0) } }
             },

@@ -121,8 +121,8 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {} {of}: at this distance of the points their rounding makes up to about {part:.0} \
-             % of the acceleration",
+            "have values in steps of {} {of}: at this distance of the points their rounding makes up to about \
+             {part:.0} % of the acceleration",
             Decimal(unit)
         );
         let remedy = "give more digits, or fewer points";
