@@ -1,7 +1,7 @@
 //! Expressions of numbers that are no parameters: they have a value when the file is read, and keep it.
 //!
-//! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the values of
-//! these expressions. It must not know the order of parameters.
+//! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the values
+//! of these expressions. It must not know the order of parameters.
 use super::{Place, Unclear, is_clear, unknown_name, without_unit};
 use crate::format::{DefinitionError, Expression, index_of};
 use crate::mechanism::definition::Mechanism;
@@ -55,8 +55,8 @@ impl Mechanism {
         Ok(others)
     }
 
-    /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; the unit of a length or an
-    /// angle.
+    /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; the unit of a length or
+    /// an angle.
     fn numbers_read_once(&self) -> Vec<(String, f64, Option<Unit>)> {
         let (mut all, length, angle) = (Vec::new(), Some(Unit::Metre), Some(Unit::Radian));
         for (name, body) in self.bodies.iter() {

@@ -1,7 +1,7 @@
 //! Motions of a drive that a mechanism cannot make.
 //!
-//! In: a step under a prescribed motion, a position of the drive that is not found. Out: the error with limit and remedy.
-//! It must not know how positions are found.
+//! In: a step under a prescribed motion, a position of the drive that is not found. Out: the error with limit and
+//! remedy. It must not know how positions are found.
 use super::Step;
 use crate::mechanism::error::{ModelError, unit_of};
 use crate::mechanism::loads::unit_load::Load;
@@ -41,8 +41,8 @@ impl Step<'_> {
                 format!("{words}, so that no other can be prescribed, nor its force be found; {remedy}")
             }
             Missed::DeadPoint(sigma) => format!(
-                "the drive has a dead point near {}, where no force of it moves the mechanism; let the motion end before, \
-                 or drive the mechanism elsewhere there",
+                "the drive has a dead point near {}, where no force of it moves the mechanism; let the motion end \
+                 before, or drive the mechanism elsewhere there",
                 reach(sigma)
             ),
             Missed::End(side) => match ends.travel.rigid[side] {
