@@ -41,7 +41,8 @@ def test_the_tutorial_ends_with_the_example(tmp_path: Path) -> None:
     [
         ("time 0.132 s", "time 0.13206 s", True),
         ("time 0.132 s", "time 0.1341 s", False),
-        ("a ...", "a b", False),
+        ("a ...", "a b 2", True),
+        ("a c ...", "a b 2", False),
         ("3 joints", "4 joints", False),
         ("1.2e-3", "1.25e-3", True),
     ],
