@@ -70,9 +70,11 @@ def blocks(text: str) -> list[Block]:
 
 
 def merge(whole: dict[str, Any], part: dict[str, Any]) -> None:
-    """Put a part into a whole, entry by entry."""
+    """Put a part into a whole, entry by entry; null takes an entry away."""
     for key, value in part.items():
-        if isinstance(value, dict) and isinstance(whole.get(key), dict):
+        if value is None:
+            del whole[key]
+        elif isinstance(value, dict) and isinstance(whole.get(key), dict):
             merge(whole[key], value)
         else:
             whole[key] = value
