@@ -32,7 +32,7 @@ from typing import Any
 REPOSITORY = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("LINKAGE_FMU_PROGRAM", "")
 """A program that is built already; else cargo builds it."""
-CARGO = f"command cargo run --release --quiet --manifest-path '{REPOSITORY / 'Cargo.toml'}' --package fmu-cli --"
+CARGO = f"cargo run --release --quiet --manifest-path '{REPOSITORY / 'Cargo.toml'}' --package fmu-cli --"
 FENCE = re.compile(
     r"(?:^<!-- (?P<note>[^\n]*?) -->\n)?"
     r"^(?P<indent> *)```(?P<language>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n(?P<body>.*?)^(?P=indent)```$",
@@ -131,8 +131,14 @@ class Reader:
             (folder / name).symlink_to(REPOSITORY / name)
         (folder / "target").mkdir()
         (folder / "target" / "fmu").symlink_to(fmus)
+        commands = folder / ".commands"
+        commands.mkdir()
+        program = PROGRAM or CARGO.replace("cargo", shutil.which("cargo") or "cargo", 1)
+        for name, shift in (("cargo", "shift\n"), ("linkage-fmu", "")):
+            (commands / name).write_text(f'#!/bin/bash\n{shift}exec {program} "$@"\n', encoding="utf-8")
+            (commands / name).chmod(0o755)
         environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
-        environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
+        environment["PATH"] = os.pathsep.join([str(commands), str(Path(sys.executable).parent), environment["PATH"]])
         environment["MPLBACKEND"] = "Agg"
         self.environment = environment
 
@@ -145,9 +151,7 @@ class Reader:
             if self.printed:
                 compare(block.body, self.printed)
         elif block.language == "bash":
-            program = PROGRAM or CARGO
-            head = f'cargo() {{ shift; {program} "$@"; }}\nlinkage-fmu() {{ {program} "$@"; }}\n'
-            self.start(["bash", "-e", "-c", head + block.body], block)
+            self.start(["bash", "-e", "-c", block.body], block)
         elif block.language == "json" and block.title and block.title.startswith("add to "):
             path = self.folder / block.title.removeprefix("add to ")
             whole = json.loads(path.read_text(encoding="utf-8"))
