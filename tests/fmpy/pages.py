@@ -34,7 +34,7 @@ PROGRAM = os.environ.get("LINKAGE_FMU_PROGRAM", "")
 """A program that is built already; else cargo builds it."""
 CARGO = f"cargo run --release --quiet --manifest-path '{REPOSITORY / 'Cargo.toml'}' --package fmu-cli --"
 FENCE = re.compile(
-    r"(?:^<!-- (?P<note>[^\n]*?) -->\n)?"
+    r"(?:^ *<!-- (?P<note>[^\n]*?) -->\n)?"
     r"^(?P<indent> *)```(?P<language>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n(?P<body>.*?)^(?P=indent)```$",
     re.DOTALL | re.MULTILINE,
 )
