@@ -1,7 +1,7 @@
 """Hooks of the site: pages that stand elsewhere in the repository, and links that lead out of `docs/`.
 
-Links in Markdown are those of the repository, so that they work in an editor and on a forge too. On the site a link to a
-page leads there; a link to a file that the site does not have becomes its text.
+Links in Markdown are those of the repository, so that they work in an editor and on a forge too. On the site they lead
+to the page; a link to a file that the site does not have becomes its text.
 """
 
 from __future__ import annotations

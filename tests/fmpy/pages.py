@@ -10,7 +10,7 @@
 | `json`, `csv`, `python`, `yaml`, `toml` with `title="NAME"` | is written to that file |
 | `json` with `title="add to NAME"` | goes into that file, entry by entry |
 | `json` without a title | must be JSON |
-| `text` | what the block above it printed, `...` for any lines or for the rest of one; numbers to the last digit shown |
+| `text` | what the block above it printed, `...` for any lines or the rest of one; numbers to the last digit shown |
 
 A comment above a block says what differs: `<!-- exit 1 -->`: it ends with this code; `<!-- not run: REASON -->`.
 """
@@ -81,7 +81,7 @@ def merge(whole: dict[str, Any], part: dict[str, Any]) -> None:
 
 
 def agree(expected: str, printed: str) -> bool:
-    """Whether two lines are the same: words, and numbers to the last digit that the page shows; `...` ends a line early."""
+    """Whether two lines agree: in words, and in numbers to the last digit that the page shows; `...` ends one early."""
     if expected.endswith(" ..."):
         expected = expected.removesuffix(" ...").rstrip(",")
         if printed.startswith(expected):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pages
@@ -10,10 +11,12 @@ import pytest
 from conftest import FMU_FOLDER, REPOSITORY
 
 DOCS = REPOSITORY / "docs"
+KINDS = ("tutorials", "how-to", "reference", "explanation")
 PAGES = [
     REPOSITORY / "README.md",
     DOCS / "index.md",
-    *sorted(page for kind in ("tutorials", "how-to", "reference", "explanation") for page in (DOCS / kind).glob("*.md")),
+    DOCS / "install.md",
+    *sorted(page for kind in KINDS for page in (DOCS / kind).glob("*.md")),
 ]
 
 
@@ -34,6 +37,28 @@ def test_the_tutorial_ends_with_the_example(tmp_path: Path) -> None:
     kept = json.loads(example.read_text(encoding="utf-8"))
     kept.pop("$schema")
     assert written == kept
+
+
+def test_the_example_of_rust_is_compiled() -> None:
+    """The page shows the example of the module, which the compiler reads in every test run."""
+    source = (REPOSITORY / "src" / "simulation.rs").read_text(encoding="utf-8")
+    lines = [line.removeprefix("//!").removeprefix(" ") for line in source.splitlines() if line.startswith("//!")]
+    start, end = lines.index("```no_run"), lines.index("```")
+    shown = [line for line in lines[start + 1 : end] if not line.startswith("# ")]
+    (block,) = [
+        b for b in pages.blocks((DOCS / "how-to" / "rust.md").read_text(encoding="utf-8")) if b.language == "rust"
+    ]
+    assert block.body.splitlines() == shown
+
+
+def test_every_command_has_its_line() -> None:
+    """The page of the commands names all tasks of the command line."""
+    source = (REPOSITORY / "fmu-build" / "cli" / "src" / "lib.rs").read_text(encoding="utf-8")
+    tasks = re.search(r"pub enum Task \{(.*?)\n\}", source, re.DOTALL)
+    assert tasks
+    names = {task.lower() for task in re.findall(r"^    (\w+)(?:\(|,)", tasks[1], re.MULTILINE)}
+    page = (DOCS / "reference" / "commands.md").read_text(encoding="utf-8")
+    assert names <= set(re.findall(r"^\| `(\w+)", page, re.MULTILINE))
 
 
 @pytest.mark.parametrize(
