@@ -133,9 +133,11 @@ class Reader:
         (folder / "target" / "fmu").symlink_to(fmus)
         commands = folder / ".commands"
         commands.mkdir()
-        program = PROGRAM or CARGO.replace("cargo", shutil.which("cargo") or "cargo", 1)
-        for name, shift in (("cargo", "shift\n"), ("linkage-fmu", "")):
-            (commands / name).write_text(f'#!/bin/bash\n{shift}exec {program} "$@"\n', encoding="utf-8")
+        cargo = shutil.which("cargo") or "cargo"
+        program = PROGRAM or CARGO.replace("cargo", cargo, 1)
+        task = f'if [ "$1" = fmu ]; then shift; exec {program} "$@"; fi\nexec {cargo} "$@"'
+        for name, script in (("cargo", task), ("linkage-fmu", f'exec {program} "$@"')):
+            (commands / name).write_text(f"#!/bin/bash\n{script}\n", encoding="utf-8")
             (commands / name).chmod(0o755)
         environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST")}
         environment["PATH"] = os.pathsep.join([str(commands), str(Path(sys.executable).parent), environment["PATH"]])
