@@ -25,6 +25,8 @@ ELSEWHERE = {
     "modelDescription/hydraulics.schema.json": "reference/hydraulics.schema.json",
     "modelDescription/study.schema.json": "reference/study.schema.json",
     "ARCHITECTURE.md": "contributing/architecture.md",
+    "CONTRIBUTING.md": "contributing/index.md",
+    "SECURITY.md": "contributing/security.md",
     "CHANGELOG.md": "contributing/changes.md",
 }
 PLACES = {place: path for path, place in ELSEWHERE.items()}

@@ -1,4 +1,4 @@
-"""The prose of README.md and docs/: short sentences in the words of mechanical engineers, without private ones."""
+"""The prose of the documentation: short sentences in the words of mechanical engineers, without private ones."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from conftest import REPOSITORY
 
 DOCS = REPOSITORY / "docs"
 PAGES = [
-    REPOSITORY / "README.md",
-    *sorted(page for page in DOCS.rglob("*.md") if "decisions" not in page.relative_to(DOCS).parts),
+    *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
+    *sorted(DOCS.rglob("*.md")),
 ]
-"""Every page but the decisions, which are notes between contributors."""
+"""The pages of docs/ and those that people read first; ARCHITECTURE.md, a table in words of the code, is left out."""
 LONGEST = 35
 """Most words of a sentence."""
 AVERAGE = 17
