@@ -15,6 +15,7 @@ mod command;
 mod csv_file;
 mod definition_values;
 pub mod dist;
+pub mod docs;
 pub mod documentation;
 pub mod drawing;
 mod files;

@@ -3,7 +3,7 @@
 
 use crate::workspace::Workspace;
 use crate::{
-    bench, chain, check, dist, gallery, import, info, linearise, output, package, report, simulate, sweep, test,
+    bench, chain, check, dist, docs, gallery, import, info, linearise, output, package, report, simulate, sweep, test,
     validate, view,
 };
 use anyhow::Error;
@@ -58,6 +58,7 @@ fn done(workspace: &Workspace, cli: Cli) -> ExitCode {
         },
         Task::Demo(arguments) if arguments.gallery => gallery::run(workspace, arguments.out.as_deref()),
         Task::Demo(arguments) => report::demo(workspace, &arguments),
+        Task::Docs(arguments) => docs::run(workspace, &arguments),
         Task::Chain(arguments) => chain::run(&arguments),
         Task::Report(arguments) => report::report(workspace, &arguments),
         Task::Dist(arguments) => dist::run(workspace, &arguments),

@@ -4,7 +4,7 @@ mod platforms;
 mod reproducible;
 
 use crate::workspace::Workspace;
-use crate::{command, dist, files, package};
+use crate::{command, dist, docs, files, package};
 use anyhow::{Context, Result};
 pub use fmu_cli::Test as Arguments;
 use std::path::Path;
@@ -55,6 +55,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             .current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
+    stage("documentation site", || docs::run(workspace, &docs::Arguments { open: false }))?;
     stage("wheel", || dist::run(workspace, &dist::Arguments { test: true, ..Default::default() }))?;
     let folder = workspace.browser_tests();
     let python = stage("Python environment of the browser tests", || {
@@ -68,7 +69,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         command::run(&mut pytest, "pytest")
     })?;
     println!(
-        "all tests passed: Rust, packaging, Python style, FMPy, wheel, browser ({:.0} s)",
+        "all tests passed: Rust, packaging, Python style, FMPy, documentation, wheel, browser ({:.0} s)",
         start.elapsed().as_secs_f64()
     );
     Ok(())

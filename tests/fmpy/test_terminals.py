@@ -108,7 +108,7 @@ def test_a_cylinder_is_plugged_on_a_drive_by_the_terminals_alone(tmp_path: Path)
         angle, speed = gear.get("crank.angle"), gear.get("crank.speed")
         count += 1
     time_up = count * step + (up - angle) / speed
-    # As exact as the README's loop, which names the variables.
+    # As exact as the loop of docs/how-to/couple-two-fmus.md, which names the variables.
     assert time_up == pytest.approx(TIME_UP, abs=1e-5)
     for part in (gear, oil):
         part.slave.terminate()

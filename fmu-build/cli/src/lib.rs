@@ -45,13 +45,15 @@ pub enum Task {
     Optimise(Optimise),
     /// Run the retraction through FMPy: figures, table, plot
     Demo(Demo),
+    /// Build the documentation as a site that works without a network: target/docs
+    Docs(Docs),
     /// Write the mechanism of a chain of N four-bars
     Chain(Chain),
     /// Recompute the papers' figures through FMPy: validation/report.md, report.html and figures
     Report(Report),
     /// Make a Python wheel of this program and the libraries: `pip install` where there is no Rust
     Dist(Dist),
-    /// Run every test: Rust, packaging, Python style, FMPy, the wheel, pages in a browser
+    /// Run every test: Rust, packaging, Python style, FMPy, the documentation, the wheel, pages in a browser
     Test(Test),
     /// Run the benchmarks of the validation package
     Bench(Bench),
@@ -318,6 +320,14 @@ pub struct Demo {
     /// Folder for what is written [default: target/demo; with --gallery docs/gallery]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+}
+
+/// Arguments of `docs`.
+#[derive(Args)]
+pub struct Docs {
+    /// Open the site in the browser
+    #[arg(long)]
+    pub open: bool,
 }
 
 /// Most four-bars of a chain.

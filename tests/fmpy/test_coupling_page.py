@@ -1,4 +1,4 @@
-"""The loop in README.md that couples gear and hydraulic actuator, run as it stands there."""
+"""The loop of docs/how-to/couple-two-fmus.md that couples gear and hydraulic actuator, run as it stands there."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ ANGLES = {100: 0.769550975553854, 1000: 0.253250298772210, 2000: -0.242429680769
 
 def loop() -> str:
     """The code, with the folder of the packed FMUs in it."""
-    section = (REPOSITORY / "README.md").read_text(encoding="utf-8").split("\n## With hydraulics\n")[1]
-    code = re.search(r"```python\n(.*?)```", section, re.DOTALL)
+    page = (REPOSITORY / "docs" / "how-to" / "couple-two-fmus.md").read_text(encoding="utf-8")
+    code = re.search(r"```python\n(.*?)```", page, re.DOTALL)
     assert code
     assert "target/fmu/" in code[1]
     return code[1].replace("target/fmu", FMU_FOLDER.as_posix())
@@ -28,7 +28,7 @@ def loop() -> str:
 def run(code: str) -> dict[str, Any]:
     """The variables that the code leaves behind."""
     left: dict[str, Any] = {}
-    exec(compile(code, "README.md", "exec"), left)
+    exec(compile(code, "couple-two-fmus.md", "exec"), left)
     for slave in (left["gear"], left["oil"]):
         slave.terminate()
         slave.freeInstance()

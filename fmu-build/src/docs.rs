@@ -1,0 +1,29 @@
+//! `cargo fmu docs`: the documentation site, from `docs/` and `mkdocs.yml`, by MkDocs in its own environment.
+
+use crate::command;
+use crate::workspace::Workspace;
+use anyhow::{Context, Result};
+pub use fmu_cli::Docs as Arguments;
+use std::process::Command;
+
+/// Environment variable that silences a notice of the theme about other programs.
+const NOTICE: &str = "NO_MKDOCS_2_WARNING";
+
+/// Build the site into `target/docs`, and open it if asked.
+///
+/// # Errors
+/// The environment cannot be made; a page has a broken link or is not in the navigation; no browser opens the site.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    let root = workspace.root();
+    let python = command::environment(&workspace.target("venv-docs"), &root.join("docs").join("requirements.txt"))?;
+    let site = workspace.target("docs");
+    let mut mkdocs = Command::new(python);
+    mkdocs.args(["-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir"]).arg(&site);
+    command::run(mkdocs.current_dir(root).env(NOTICE, "1"), "mkdocs build")?;
+    let page = site.join("index.html");
+    println!("{}", page.display());
+    if arguments.open {
+        open::that_detached(&page).with_context(|| format!("{}: no browser opens it", page.display()))?;
+    }
+    Ok(())
+}
