@@ -129,7 +129,7 @@ impl Units {
 
 impl Mechanism {
     /// Whether the motion of a drive is an angle.
-    pub(in crate::mechanism) fn turns(&self, drive: &Actuator) -> bool {
+    pub(crate) fn turns(&self, drive: &Actuator) -> bool {
         self.is_rotary(&drive.joint) || drive.screw.is_some()
     }
 
