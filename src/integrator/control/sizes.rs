@@ -30,6 +30,10 @@ const SMALLEST: f64 = 1e-14;
 const LONG: f64 = 1e3;
 /// Longest step that is proposed [s]: still finite after it has grown.
 pub const LONGEST: f64 = 1e300;
+/// Largest h |lambda| of a proposed step: in DOP853's interval of stability, which ends at 6.4, where a decaying component
+/// and its errors shrink to a sixteenth in each step. Without this limit steps go on beyond the interval until the errors
+/// that grow there are as large as several tolerances.
+const STABLE: f64 = 5.0;
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;
 
@@ -57,11 +61,14 @@ impl<const N: usize> Integrator<N> {
                 // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
                     let growth = inverse_root(error, P::ERROR_POWER);
+                    let mut stable = f64::INFINITY;
                     if S::CAN_BE_STIFF {
                         let h_lambda = outcome.stages.stiffness::<S>(h, [&start.y, &outcome.end], scale);
-                        self.stiffness.explicit_step(h, h_lambda, SAFETY * growth);
+                        stable = STABLE / h_lambda;
+                        self.stiffness.explicit_step(h, h_lambda, (SAFETY * growth).min(stable));
                     }
-                    grow = (SAFETY * self.foreseen(h, growth)).clamp(SHRINK_MOST, grow_most);
+                    let foreseen = (SAFETY * self.foreseen(h, growth)).min(stable);
+                    grow = foreseen.clamp(SHRINK_MOST, grow_most);
                 } else {
                     self.last = None;
                 }
