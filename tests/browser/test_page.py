@@ -132,8 +132,8 @@ def test_keys_and_sliders_move_the_time(make: Make, show: Show) -> None:
     page.keyboard.press("PageUp")
     assert page.evaluate("mechanism.clock.index") == 10
     slider.fill("150")
-    assert page.locator("#time-text").inner_text() == "0.0650 s"
-    assert slider.get_attribute("aria-valuetext") == "0.0650 s"
+    assert page.locator("#time-text").inner_text() == "0.0750 s"
+    assert slider.get_attribute("aria-valuetext") == "0.0750 s"
 
 
 def test_the_plots_cursor_agrees_with_the_table(make: Make, show: Show) -> None:
@@ -214,8 +214,8 @@ def test_reactions_are_arrows_to_scale_that_can_be_switched(make: Make, show: Sh
     # The key's arrow has the same scale.
     words = shown.page.locator(".key text").text_content()
     key = shown.page.evaluate("document.querySelector('.key path').getBBox().width")
-    assert words == "20 kN"
-    assert key / 20e3 == pytest.approx(scales[0], rel=0.01)
+    assert words == "50 kN"
+    assert key / 50e3 == pytest.approx(scales[0], rel=0.01)
 
 
 def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show: Show) -> None:
