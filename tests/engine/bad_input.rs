@@ -55,7 +55,7 @@ fn keys_and_types() {
         ("[-0.050, -0.138]", "[-0.050, true]", &["bodies.crank.points.actuator[1]", "`true`", "expected a number"]),
         (r#", "second": "coupler.origin""#, "", &["joints.joint2", "missing field `second`"]),
         (r#""joint2":"#, r#""joint1":"#, &["joints.joint1", "stands twice"]),
-        (r#""stop_time": 0.13, "#, "", &["experiment", "missing field `stop_time`"]),
+        (r#""stop_time": 0.15, "#, "", &["experiment", "missing field `stop_time`"]),
         (r#""name": "LandingGearRetraction""#, r#""name": "Landing Gear""#, &[r#"name = "Landing Gear""#, "letter"]),
         (r#""follower": { "on""#, r#""f-1": { "on""#, &[r#"torques = "f-1""#, "letter"]),
     ] {
@@ -102,7 +102,7 @@ fn numbers_out_of_range() {
         (r#""acceleration": 9.81"#, r#""acceleration": 1e200"#, &["gravity.acceleration", "= 1e200", "<= 1e100"]),
         (r#""force": 30000"#, r#""force": 1, "efficiency": 1.2"#, &["actuators.actuator.efficiency", "1.2", "<= 1"]),
         (r#""tolerance": 1e-9"#, r#""tolerance": 1"#, &["solver.tolerance", "= 1", "1e-14"]),
-        (r#""stop_time": 0.13"#, r#""stop_time": 0"#, &["experiment.stop_time", "= 0", "> 0"]),
+        (r#""stop_time": 0.15"#, r#""stop_time": 0"#, &["experiment.stop_time", "= 0", "> 0"]),
     ] {
         check(&changed(from, to), fragments);
     }

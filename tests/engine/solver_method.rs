@@ -201,7 +201,7 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     let message = model.0.step(5e-3).unwrap_err().to_string();
     let time: f64 = message.split("reached ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     // 1e-3 rad of stretch at 30 rad/s.
-    assert!(message.starts_with("upstop.angle = -1.3: ") && (time - 0.002_059_8).abs() < 3e-5, "{message}");
+    assert!(message.starts_with("upstop.angle = -1.3 rad: ") && (time - 0.002_059_8).abs() < 3e-5, "{message}");
     assert_eq!(bits(&mut model), before);
     model.step(1e-3);
 
@@ -209,7 +209,7 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     let mut model = gear(1.0, 1e-5).with(&[("actuator.force", -30_000.0)]).started();
     assert!(model.is("extended"));
     let message = model.0.step(1e-3).unwrap_err().to_string();
-    assert!(message.starts_with("downstop.angle = 0.8: "), "{message}");
+    assert!(message.starts_with("downstop.angle = 0.8 rad: "), "{message}");
     // Away from it.
     let mut model = gear(1.0, 1e-5).started();
     assert!(model.is("extended"));
