@@ -1,10 +1,11 @@
 //! What an inspection of a definition tells: facts about the model and findings, as plain data.
 //!
 //! In: nothing. Out: the types of facts and findings, with their lines of text. It must not know kinds of model.
-use crate::format::on_one_line;
+use crate::format::{DefinitionError, on_one_line};
 use crate::variables::Unit;
 use serde::Serialize;
 use std::fmt;
+use std::ops::Range;
 
 /// All that an inspection of a definition has found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -40,19 +41,28 @@ pub struct Finding {
     pub message: String,
     /// What to do; empty where the message says it.
     pub remedy: String,
+    /// Range of bytes in the text, of a fault that was found while the text was read.
+    #[serde(skip)]
+    pub bytes: Option<Range<usize>>,
 }
 
 impl Finding {
     /// An error whose text is complete.
     pub fn error(path: impl fmt::Display, message: impl fmt::Display) -> Self {
         let (path, message) = (path.to_string(), on_one_line(&message.to_string()));
-        Self { severity: Severity::Error, path, message, remedy: String::new() }
+        Self { severity: Severity::Error, path, message, remedy: String::new(), bytes: None }
+    }
+
+    /// The error of a fault of a definition, which belongs to this path.
+    pub fn fault(path: &str, fault: &DefinitionError) -> Self {
+        let bytes = fault.place().map(|place| place.bytes.clone());
+        Self { bytes, ..Self::error(path, fault.message()) }
     }
 
     /// A warning about the value at this path.
     pub fn warning(path: impl fmt::Display, message: impl Into<String>, remedy: impl Into<String>) -> Self {
         let (path, message, remedy) = (path.to_string(), on_one_line(&message.into()), on_one_line(&remedy.into()));
-        Self { severity: Severity::Warning, path, message, remedy }
+        Self { severity: Severity::Warning, path, message, remedy, bytes: None }
     }
 }
 

@@ -5,10 +5,8 @@
 //! all others as before.
 
 use anyhow::{Context, Result, bail};
-use jsonc_parser::ast::Value;
-use jsonc_parser::common::Ranged;
-use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use linkage_fmu::component::Component;
+use linkage_fmu::format::{Json, Node, parse};
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use std::ops::Range;
 
@@ -35,10 +33,8 @@ fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> 
     if own == value {
         return Ok(text.to_owned());
     }
-    let parsed = parse_to_ast(text, &CollectOptions::default(), &ParseOptions::default());
-    let parsed = parsed.ok().and_then(|parsed| parsed.value).context("the definition is no JSON")?;
     let mut numbers = Vec::new();
-    collect(&parsed, &mut numbers);
+    collect(&parse("definition", text)?, &mut numbers);
     // In a file with other units the number is another one than the value.
     let scale = |number: f64| if own == 0.0 || number == own { 1.0 } else { number / own };
     numbers.sort_by_key(|(_, number)| !is_close(*number, own));
@@ -78,18 +74,13 @@ fn is_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= CLOSE * a.abs().max(b.abs())
 }
 
-/// All numbers of the text with their places.
-fn collect(value: &Value, numbers: &mut Vec<(Range<usize>, f64)>) {
-    match value {
-        Value::NumberLit(number) => {
-            if let Ok(value) = number.value.parse() {
-                let range = number.range();
-                numbers.push((range.start..range.end, value));
-            }
-        }
-        Value::Array(array) => array.elements.iter().for_each(|element| collect(element, numbers)),
-        Value::Object(object) => object.properties.iter().for_each(|property| collect(&property.value, numbers)),
-        _ => {}
+/// Numbers of a text, with the bytes where they stand.
+fn collect(node: &Node, numbers: &mut Vec<(Range<usize>, f64)>) {
+    match &node.json {
+        Json::Number(number) => numbers.push((node.span.clone(), *number)),
+        Json::List(nodes) => nodes.iter().for_each(|node| collect(node, numbers)),
+        Json::Object(members) => members.iter().for_each(|member| collect(&member.value, numbers)),
+        Json::Null | Json::Flag(_) | Json::Text(_) => {}
     }
 }
 

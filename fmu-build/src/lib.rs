@@ -33,6 +33,7 @@ pub mod package;
 mod parquet_file;
 mod platform;
 mod prebuilt;
+pub mod reference;
 pub mod report;
 mod schema;
 mod shared;

@@ -219,7 +219,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     }
     entries.extend([
         Entry { name: format!("resources/{file}"), content: definition },
-        Entry { name: format!("resources/{schema}"), content: schema::text(common.workspace, file)? },
+        Entry { name: format!("resources/{schema}"), content: schema::text(file) },
     ]);
     let mut paths = Vec::new();
     for &version in common.versions {

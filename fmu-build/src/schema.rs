@@ -1,10 +1,11 @@
-//! The schemas of definition files, one for each kind of model, which go into every FMU beside its definition.
+//! The schemas of definition files, one for each kind of model, which go into every FMU beside its definition. They are
+//! made of the tables of keys.
 //!
 //! There a schema serves whoever edits the numbers in an unpacked FMU, and a relative path needs no more than its name.
 
-use crate::workspace::Workspace;
-use anyhow::{Context, Result};
-use std::fs;
+mod generated;
+
+use linkage_fmu::format::{Member, parse};
 
 /// Name of the schema of a kind's definition file, in `modelDescription/` and in an FMU's `resources/`:
 /// `mechanism.schema.json` for `mechanism.json`.
@@ -13,36 +14,29 @@ pub fn name(definition_file: &str) -> String {
 }
 
 /// The schema of a kind's definition file.
-///
-/// # Errors
-/// The file cannot be read.
-pub fn text(workspace: &Workspace, definition_file: &str) -> Result<Vec<u8>> {
-    let path = workspace.descriptions().join(name(definition_file));
-    fs::read(&path).with_context(|| format!("{}: cannot be read; restore it from the repository", path.display()))
+pub fn text(definition_file: &str) -> Vec<u8> {
+    generated::schema(definition_file).into_bytes()
 }
 
 /// The text of a definition that was read without fault, with its `"$schema"` leading to the schema `name` beside it; a
 /// text without that key stays as it is.
 pub fn led_here(definition: &str, name: &str) -> String {
-    const KEY: &str = "\"$schema\"";
-    // Only the top level has this key, names being letters, and no string can be followed by a colon unless it is a
-    // key.
-    for (at, _) in definition.match_indices(KEY) {
-        let Some(value) = definition[at + KEY.len()..].trim_start().strip_prefix(':') else { continue };
-        let value = value.trim_start();
-        let mut strings = serde_json::Deserializer::from_str(value).into_iter::<serde_json::Value>();
-        if let Some(Ok(serde_json::Value::String(_))) = strings.next() {
-            let (start, end) = (definition.len() - value.len(), strings.byte_offset());
-            return format!("{}\"{name}\"{}", &definition[..start], &value[end..]);
+    let root = parse("definition", definition).ok();
+    let schema = root.as_ref().and_then(|root| root.member("$schema")).filter(|member| member.value.text().is_some());
+    match schema {
+        Some(Member { value, .. }) => {
+            format!("{}\"{name}\"{}", &definition[..value.span.start], &definition[value.span.end..])
         }
+        None => definition.to_owned(),
     }
-    definition.to_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspace::Workspace;
     use linkage_fmu::component::Component;
+    use std::fs;
 
     #[test]
     fn the_key_leads_to_the_schema_beside_it() {
@@ -60,14 +54,19 @@ mod tests {
         }
     }
 
+    /// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
     #[test]
-    fn each_kind_of_model_has_a_schema() {
+    fn the_committed_schemas_are_those_of_the_tables() {
         let workspace = Workspace::locate();
         for file in Component::definition_files() {
-            let schema: serde_json::Value = serde_json::from_slice(&text(&workspace, file).unwrap()).unwrap();
-            assert_eq!(schema["additionalProperties"], false, "{file}");
+            let (path, schema) = (workspace.descriptions().join(name(file)), generated::schema(file));
+            let read: serde_json::Value = serde_json::from_str(&schema).unwrap();
+            assert_eq!(read["additionalProperties"], false, "{file}");
+            if std::env::var_os("LINKAGE_FMU_WRITE").is_some() {
+                fs::write(&path, &schema).unwrap();
+            }
+            let same = fs::read_to_string(&path).unwrap() == schema;
+            assert!(same, "{}: LINKAGE_FMU_WRITE=1 cargo test -p fmu-build --lib schema writes it", path.display());
         }
-        let message = text(&workspace, "other.json").unwrap_err().to_string();
-        assert!(message.contains("other.schema.json"), "{message}");
     }
 }

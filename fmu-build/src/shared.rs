@@ -92,9 +92,9 @@ mod tests {
     #[test]
     fn a_faulty_file_is_named() {
         for (name, common, said) in [
-            ("key", r#"{ "parameter": {} }"#, "unknown field `parameter`"),
+            ("key", r#"{ "parameter": {} }"#, "no key `parameter` here; did you mean `parameters`?"),
             ("comma", r#"{ "parameters": { "a": 1,5 } }"#, "common.json"),
-            ("unit", r#"{ "parameters": { "a": { "value": 1, "unit": "ft" } } }"#, "\"ft\" is no unit"),
+            ("unit", r#"{ "parameters": { "a": { "value": 1, "unit": "ft" } } }"#, "no `ft` here; the nearest are"),
         ] {
             let folder = folder(name, common);
             let error = completed(&folder.join("block/mechanism.json"), BLOCK.to_owned()).unwrap_err();

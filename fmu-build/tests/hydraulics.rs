@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::component::{Component, Stepped};
+use linkage_fmu::format::written;
 use linkage_fmu::hydraulics::definition::{Circuit, HydraulicActuator};
 use linkage_fmu::variables::Kind;
 use serde_json::{Value, json};
@@ -37,13 +38,14 @@ fn every_example_runs() {
 
 /// Sections of the circuit in the schema, each with its keys.
 fn sections() -> Vec<(String, Value)> {
-    let circuit = schema()["properties"]["circuit"]["properties"].clone();
-    circuit.as_object().unwrap().iter().map(|(name, section)| (name.clone(), section["properties"].clone())).collect()
+    let schema = schema();
+    let sections = schema["$defs"]["circuit"]["properties"].as_object().unwrap();
+    sections.keys().map(|name| (name.clone(), schema["$defs"][name]["properties"].clone())).collect()
 }
 
 #[test]
 fn keys_and_defaults_are_those_of_the_engine() {
-    let defaults = serde_json::to_value(Circuit::default()).unwrap();
+    let defaults: Value = serde_json::from_str(&written(&mut Circuit::default())).unwrap();
     assert_eq!(defaults.as_object().unwrap().len(), sections().len());
     for (name, keys) in sections() {
         let own = defaults[&name].as_object().unwrap_or_else(|| panic!("the engine has no {name}"));

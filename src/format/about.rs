@@ -1,22 +1,21 @@
 //! Who has made a model and under which terms it may be used, as a definition states it and a host shows it.
-use super::DefinitionError;
-use serde::{Deserialize, Serialize};
+use super::{DefinitionError, line};
 
 /// Licence of the library in every FMU; that of a model whose definition states none.
 const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; model: as its author states";
 /// Copyright of the library in every FMU; that of a model whose definition states none.
 const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author";
 
-/// Author, copyright and licence of a model, one line of text each.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct About {
-    /// Name and organisation of the model's author; none where empty.
-    pub author: String,
-    /// Copyright of the model; that of the library where empty.
-    pub copyright: String,
-    /// Licence of the model; that of the library where empty.
-    pub license: String,
+super::keys! {
+    /// Author, copyright and licence of a model, one line of text each; the description of the FMU shows them.
+    pub struct About {
+        /// Name and organisation of the model's author; none where empty.
+        author: String => line();
+        /// Copyright of the model; that of the library where empty.
+        copyright: String => line();
+        /// Licence of the model; that of the library where empty.
+        license: String => line();
+    }
 }
 
 impl About {

@@ -1,21 +1,15 @@
 //! The default experiment that a definition states, and that hosts offer to their users.
-use super::{DefinitionError, Range};
+use super::{DefinitionError, Range, number};
 use crate::numerics::decimal::Decimal;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit;
 
-/// Default experiment of the FMU.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct Experiment {
-    /// Stop time [s], > 0; the start time is 0.
-    pub stop_time: f64,
-    /// Preferred communication step [s], > 0.
-    pub step_size: f64,
-}
-
-impl Default for Experiment {
-    fn default() -> Self {
-        Self { stop_time: 1.0, step_size: 1e-3 }
+super::keys! {
+    /// Default experiment of the FMU, which starts at 0 s.
+    pub struct Experiment: Copy {
+        /// Stop time [s], > 0.
+        stop_time: f64 = 1.0 => number(Unit::Second, Range::Positive).required();
+        /// Preferred communication step [s], > 0.
+        step_size: f64 = 1e-3 => number(Unit::Second, Range::Positive).required();
     }
 }
 

@@ -1,9 +1,6 @@
 //! A JSON object as an ordered list of named entries, found by name without a search through the list.
-use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, Serializer};
 use std::collections::HashMap;
-use std::fmt;
-use std::marker::PhantomData;
 use std::sync::Arc;
 
 /// Number of entries up to which a search through the list costs less than a map.
@@ -50,6 +47,28 @@ impl<T> Named<T> {
         self.entries.iter_mut().map(|(name, value)| (name.as_str(), value))
     }
 
+    /// One more entry; None, and no change, if there is one of this name.
+    pub fn push(&mut self, name: &str, value: T) -> Option<&mut T> {
+        if self.position(name).is_some() {
+            return None;
+        }
+        self.entries.push((name.to_owned(), value));
+        match &mut self.indices {
+            Some(indices) => drop(Arc::make_mut(indices).insert(name.to_owned(), self.entries.len() - 1)),
+            None if self.entries.len() > FEW => {
+                let all = self.entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect();
+                self.indices = Some(Arc::new(all));
+            }
+            None => {}
+        }
+        self.entries.last_mut().map(|(_, value)| value)
+    }
+
+    /// Name and entry of this index.
+    pub fn at_mut(&mut self, index: usize) -> Option<(&str, &mut T)> {
+        self.entries.get_mut(index).map(|(name, value)| (name.as_str(), value))
+    }
+
     /// Index of the entry with this name, and the entry.
     pub fn find(&self, name: &str) -> Option<(usize, &T)> {
         let index = position(&self.entries, self.indices.as_deref(), name)?;
@@ -90,52 +109,8 @@ fn position<T>(entries: &[(String, T)], indices: Option<&HashMap<String, usize>>
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries<T>(PhantomData<T>);
-        impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
-            type Value = Named<T>;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("an object of named entries")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut entries: Vec<(String, T)> = Vec::new();
-                let mut indices: Option<HashMap<String, usize>> = None;
-                while let Some(name) = map.next_key_seed(NewName(&entries, indices.as_ref()))? {
-                    if let Some(indices) = &mut indices {
-                        indices.insert(name.clone(), entries.len());
-                    }
-                    entries.push((name, map.next_value()?));
-                    if indices.is_none() && entries.len() > FEW {
-                        indices = Some(entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect());
-                    }
-                }
-                Ok(Named { entries, indices: indices.map(Arc::new) })
-            }
-        }
-        deserializer.deserialize_map(Entries(PhantomData))
-    }
-}
-
 impl<T: Serialize> Serialize for Named<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.iter())
-    }
-}
-
-/// The name of one more entry; refused as part of the key, so that the error's path has the name.
-struct NewName<'l, T>(&'l [(String, T)], Option<&'l HashMap<String, usize>>);
-
-impl<'de, T> DeserializeSeed<'de> for NewName<'_, T> {
-    type Value = String;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<String, D::Error> {
-        let name = String::deserialize(deserializer)?;
-        match position(self.0, self.1, &name).is_some() {
-            true => Err(D::Error::custom(format!("the name `{name}` stands twice"))),
-            false => Ok(name),
-        }
     }
 }

@@ -32,15 +32,22 @@ impl Numbers {
         self.texts.map(RefCell::into_inner).unwrap_or_default()
     }
 
-    /// The number in the place of which this text stands; None if a number must be a number.
-    pub(super) fn take(&self, text: &str) -> Option<Result<f64, String>> {
-        let texts = self.texts.as_ref()?;
+    /// Whether a text may stand in the place of a number.
+    pub(super) fn takes_texts(&self) -> bool {
+        self.texts.is_some()
+    }
+
+    /// The number in the place of which this text stands.
+    ///
+    /// # Errors
+    /// Its expression has no value, with the reason.
+    pub(super) fn take(&self, text: &str) -> Result<f64, String> {
         let index = self.count.replace(self.count.get() + 1);
         if let Some(Some(known)) = self.values.get(index) {
-            return Some(known.clone());
+            return known.clone();
         }
-        texts.borrow_mut().push(text.to_owned());
-        Some(Ok(f64::from_bits(PLACEHOLDER | index as u64 & INDEX)))
+        self.texts.iter().for_each(|texts| texts.borrow_mut().push(text.to_owned()));
+        Ok(f64::from_bits(PLACEHOLDER | index as u64 & INDEX))
     }
 }
 

@@ -1,8 +1,9 @@
 //! One parameter of a definition: its range, its role in the model, and its texts, which are put together when somebody
 //! reads them.
-use super::DefinitionError;
-use crate::numerics::decimal::Decimal;
+use super::fault::{DefinitionError, Fault, Faults};
+use super::keys::{Key, Keyed, Kind, Slot};
 use crate::variables::Unit;
+use std::f64::consts::TAU;
 use std::fmt;
 
 /// Values that a parameter may have; all finite.
@@ -26,6 +27,8 @@ pub enum Range {
     Fraction,
     /// From 0 to 1.
     Unit,
+    /// A part of a revolution: > 0 and <= 2 pi rad.
+    Revolution,
     /// A pressure angle of teeth [rad]: from teeth that push along the motion to some that would hardly move anything.
     Pressure,
     /// An eccentricity of elliptic gears: from circles to wheels whose ratio changes by the factor 361.
@@ -36,6 +39,8 @@ pub enum Range {
     Tolerance,
     /// A whole number >= 1 that counts without rounding.
     Count,
+    /// A small part of a mechanism's size.
+    Snap,
     /// A step of Newmark's method [s]: in a shorter one, rounding of the positions outweighs their change.
     Substep,
 }
@@ -53,11 +58,15 @@ impl Range {
             Self::Turn => (value.abs() <= 1e6, "an angle from -1e6 rad to 1e6 rad"),
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
+            Self::Revolution => {
+                (value > 0.0 && value <= TAU, "an angle > 0 and <= 6.283185307 rad, a whole revolution")
+            }
             Self::Pressure => ((0.0..=1.2).contains(&value), "an angle from 0 to 1.2 rad"),
             Self::Eccentricity => ((0.0..=0.9).contains(&value), "a number from 0 to 0.9"),
             Self::Polytropic => ((1.0..=2.0).contains(&value), "a number from 1 to 2"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
             Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),
+            Self::Snap => ((0.0..=0.01).contains(&value), "from 0 to 0.01, a part of the mechanism's size"),
             Self::Substep => (value >= 1e-9, "a finite number >= 1e-9"),
         }
     }
@@ -71,13 +80,20 @@ impl Range {
             Self::Coordinate => [Some(-1e100), Some(1e100)],
             Self::Turn => [Some(-1e6), Some(1e6)],
             Self::Fraction | Self::Unit => [Some(0.0), Some(1.0)],
+            Self::Revolution => [Some(0.0), Some(TAU)],
             Self::Pressure => [Some(0.0), Some(1.2)],
             Self::Eccentricity => [Some(0.0), Some(0.9)],
             Self::Polytropic => [Some(1.0), Some(2.0)],
             Self::Tolerance => [Some(1e-14), Some(1e-1)],
             Self::Count => [Some(1.0), Some(1e15)],
+            Self::Snap => [Some(0.0), Some(0.01)],
             Self::Substep => [Some(1e-9), None],
         }
+    }
+
+    /// Whether the least number is none of the range.
+    pub fn is_open(self) -> bool {
+        matches!(self, Self::Positive | Self::Length | Self::Fraction | Self::Revolution)
     }
 
     /// Whether the value is in the range.
@@ -90,7 +106,7 @@ impl Range {
     /// # Errors
     /// The value is out of the range.
     pub fn check(self, key: impl fmt::Display, value: f64) -> Result<(), DefinitionError> {
-        if self.contains(value) { Ok(()) } else { Err(DefinitionError::value(key, Decimal(value), self.text())) }
+        self.check_in(Unit::One, key, value)
     }
 
     /// Check the value of a key in this unit.
@@ -98,16 +114,10 @@ impl Range {
     /// # Errors
     /// The value is out of the range.
     pub fn check_in(self, unit: Unit, key: impl fmt::Display, value: f64) -> Result<(), DefinitionError> {
-        if self.contains(value) {
-            return Ok(());
+        match self.contains(value) {
+            true => Ok(()),
+            false => Err(DefinitionError::new(key.to_string(), Fault::Range(value, unit, self))),
         }
-        let name = if unit == Unit::One { String::new() } else { format!(" {}", unit.name()) };
-        let allowed = match (self, unit) {
-            // A file may state lengths and angles in another unit.
-            (Self::Coordinate, Unit::Metre | Unit::Radian) => format!("a number from -1e100{name} to 1e100{name}"),
-            _ => self.text(),
-        };
-        Err(DefinitionError::value(key, format_args!("{}{name}", Decimal(value)), allowed))
     }
 
     /// The range in words.
@@ -136,9 +146,53 @@ impl<'a, const N: usize> From<[&'a str; N]> for Text<'a> {
     }
 }
 
-/// A numeric parameter without its value; `R`: the type of its role in the model.
+/// What a parameter changes in a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// The shape of the linkage.
+    Geometry,
+    /// Masses and moments of inertia.
+    Inertia,
+    /// The potential or the law of a load.
+    Load,
+    /// A number in the law of a load, which may change between two steps: of friction, air, drag, what a stop does.
+    Law,
+    /// The position at the start.
+    StartPosition,
+    /// The speed at the start.
+    StartSpeed,
+    /// The stretch of bodies as rods.
+    Elasticity,
+    /// The tolerance of the integration or the bound on its work, which may change between two steps.
+    Tolerance,
+    /// The step of the finite elements.
+    Step,
+    /// What the errors of the integration are relative to.
+    Scale,
+    /// The laws of a hydraulic circuit.
+    Circuit,
+    /// The pressures at the start.
+    CircuitStart,
+    /// Nothing by itself: the numbers whose expressions read it.
+    Named,
+}
+
+impl Role {
+    /// Whether a host may change such a parameter between two steps.
+    pub fn is_tunable(self) -> bool {
+        matches!(self, Self::Law | Self::Tolerance)
+    }
+}
+
+/// Function that is called with each parameter and its value.
+pub type Visit<'v> = dyn FnMut(Parameter<'_>, &mut f64) + 'v;
+
+/// Name of a coordinate in variables, and its index in the file.
+pub const AXES: [(&str, &str); 2] = [("x", "[0]"), ("y", "[1]")];
+
+/// A numeric parameter without its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameter<'a, R> {
+pub struct Parameter<'a> {
     /// Variable name, such as `crank.length`.
     pub name: Text<'a>,
     /// Path of the key in the file, such as `bodies.crank.length`.
@@ -150,24 +204,26 @@ pub struct Parameter<'a, R> {
     /// Values that it may have.
     pub range: Range,
     /// What it changes in the model.
-    pub role: R,
+    pub role: Role,
 }
 
-impl<'a, R> Parameter<'a, R> {
+impl<'a> Parameter<'a> {
     /// Parameter with this variable name, path of the key in the file, and description.
     pub fn new<const N: usize, const K: usize, const D: usize>(
         name: [&'a str; N],
         key: [&'a str; K],
         description: [&'a str; D],
-        (unit, range, role): (Unit, Range, R),
+        (unit, range, role): (Unit, Range, Role),
     ) -> Self {
         Self { name: name.into(), key: key.into(), description: description.into(), unit, range, role }
     }
 
-    /// The same parameter with another role.
-    pub fn with<S>(self, role: S) -> Parameter<'a, S> {
-        let Self { name, key, description, unit, range, .. } = self;
-        Parameter { name, key, description, unit, range, role }
+    /// Keep a fault under the name if the value is out of range.
+    pub fn check(&self, value: f64, faults: &mut Faults) {
+        // Names are put together only where one is said.
+        if !self.range.contains(value) {
+            faults.push(DefinitionError::new(self.name.concat(), Fault::Range(value, Unit::One, self.range)));
+        }
     }
 }
 
@@ -180,60 +236,86 @@ pub struct Flag<'a> {
     pub description: Text<'a>,
 }
 
-impl<'a> Flag<'a> {
-    /// Flag of a section or element.
-    pub fn new<const D: usize>(owner: &'a str, quantity: &'a str, description: [&'a str; D]) -> Self {
-        Self { name: [owner, ".", quantity].into(), description: description.into() }
-    }
-}
-
-/// Section that there is once, or named element of a group, which lists its parameters for a visitor.
-pub struct Owner<'a, 'v, R> {
+/// Section that there is once, or named element of a group, whose parameters a visitor is called with.
+pub struct Owner<'a> {
     /// Of an element only.
-    group: Option<&'static str>,
-    name: &'a str,
-    /// Role of the parameters that are listed next.
-    pub role: R,
-    /// Called with each parameter and its value.
-    pub visit: &'v mut dyn FnMut(Parameter<R>, &mut f64),
+    pub group: Option<&'static str>,
+    /// Its name.
+    pub name: &'a str,
+    /// Whether it turns about a joint, which decides some units.
+    pub is_rotary: bool,
 }
 
-impl<'a, 'v, R: Copy> Owner<'a, 'v, R> {
-    /// Section that there is once; or named element of a group.
-    pub fn new(
-        group: Option<&'static str>,
-        name: &'a str,
-        role: R,
-        visit: &'v mut dyn FnMut(Parameter<R>, &mut f64),
-    ) -> Self {
-        Self { group, name, role, visit }
+impl Owner<'_> {
+    /// Visit the parameters among the keys of an object, which `refine` may change or leave out.
+    pub fn parameters(&self, object: &mut dyn Keyed, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
+        self.inside("", object, refine, visit);
     }
 
-    /// Visit the parameter `owner.quantity`, if it has a value; `words`: its description, without the owner's name.
-    #[inline]
-    pub fn add<'x>(
-        &mut self,
-        quantity: &'static str,
-        words: &'static str,
-        unit: Unit,
-        range: Range,
-        value: impl Into<Option<&'x mut f64>>,
-    ) {
-        if let Some(value) = value.into() {
-            self.list(quantity, words, unit, range, value);
+    /// Visit the Boolean parameters among the keys of an object, which have their values from now on; @ in the words of
+    /// one stands for the owner's name.
+    pub fn flags(&self, object: &mut dyn Keyed, visit: &mut dyn FnMut(Flag, &mut bool)) {
+        for (index, key) in object.table().keys.iter().enumerate().filter(|(_, key)| key.role.is_some()) {
+            let mut slot = object.slot(index);
+            if let (Kind::Flag, Slot::Maybe(maybe)) = (key.kind, &mut slot)
+                && maybe.get().is_none()
+                && let Slot::Flag(value) = maybe.make()
+            {
+                *value = key.absent == "true";
+            }
+            let value = match slot {
+                Slot::Maybe(maybe) => maybe.get(),
+                slot => Some(slot),
+            };
+            if let Some(Slot::Flag(value)) = value {
+                let (before, after) = key.words.split_once('@').unwrap_or((key.words, ""));
+                let named = if after.is_empty() { "" } else { self.name };
+                let name = [self.name, ".", key.name].into();
+                visit(Flag { name, description: [before, named, after].into() }, value);
+            }
         }
     }
 
-    /// One copy of this for all that is added.
-    #[inline(never)]
-    fn list(&mut self, quantity: &'static str, words: &'static str, unit: Unit, range: Range, value: &mut f64) {
-        let (name, kind) = ([self.name, ".", quantity], (unit, range, self.role));
-        let parameter = match self.group {
-            Some(group) => {
-                Parameter::new(name, [group, ".", self.name, ".", quantity], [words, " of ", self.name], kind)
+    fn inside(&self, of: &str, object: &mut dyn Keyed, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
+        for (index, key) in object.table().keys.iter().enumerate() {
+            if let Some(key) = refine(*key) {
+                self.visit(of, &key, object.slot(index), refine, visit);
             }
-            None => Parameter::new(name, name, [words], kind),
-        };
-        (self.visit)(parameter, value);
+        }
+    }
+
+    /// Visit what stands under a key of the owner, or `of` an object in it.
+    fn visit(&self, of: &str, key: &Key, slot: Slot, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
+        match (slot, key.role) {
+            (Slot::Maybe(maybe), _) => {
+                if let Some(slot) = maybe.get() {
+                    self.visit(of, key, slot, refine, visit);
+                }
+            }
+            (Slot::Object(object), _) => self.inside(key.name, object, refine, visit),
+            (Slot::Number(value), Some(role)) => {
+                let (unit, dot) = (key.unit(self.is_rotary), if of.is_empty() { "" } else { "." });
+                let (name, kind) = ([self.name, ".", of, dot, key.name], (unit, key.range, role));
+                visit(
+                    match self.group {
+                        Some(group) => {
+                            let path = [group, ".", self.name, ".", of, dot, key.name];
+                            Parameter::new(name, path, [key.words, " of ", self.name], kind)
+                        }
+                        None => Parameter::new(name, name, [key.words], kind),
+                    },
+                    value,
+                );
+            }
+            (Slot::Pair(pair), Some(role)) => {
+                for ((axis, index), value) in AXES.into_iter().zip(pair) {
+                    let path = [self.group.unwrap_or_default(), ".", self.name, ".", key.name, index];
+                    let description = [key.words, ", ", axis, ", of ", self.name];
+                    let kind = (key.unit(self.is_rotary), key.range, role);
+                    visit(Parameter::new([self.name, ".", key.name, "_", axis], path, description, kind), value);
+                }
+            }
+            _ => {}
+        }
     }
 }

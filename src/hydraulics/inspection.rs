@@ -3,9 +3,9 @@
 //! In: the text of a definition. Out: facts and findings. It must not know the laws
 //! of the circuit: its outputs tell.
 use super::definition::HydraulicActuator;
-use super::error::HydraulicsError;
 use super::model::Model;
 use super::plausibility::circuit_warnings;
+use crate::format::Described;
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
@@ -14,20 +14,11 @@ use std::f64::consts::PI;
 
 /// Path in the file of a key, where those of the circuit stand in its own section.
 fn in_file(path: &str) -> String {
-    const OWN: [&str; 10] = [
-        "name",
-        "description",
-        "about",
-        "circuit",
-        "actuator",
-        "coupling",
-        "solver",
-        "experiment",
-        "accumulator",
-        "pump",
-    ];
     let first = path.split('.').next().unwrap_or_default();
-    if OWN.contains(&first) { path.to_owned() } else { format!("circuit.{path}") }
+    match HydraulicActuator::TABLE.position(first) {
+        Some(_) => path.to_owned(),
+        None => format!("circuit.{path}"),
+    }
 }
 
 impl Model {
@@ -63,21 +54,28 @@ impl Model {
 /// Inspect the text of a definition.
 pub fn inspect(text: &str) -> Inspection {
     let mut out = Inspection::default();
-    let mut model = match Model::from_json(text) {
-        Ok(model) => model,
-        Err(error) => {
-            out.is_readable = crate::format::read::<HydraulicActuator>("hydraulic actuator", text).is_ok();
-            let path = match &error {
-                HydraulicsError::Definition(fault) if out.is_readable => in_file(fault.path()),
-                HydraulicsError::Definition(fault) => fault.path().to_owned(),
-                _ => String::new(),
-            };
-            out.findings.push(Finding::error(path, &error));
+    let (actuator, faults) = match HydraulicActuator::with_faults(text) {
+        Ok(read) => read,
+        Err(faults) => {
+            out.findings.extend(faults.into_iter().map(|fault| Finding::fault(fault.path(), &fault)));
             return out;
         }
     };
-    (out.is_readable, out.name) = (true, model.name().to_owned());
-    out.findings = model.warnings();
+    (out.is_readable, out.name) = (true, actuator.name.clone());
+    let is_sound = faults.are_of_unknown_keys();
+    out.findings.extend(faults.into_iter().map(|fault| match fault.place() {
+        Some(_) => Finding::fault(fault.path(), &fault),
+        None => Finding::fault(&in_file(fault.path()), &fault),
+    }));
+    let mut model = match Model::new(actuator) {
+        Ok(model) if is_sound => model,
+        Ok(_) => return out,
+        Err(error) => {
+            out.findings.push(Finding::error("", &error));
+            return out;
+        }
+    };
+    out.findings.extend(model.warnings());
     let mut value = |name: &str| {
         let reference = model.variables().find(name);
         reference.and_then(|reference| model.real(reference).ok()).unwrap_or(f64::NAN)

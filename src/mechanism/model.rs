@@ -107,7 +107,11 @@ impl Model {
     /// # Errors
     /// As [`Self::from_json`].
     pub fn with_tables(text: &str, tables: Option<Arc<Sections>>) -> Result<Self, ModelError> {
-        let mut mechanism = Mechanism::from_json(text)?;
+        Self::with_mechanism(Mechanism::from_json(text)?, tables)
+    }
+
+    /// The model of a mechanism that was read and checked, with kept tables of its text, if there are any.
+    pub(super) fn with_mechanism(mut mechanism: Mechanism, tables: Option<Arc<Sections>>) -> Result<Self, ModelError> {
         let mut found = mechanism.warnings();
         let stored = tables.and_then(|tables| Some((Reduced::stored(&mechanism, &tables)?, tables.read(GUID)?)));
         let stored = stored.and_then(|(reduced, guid)| Some((reduced, String::from_utf8(guid).ok()?)));

@@ -1,6 +1,6 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::checksum::fnv1a;
-use crate::format::About;
+use crate::format::{About, written};
 use crate::mechanism::definition::{Experiment, Expressions, Mechanism, Method};
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
@@ -156,6 +156,5 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     bare.forces.iter_mut().for_each(|(_, force)| force.force = [0.0; 2]);
     bare.torques.iter_mut().for_each(|(_, torque)| torque.torque = 0.0);
     bare.locks.iter_mut().for_each(|(_, lock)| lock.engage = false);
-    let json = serde_json::to_string(&bare).unwrap_or_else(|error| unreachable!("a definition is JSON: {error}"));
-    fnv1a(json.as_bytes())
+    fnv1a(written(&mut bare).as_bytes())
 }

@@ -1,9 +1,10 @@
 //! Units of the variables, with what the XML must say of them.
 
 /// Unit of a Real; its quantity stands in the table of [`Unit::row`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)]
 pub enum Unit {
+    #[default]
     One,
     Radian,
     RadianPerSecond,
@@ -111,7 +112,7 @@ impl Unit {
     }
 
     /// Name as it stands in the XML, such as `N.m`.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         self.row().0
     }
 

@@ -198,7 +198,7 @@ fn what_the_drawing_contradicts_is_refused() {
         ("/bodies/rod/drawn/origin", json!([31, 40]), vec!["joints.pin", "drawn 0.001 m away from its first"]),
         ("/bodies/ground/points/rail", json!([0, 42]), vec!["joints.guide", "0.002 m off the line"]),
         ("/bodies/ground/drawn", json!({ "origin": [0, 0] }), vec!["bodies.ground.drawn", "mechanism frame"]),
-        ("/units/angle", json!("grad"), vec!["units.angle", "unknown variant `grad`", "`rad` or `deg`"]),
+        ("/units/angle", json!("grad"), vec!["units.angle", "must be `rad` or `deg`, not `grad`"]),
     ] {
         let mut all = triangle();
         let (parent, key) = path.rsplit_once('/').unwrap();

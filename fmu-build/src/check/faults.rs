@@ -1,14 +1,15 @@
-//! All faults of a definition with their places, however many stop the reader.
+//! All faults of a definition with their places.
 //!
-//! In: a definition's text. Out: findings with their places. The reader stops at the first key that it cannot read.
-//! That key is blanked out in a copy of the text, in which all others keep their places, and the copy is read again.
+//! In: a definition's text. Out: findings with their places. Where the text is no JSON, that is written over in a copy, in
+//! which all else keeps its place, so that the rest is read too.
 
-use super::spans::{Tree, byte_of, line_and_column};
-use super::syntax::{overwrite, repair};
+use super::spans::find;
+use super::syntax::repair;
 use super::units::FileUnits;
 use crate::names;
 use anyhow::Result;
 use linkage_fmu::component::Component;
+use linkage_fmu::format::{Node, Place, parse};
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ use std::ops::Range;
 const SHARED: &str = "parameters_from";
 const SHARED_CONTENTS: &str = "parameters_from.contents";
 
-/// Most faults of the form that are looked for.
+/// Most faults that are reported.
 pub const MOST: usize = 100;
 
 /// A finding with its place in the text.
@@ -52,76 +53,34 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
         repaired.replace_range(..3, "   ");
     }
     let form = repair(&mut repaired, &mut located);
-    let mut removed: Vec<String> = Vec::new();
-    let mut only_unknown = true;
     let mut inspection =
         if form.is_json || located.is_empty() { Component::inspect(kind, &repaired)? } else { Inspection::default() };
-    while !inspection.is_readable && located.len() < MOST {
-        let Some(finding) = inspection.findings.pop() else { break };
-        let tree = Tree::new(&repaired);
-        let path = told_twice(&finding).map_or(finding.path.clone(), |key| format!("{}.{key}", finding.path));
-        let Some(place) = tree.find(path.trim_start_matches('.')).filter(|place| !place.path.is_empty()) else {
-            let follows = removed.iter().any(|path| !path.contains('.') && names(&finding.message, path));
-            if !(follows && is_missing(&finding)) {
-                let missing =
-                    tree.find("").filter(|_| is_missing(&finding)).map(|_| placeholder(kind, &repaired, &finding));
-                drop(tree);
-                // A key that is missing at the top is missing in the whole.
-                let named = if is_missing(&finding) { "" } else { finding.message.as_str() };
-                let span = of_message(text, named);
-                located.push(at(text, finding, span));
-                if let Some(Some(more)) = missing {
-                    repaired = more;
-                    removed.push(String::new());
-                    only_unknown = false;
-                    inspection = Component::inspect(kind, &repaired)?;
-                    continue;
-                }
-            }
-            break;
-        };
-        // A key that is missing where one was taken out was there before.
-        let own = |path: &String| {
-            let parts = path.rsplit_once('.');
-            parts.is_some_and(|(parent, key)| parent == place.path && names(&finding.message, key))
-        };
-        let is_unknown = finding.message.contains("unknown field");
-        only_unknown &= is_unknown;
-        let follows = (is_missing(&finding) && removed.iter().any(own)) || reads_removed(&finding, &removed);
-        // What stands behind the text was put there.
-        if !follows && place.shown.end <= text.len() {
-            let stands_twice = finding.message.contains("stands twice") || told_twice(&finding).is_some();
-            let span = if is_unknown || stands_twice { place.key.clone() } else { place.shown.clone() };
-            located.push(at(text, finding, span));
-        }
-        let range = tree.removal(&place);
-        drop(tree);
-        overwrite(&mut repaired, range, "");
-        removed.push(place.path);
-        inspection = Component::inspect(kind, &repaired)?;
-    }
-    let is_whole = inspection.is_readable && only_unknown;
-    // Facts of a text that was repaired are those of another model.
-    let is_repaired = !located.is_empty();
+    let is_whole = inspection.is_readable;
     if is_whole {
-        let tree = Tree::new(&repaired);
-        let units = FileUnits::of(&repaired);
         inspection.findings.extend(of_name(&inspection.name));
-        for finding in inspection.findings.drain(..) {
-            let place = tree.find(&finding.path).filter(|place| !place.path.is_empty() || !finding.path.is_empty());
-            let span = place.map_or(0..0, |place| place.shown);
-            // A value that was written over is at fault once, and the motion that follows from it is none of the file's.
-            let follows = span.is_empty() && !form.places.is_empty();
-            if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
-                located.push(at(text, units.told(finding), span));
-            }
+    }
+    // Facts of a text that was repaired, or of which a part was not read, are those of another model.
+    let is_other = !located.is_empty() || inspection.findings.iter().any(|finding| finding.bytes.is_some());
+    let root = parse(kind, &repaired).ok();
+    let units = FileUnits::of(root.as_ref());
+    let is_one_line = |bytes: &Range<usize>| !repaired[bytes.clone()].contains('\n');
+    for finding in inspection.findings.drain(..) {
+        let by_path = || {
+            let place = root.as_ref().map(|root| find(&repaired, root, &finding.path));
+            place.filter(|place| !place.path.is_empty() || !finding.path.is_empty()).map_or(0..0, |place| place.shown)
+        };
+        let span = finding.bytes.clone().filter(is_one_line).unwrap_or_else(by_path);
+        // A value that was written over is at fault once, and the motion that follows from it is none of the file's.
+        let follows = span.is_empty() && !form.places.is_empty();
+        if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
+            located.push(at(text, root.as_ref(), units.told(finding), span));
         }
     }
-    if is_repaired && located.iter().any(|located| located.finding.severity == Severity::Error) {
+    if is_other && located.iter().any(|located| located.finding.severity == Severity::Error) {
         inspection.facts.clear();
     }
-    inspection.findings.clear();
     located.sort_by_key(|located| (located.finding.severity != Severity::Error, located.span.start));
+    located.truncate(MOST);
     Ok(All { inspection, located, is_whole })
 }
 
@@ -133,19 +92,6 @@ fn of_name(name: &str) -> Option<Finding> {
     Some(Finding::error("name", format_args!("name = \"{name}\"{reason}")))
 }
 
-/// Whether an expression reads a parameter that is missing only because its own fault took it out of the copy.
-fn reads_removed(finding: &Finding, removed: &[String]) -> bool {
-    let Some((_, name)) = finding.message.split_once("no parameter of the file is called ") else { return false };
-    // Without its file none of the shared parameters is known.
-    if removed.iter().any(|path| path == SHARED || path == SHARED_CONTENTS) {
-        return true;
-    }
-    // A parameter has the path of its key without the group that the key stands in.
-    let own = |path| shared_path(path).unwrap_or(path);
-    let mut parameters = removed.iter().filter_map(|path| own(path).split_once('.'));
-    parameters.any(|(_, parameter)| name.strip_prefix(parameter).is_some_and(|rest| rest.starts_with(':')))
-}
-
 /// Path of a key of the shared parameters in their file; None of any other key.
 fn shared_path(path: &str) -> Option<&str> {
     path.strip_prefix(SHARED_CONTENTS)?.strip_prefix('.')
@@ -153,70 +99,21 @@ fn shared_path(path: &str) -> Option<&str> {
 
 /// A finding about a key of the shared parameters, as their reader tells it: at the key that names their file, with the
 /// path in this file.
-fn of_shared(text: &str, finding: &mut Finding, span: &mut Range<usize>) {
-    let Some(path) = shared_path(&finding.path) else { return };
-    let tree = Tree::new(text);
-    let named = tree.find(&format!("{SHARED}.file")).and_then(|place| text.get(place.whole));
-    let file = named.and_then(|file| serde_json::from_str::<String>(file.split_once(':')?.1.trim()).ok());
-    let (Some(file), Some(place)) = (file, tree.find(SHARED)) else { return };
+fn of_shared(root: &Node, finding: &mut Finding, span: &mut Range<usize>) -> Option<()> {
+    let path = shared_path(&finding.path)?;
+    let shared = root.member(SHARED)?;
+    let file = shared.value.member("file")?.value.text()?;
     let rest = finding.message.strip_prefix(finding.path.as_str()).unwrap_or(&finding.message);
     let rest = rest.strip_suffix(&format!(" (in {file})")).unwrap_or(rest);
     finding.message = format!("{SHARED}: {file}: {path}{rest}");
-    (finding.path, *span) = (SHARED.to_owned(), place.key);
-}
-
-/// The key of an object that the reader found twice.
-fn told_twice(finding: &Finding) -> Option<String> {
-    let (_, rest) = finding.message.split_once("duplicate field `")?;
-    rest.split_once('`').map(|(key, _)| key.to_owned())
-}
-
-/// The text with the key that this finding misses at its top, so that the next missing key is found too; none if no
-/// value of the key lets the reader come further.
-fn placeholder(kind: &str, text: &str, finding: &Finding) -> Option<String> {
-    let (_, rest) = finding.message.split_once("missing field `")?;
-    let (key, _) = rest.split_once('`')?;
-    let (before, after) = text.rsplit_once('}')?;
-    let comma = if before.trim_end().ends_with('{') { "" } else { "," };
-    ["{}", "\"m\""].into_iter().map(|value| format!("{before}{comma}\"{key}\":{value}}}{after}")).find(|longer| {
-        let read = Component::inspect(kind, longer);
-        read.is_ok_and(|read| read.findings.iter().all(|next| next.path != key && next.message != finding.message))
-    })
-}
-
-/// The character at the line and column that the reader's message ends with; the first of the text if it names none.
-fn of_message(text: &str, message: &str) -> Range<usize> {
-    let numbers = message.rsplit_once(" at line ").and_then(|(_, rest)| {
-        let (line, rest) = rest.split_once(" column ")?;
-        let column = rest.split(|c: char| !c.is_ascii_digit()).next()?;
-        Some((line.parse().ok()?, column.parse().ok()?))
-    });
-    let start = numbers.map_or(0, |(line, column)| byte_of(text, line, column));
-    let start = if is_blank_at(text, start) { text.find(|c: char| !c.is_whitespace()).unwrap_or(0) } else { start };
-    start..start + text[start..].chars().next().map_or(0, char::len_utf8)
-}
-
-fn is_blank_at(text: &str, at: usize) -> bool {
-    text[at..].chars().next().is_none_or(char::is_whitespace)
+    (finding.path, *span) = (SHARED.to_owned(), shared.span.clone());
+    Some(())
 }
 
 /// A finding about this range of the text.
-pub fn at(text: &str, mut finding: Finding, mut span: Range<usize>) -> Located {
-    of_shared(text, &mut finding, &mut span);
-    // The reader's own place is that in the repaired copy, and no better than the one that is shown.
-    if let Some(end) = finding.message.rfind(" at line ").filter(|_| !span.is_empty()) {
-        let after = finding.message[end..].find(';').map_or("", |rest| &finding.message[end + rest..]);
-        finding.message = format!("{}{after}", &finding.message[..end]);
-    }
-    Located { position: line_and_column(text, span.start), finding, span }
-}
-
-fn is_missing(finding: &Finding) -> bool {
-    finding.message.contains("missing field")
-}
-
-fn names(message: &str, key: &str) -> bool {
-    message.contains(&format!("`{key}`"))
+pub fn at(text: &str, root: Option<&Node>, mut finding: Finding, mut span: Range<usize>) -> Located {
+    root.and_then(|root| of_shared(root, &mut finding, &mut span));
+    Located { position: Place::new(text, span.clone()).position, finding, span }
 }
 
 #[cfg(test)]
@@ -252,7 +149,11 @@ mod tests {
             assert!(one.ends_with(" at \"parameters_from\"") && !one.contains("(in c.json)"), "{one}");
         }
         let told = told_of_shared("[1]");
-        assert!(told.len() == 1 && told[0].starts_with("parameters_from: invalid type: a list"), "{told:#?}");
+        assert!(
+            told.len() == 1
+                && told[0].starts_with("parameters_from: must be a text in quotes, or an object { }, not a list"),
+            "{told:#?}"
+        );
     }
 
     /// An expression that reads a parameter at fault has no fault of its own.

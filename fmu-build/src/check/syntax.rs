@@ -72,7 +72,7 @@ pub fn repair(text: &mut String, located: &mut Vec<Located>) -> Repaired {
         };
         // What has no name here, the engine says in its own words.
         let Some(Fault { message, shown, cure }) = fault(text, &error) else { break };
-        located.push(at(text, Finding::error("", message), shown.clone()));
+        located.push(at(text, None, Finding::error("", message), shown.clone()));
         let Some((range, replacement)) = cure else { break };
         overwrite(text, range, &replacement);
         places.push(shown);

@@ -2,10 +2,10 @@
 //!
 //! In: messages of the engine, which is in SI units. Out: the same with lengths and angles as the file states them.
 
+use linkage_fmu::format::Node;
 use linkage_fmu::inspection::Finding;
-use linkage_fmu::mechanism::definition::{AngleUnit, LengthUnit, Units};
+use linkage_fmu::mechanism::definition::{AngleUnit, LengthUnit};
 use linkage_fmu::numerics::decimal::Decimal;
-use serde::Deserialize;
 
 /// A unit of the engine, the unit of the file, and how many of the file's make one of the engine's.
 struct Unit {
@@ -18,17 +18,15 @@ struct Unit {
 pub struct FileUnits(Vec<Unit>);
 
 impl FileUnits {
-    /// The units that the text states.
-    pub fn of(text: &str) -> Self {
-        #[derive(Deserialize)]
-        struct Stated {
-            #[serde(default)]
-            units: Units,
-        }
-        let stated = serde_json::from_str::<Stated>(text).map(|stated| stated.units).unwrap_or_default();
-        let length = (stated.length == Some(LengthUnit::Mm)).then_some(Unit { si: "m", own: "mm", factor: 1e3 });
+    /// The units that the definition states.
+    pub fn of(definition: Option<&Node>) -> Self {
+        let units = definition.and_then(|definition| definition.member("units"));
+        let states = |key: &str, unit: &str| {
+            units.and_then(|units| units.value.member(key)).is_some_and(|stated| stated.value.text() == Some(unit))
+        };
+        let length = states("length", LengthUnit::Mm.word()).then_some(Unit { si: "m", own: "mm", factor: 1e3 });
         let degree = 180.0 / std::f64::consts::PI;
-        let angle = (stated.angle == Some(AngleUnit::Deg)).then_some(Unit { si: "rad", own: "deg", factor: degree });
+        let angle = states("angle", AngleUnit::Deg.word()).then_some(Unit { si: "rad", own: "deg", factor: degree });
         Self(length.into_iter().chain(angle).collect())
     }
 
@@ -97,10 +95,12 @@ impl FileUnits {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use linkage_fmu::format::parse;
 
     #[test]
     fn lengths_and_angles_are_told_as_the_file_states_them() {
-        let text = r#"{ "units": { "length": "mm", "angle": "deg" } }"#;
+        let [text, none] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
+            .map(|text| FileUnits::of(parse("test", text).ok().as_ref()));
         for (message, told) in [
             ("a = 0.5 m: from -0.2 m to 0.4 m, 1.5 m/s", "a = 500 mm: from -200 mm to 400 mm, 1.5 m/s"),
             ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),
@@ -109,8 +109,8 @@ mod tests {
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
             ("at 15.70796327 rad; if 15 degrees are meant, write 0.2 rad", "at 900 deg"),
         ] {
-            assert_eq!(FileUnits::of(text).converted(message), told);
-            assert_eq!(FileUnits::of("{}").converted(message), message);
+            assert_eq!(text.converted(message), told);
+            assert_eq!(none.converted(message), message);
         }
     }
 }

@@ -159,7 +159,7 @@ pub fn refusal(mechanism: &Value) -> Option<String> {
     Mechanism::from_json(&mechanism.to_string()).err().map(|e| e.to_string())
 }
 
-/// The names in backticks after a word of serde's message.
+/// The names in backticks after some words of a message.
 pub fn names_after<'a>(message: &'a str, word: &str) -> BTreeSet<&'a str> {
     let rest = message.split_once(word).unwrap_or_else(|| panic!("`{message}` lacks `{word}`")).1;
     rest.split('`').skip(1).step_by(2).collect()

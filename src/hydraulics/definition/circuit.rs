@@ -6,84 +6,67 @@ use super::sections::{
     Accumulator, Anticavitation, ChamberA, ChamberB, Check, Command, CushionA, CushionB, Cylinder, Fluid, Hose,
     Leakage, LockValve, Pump, Relief, RestrictorA, RestrictorB, Seal, Valve,
 };
-use super::{Ranges, Visit};
-use crate::format::DefinitionError;
+use crate::format::{DefinitionError, Described, Faults, Keyed, Owner, Range, Slot, Visit, keys, number};
 use crate::numerics::decimal::Decimal;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit;
 
-/// A circuit: supply, tank, valve, cylinder and oil.
-#[derive(Clone, Debug, Default, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Circuit {
-    /// Supply, whose pressure is an input.
-    pub supply: Supply,
-    /// Tank, whose pressure is an input.
-    pub tank: Tank,
-    /// Oil with entrained air.
-    pub fluid: Fluid,
-    /// Differential cylinder.
-    pub cylinder: Cylinder,
-    /// Chamber on the side of the piston.
-    pub chamber_a: ChamberA,
-    /// Chamber on the side of the rod.
-    pub chamber_b: ChamberB,
-    /// Valve.
-    pub valve: Valve,
-    /// Restrictor of chamber A.
-    pub restrictor_a: RestrictorA,
-    /// Restrictor of chamber B.
-    pub restrictor_b: RestrictorB,
-    /// Check valves.
-    pub check: Check,
-    /// Cushion of chamber A.
-    pub cushion_a: CushionA,
-    /// Cushion of chamber B.
-    pub cushion_b: CushionB,
-    /// Relief valves.
-    pub relief: Relief,
-    /// Anti-cavitation valves.
-    pub anticavitation: Anticavitation,
-    /// Leakages.
-    pub leakage: Leakage,
-    /// Friction of the seals.
-    pub seal: Seal,
-    /// Hoses.
-    pub hose: Hose,
-    /// Lock valve.
-    pub lock_valve: LockValve,
-    /// Command as a function of time.
-    pub command: Command,
-    /// Accumulator at the supply.
-    pub accumulator: Accumulator,
-    /// Pump of the accumulator.
-    pub pump: Pump,
-}
-
-/// Supply.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Supply {
-    /// Start value of the input `supply.pressure` [Pa], above -p_0.
-    pub pressure: f64,
-}
-
-/// Tank.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Tank {
-    /// Start value of the input `tank.pressure` [Pa], above -p_0.
-    pub pressure: f64,
-}
-
-impl Default for Supply {
-    fn default() -> Self {
-        Self { pressure: 20.7e6 }
+keys! {
+    /// A circuit: supply, tank, valve, cylinder and oil.
+    pub struct Circuit {
+        /// Supply, whose pressure is an input.
+        supply: Supply;
+        /// Tank, whose pressure is an input.
+        tank: Tank;
+        /// Oil with entrained air.
+        fluid: Fluid;
+        /// Differential cylinder.
+        cylinder: Cylinder;
+        /// Chamber on the side of the piston.
+        chamber_a: ChamberA;
+        /// Chamber on the side of the rod.
+        chamber_b: ChamberB;
+        /// Valve.
+        valve: Valve;
+        /// Restrictor of chamber A.
+        restrictor_a: RestrictorA;
+        /// Restrictor of chamber B.
+        restrictor_b: RestrictorB;
+        /// Check valves.
+        check: Check;
+        /// Cushion of chamber A.
+        cushion_a: CushionA;
+        /// Cushion of chamber B.
+        cushion_b: CushionB;
+        /// Relief valves.
+        relief: Relief;
+        /// Anti-cavitation valves.
+        anticavitation: Anticavitation;
+        /// Leakages.
+        leakage: Leakage;
+        /// Friction of the seals.
+        seal: Seal;
+        /// Hoses.
+        hose: Hose;
+        /// Lock valve.
+        lock_valve: LockValve;
+        /// Command as a function of time.
+        command: Command;
+        /// Accumulator at the supply.
+        accumulator: Accumulator;
+        /// Pump of the accumulator.
+        pump: Pump;
     }
-}
 
-impl Default for Tank {
-    fn default() -> Self {
-        Self { pressure: 0.35e6 }
+    /// Supply.
+    pub struct Supply: Copy {
+        /// Start value of the input `supply.pressure` [Pa], above -p_0.
+        pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
+    }
+
+    /// Tank.
+    pub struct Tank: Copy {
+        /// Start value of the input `tank.pressure` [Pa], above -p_0.
+        pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }
 
@@ -117,28 +100,13 @@ pub fn check_pressure(name: &str, pressure: f64, ambient: f64) -> Result<(), Def
 }
 
 impl Circuit {
-    /// Call `visit` with every parameter and its value, in the order of the file. `roles`: role of the parameters of a
-    /// law, and of those of the start.
+    /// Call `visit` with every parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit) {
-        self.fluid.parameters(visit);
-        self.cylinder.parameters(visit);
-        self.chamber_a.parameters(visit);
-        self.chamber_b.parameters(visit);
-        self.valve.parameters(visit);
-        self.restrictor_a.parameters(visit);
-        self.restrictor_b.parameters(visit);
-        self.check.parameters(visit);
-        self.cushion_a.parameters(visit);
-        self.cushion_b.parameters(visit);
-        self.relief.parameters(visit);
-        self.anticavitation.parameters(visit);
-        self.leakage.parameters(visit);
-        self.seal.parameters(visit);
-        self.hose.parameters(visit);
-        self.lock_valve.parameters(visit);
-        self.command.parameters(visit);
-        self.accumulator.parameters(visit);
-        self.pump.parameters(visit);
+        for (index, key) in Self::TABLE.keys.iter().enumerate() {
+            if let Slot::Object(section) = self.slot(index) {
+                Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
+            }
+        }
     }
 
     /// Check each number and what they must be to each other.
@@ -146,13 +114,23 @@ impl Circuit {
     /// # Errors
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
-        let mut ranges = Ranges::default();
-        self.clone().parameters(&mut |parameter, value| ranges.check(&parameter, *value));
-        ranges.0?;
+        let mut faults = Faults::default();
+        self.find_faults(&mut faults);
+        faults.first()
+    }
+
+    /// Faults of each number, and of what they must be to each other.
+    pub fn find_faults(&self, faults: &mut Faults) {
+        let before = faults.len();
+        self.clone().parameters(&mut |parameter, value| parameter.check(*value, faults));
+        // Numbers in range are compared.
+        if faults.len() > before {
+            return;
+        }
         let cylinder = &self.cylinder;
         if cylinder.rod >= cylinder.bore {
             let allowed = format!("below cylinder.bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
-            return Err(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
+            faults.push(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
         }
         for (side, hose, dead) in [
             ("a", self.hose.volume_a, self.chamber_a.dead_volume),
@@ -161,7 +139,7 @@ impl Circuit {
             if hose > dead {
                 let allowed =
                     format!("at most chamber_{side}.dead_volume = {} m3, of which it is a part", Decimal(dead));
-                return Err(DefinitionError::value(format!("hose.volume_{side}"), Decimal(hose), allowed));
+                faults.push(DefinitionError::value(format!("hose.volume_{side}"), Decimal(hose), allowed));
             }
         }
         for (key, pressure) in [
@@ -171,7 +149,7 @@ impl Circuit {
             ("chamber_b.start_pressure", self.chamber_b.start_pressure),
             ("accumulator.precharge_pressure", self.accumulator.precharge_pressure),
         ] {
-            check_pressure(key, pressure, self.fluid.ambient_pressure)?;
+            faults.keep(check_pressure(key, pressure, self.fluid.ambient_pressure));
         }
         let pump = &self.pump;
         let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);
@@ -182,8 +160,7 @@ impl Circuit {
                 Decimal(pump.full_pressure),
                 Decimal::rounded(band)
             );
-            return Err(DefinitionError::value("pump.max_pressure", Decimal(pump.max_pressure), allowed));
+            faults.push(DefinitionError::value("pump.max_pressure", Decimal(pump.max_pressure), allowed));
         }
-        Ok(())
     }
 }

@@ -6,153 +6,115 @@
 mod circuit;
 mod sections;
 
-use crate::format::{About, DefinitionError, Experiment, Owner, Parameter, Range, read};
+use crate::format::{
+    About, DefinitionError, Element, Experiment, Faults, Key, Numbers, Owner, Range, element, keys, number, read_with,
+    words,
+};
+pub use crate::format::{Role, Visit};
 use crate::variables::Unit;
 pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 pub use sections::*;
-use serde::{Deserialize, Serialize};
 
-/// What a parameter changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// The laws of the circuit.
-    Law,
-    /// The state at the start.
-    Start,
-    /// The tolerance of the integration.
-    Tolerance,
-}
+/// The elements of a definition for its schema and reference, next to those of the circuit: the whole first.
+pub const ELEMENTS: [Element; 6] = [
+    Element::of::<HydraulicActuator>(""),
+    Element::of::<About>("about"),
+    Element::of::<Actuator>("actuator"),
+    Element::of::<Coupling>("coupling"),
+    Element::of::<Solver>("solver"),
+    Element::of::<Experiment>("experiment"),
+];
 
-/// Function that is called with each parameter and its value.
-pub type Visit<'v> = dyn FnMut(Parameter<'_, Role>, &mut f64) + 'v;
+/// The circuit and its sections, for schema and reference.
+pub const CIRCUIT: [Element; 22] = [
+    Element::of::<Circuit>("circuit"),
+    Element::of::<Supply>("supply"),
+    Element::of::<Tank>("tank"),
+    Element::of::<Fluid>("fluid"),
+    Element::of::<Cylinder>("cylinder"),
+    Element::of::<ChamberA>("chamber_a"),
+    Element::of::<ChamberB>("chamber_b"),
+    Element::of::<Valve>("valve"),
+    Element::of::<RestrictorA>("restrictor_a"),
+    Element::of::<RestrictorB>("restrictor_b"),
+    Element::of::<Check>("check"),
+    Element::of::<CushionA>("cushion_a"),
+    Element::of::<CushionB>("cushion_b"),
+    Element::of::<Relief>("relief"),
+    Element::of::<Anticavitation>("anticavitation"),
+    Element::of::<Leakage>("leakage"),
+    Element::of::<Seal>("seal"),
+    Element::of::<Hose>("hose"),
+    Element::of::<LockValve>("lock_valve"),
+    Element::of::<Command>("command"),
+    Element::of::<Accumulator>("accumulator"),
+    Element::of::<Pump>("pump"),
+];
 
-/// The first parameter out of its range; only that one is named, as names are put together.
-struct Ranges(Result<(), DefinitionError>);
+keys! {
+    /// Motion of the actuator that the host gives where it gives none: start values of inputs.
+    pub struct Actuator: Copy {
+        /// Start value of the input `actuator.length` [m], >= 0.
+        length: f64 = 0.577 => number(Unit::Metre, Range::NonNegative);
+        /// Start value of the input `actuator.speed` [m/s].
+        speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
+    }
 
-impl Default for Ranges {
-    fn default() -> Self {
-        Self(Ok(()))
+    /// Coupling with what the actuator moves.
+    pub struct Coupling: Copy {
+        /// What a step does with the foreseen motion; start value of the variable `coupling.mode`.
+        mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
+    }
+
+    /// Integration settings.
+    pub struct Solver: Copy {
+        /// Relative tolerance of the integration [1], 1e-14 to 0.1.
+        tolerance: f64 = 1e-9 =>
+            number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
+        /// Most steps of the integration in one communication step [1], a whole number.
+        max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
+            .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
+    }
+
+    /// A differential cylinder with a servo valve, oil and lines. SI units; pressures are relative to the ambient pressure.
+    pub struct HydraulicActuator {
+        /// Where an editor finds the schema; not read by the FMU.
+        schema as "$schema": Option<String>;
+        /// Name of the FMU: a letter or underscore, then letters, digits or underscores.
+        name: String => element().required();
+        /// One line of text.
+        description: String;
+        /// Author, copyright and licence of the model, which the description of the FMU shows.
+        about: About => Key::PLAIN.brief();
+        /// Supply, valve, cylinder and oil.
+        circuit: Circuit;
+        /// Start values of the motion.
+        actuator: Actuator;
+        /// Coupling with what the actuator moves.
+        coupling: Coupling;
+        /// Integration settings.
+        solver: Solver;
+        /// Default experiment of the FMU.
+        experiment: Experiment;
     }
 }
 
-impl Ranges {
-    fn check(&mut self, parameter: &Parameter<'_, Role>, value: f64) {
-        if self.0.is_ok() && !parameter.range.contains(value) {
-            self.0 = parameter.range.check(parameter.name.concat(), value);
-        }
-    }
-}
-
-/// Motion of the actuator that the host gives where it gives none: start values of inputs.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Actuator {
-    /// Start value of the input `actuator.length` [m].
-    pub length: f64,
-    /// Start value of the input `actuator.speed` [m/s].
-    pub speed: f64,
-}
-
-impl Default for Actuator {
-    fn default() -> Self {
-        Self { length: 0.577, speed: 0.0 }
-    }
-}
-
-/// What a step does with the foreseen motion.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// A step keeps the motion that it foresees: one pass.
-    #[default]
-    Preview,
-    /// A step moves by the inputs: two passes, or none.
-    Follow,
-    /// One pass in a host that hands every value on one step late.
-    Delayed,
-}
-
-impl Mode {
-    /// All modes.
-    pub const ALL: [Self; 3] = [Self::Preview, Self::Follow, Self::Delayed];
-    /// Their words, in the same order.
-    pub const WORDS: [&'static str; 3] = ["preview", "follow", "delayed"];
-
-    /// Word of the mode in the file and in the variable `coupling.mode`.
-    pub fn word(self) -> &'static str {
-        Self::WORDS[self as usize]
-    }
-
-    /// The mode with this word.
-    pub fn of_word(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|mode| mode.word() == word)
-    }
-}
-
-/// Coupling with what the actuator moves.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Coupling {
+words! {
     /// What a step does with the foreseen motion.
-    pub mode: Mode,
-}
-
-/// Integration settings.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(default, deny_unknown_fields)]
-pub struct Solver {
-    /// Relative tolerance of the integration [1].
-    pub tolerance: f64,
-    /// Most steps of the integration in one communication step [1].
-    pub max_steps: f64,
-}
-
-impl Default for Solver {
-    fn default() -> Self {
-        Self { tolerance: 1e-9, max_steps: 5e4 }
+    pub enum Mode {
+        /// A step keeps the motion that it foresees: one pass.
+        Preview = "preview",
+        /// A step moves by the inputs: two passes, or none.
+        Follow = "follow",
+        /// One pass in a host that hands every value on one step late.
+        Delayed = "delayed",
     }
 }
 
 impl Solver {
     fn parameters(&mut self, visit: &mut Visit) {
-        let mut list = Owner::new(None, "solver", Role::Tolerance, visit);
-        let words = "Relative tolerance of the integration";
-        list.add("tolerance", words, Unit::One, Range::Tolerance, &mut self.tolerance);
-        let words = "Most steps of the integration in one communication step";
-        list.add("max_steps", words, Unit::One, Range::Count, &mut self.max_steps);
+        Owner { group: None, name: "solver", is_rotary: false }.parameters(self, &Some, visit);
     }
-}
-
-/// A hydraulic actuator as the file states it.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct HydraulicActuator {
-    /// Location of the schema, for editors; not read here.
-    #[serde(rename = "$schema")]
-    pub schema: Option<String>,
-    /// Name of the model, a C identifier.
-    pub name: String,
-    /// One line of text.
-    #[serde(default)]
-    pub description: String,
-    /// Author, copyright and licence.
-    #[serde(default, skip_serializing_if = "About::is_default")]
-    pub about: About,
-    /// Supply, valve, cylinder and oil.
-    #[serde(default)]
-    pub circuit: Circuit,
-    /// Start values of the motion.
-    #[serde(default)]
-    pub actuator: Actuator,
-    /// Coupling with what the actuator moves.
-    #[serde(default)]
-    pub coupling: Coupling,
-    /// Integration settings.
-    #[serde(default)]
-    pub solver: Solver,
-    /// Default experiment.
-    #[serde(default)]
-    pub experiment: Experiment,
 }
 
 impl HydraulicActuator {
@@ -161,15 +123,39 @@ impl HydraulicActuator {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
-        let actuator: Self = read("hydraulic actuator", text)?;
+        let (actuator, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
+        faults.first()?;
+        Ok(actuator)
+    }
+
+    /// Read a definition, with all its faults, keys that nobody knows among them.
+    ///
+    /// # Errors
+    /// All faults for which the text cannot be read as a hydraulic actuator.
+    pub fn with_faults(text: &str) -> Result<(Self, Faults), Faults> {
+        let mut actuator = Self::default();
+        let mut faults = read_with("hydraulic actuator", text, &Numbers::default(), &mut actuator);
+        if !faults.are_of_unknown_keys() {
+            return Err(faults);
+        }
         let mut letters = actuator.name.chars();
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if !letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') || !letters.all(is_word) {
             let allowed = "a C identifier: ASCII letters, digits and underscores, not beginning with a digit";
-            return Err(DefinitionError::value("name", format!("\"{}\"", actuator.name), allowed));
+            faults.push(DefinitionError::value("name", format!("\"{}\"", actuator.name), allowed));
         }
-        actuator.check()?;
-        Ok(actuator)
+        actuator.find_faults(&mut faults);
+        Ok((actuator, faults))
+    }
+
+    /// Faults of each number, and of what they must be to each other.
+    fn find_faults(&self, faults: &mut Faults) {
+        self.circuit.find_faults(faults);
+        let mut solver = self.solver;
+        solver.parameters(&mut |parameter, value| parameter.check(*value, faults));
+        faults.keep(Range::NonNegative.check("actuator.length", self.actuator.length));
+        faults.keep(self.about.check());
+        faults.keep(self.experiment.check());
     }
 
     /// Check each number and what they must be to each other.
@@ -177,15 +163,9 @@ impl HydraulicActuator {
     /// # Errors
     /// The first number out of range, with its name, its value and what is allowed.
     pub fn check(&self) -> Result<(), DefinitionError> {
-        self.circuit.check()?;
-        let mut ranges = Ranges::default();
-        let mut solver = self.solver;
-        solver.parameters(&mut |parameter, value| ranges.check(&parameter, *value));
-        ranges.0?;
-        Range::NonNegative.check("actuator.length", self.actuator.length)?;
-        Range::Finite.check("actuator.speed", self.actuator.speed)?;
-        self.about.check()?;
-        self.experiment.check()
+        let mut faults = Faults::default();
+        self.find_faults(&mut faults);
+        faults.first()
     }
 
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
@@ -198,6 +178,7 @@ impl HydraulicActuator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::format::written;
 
     fn read(json: &str) -> Result<HydraulicActuator, String> {
         HydraulicActuator::from_json(json).map_err(|error| error.to_string())
@@ -212,13 +193,9 @@ mod tests {
         let mut names = Vec::new();
         actuator.clone().parameters(&mut |parameter, _| names.push(parameter.name.concat()));
         assert!(names.contains(&"seal.static".to_owned()) && names.contains(&"valve.rated_flow".to_owned()));
-        let again: HydraulicActuator = serde_json::from_str(
-            &serde_json::to_string(&actuator.circuit)
-                .map(|circuit| format!(r#"{{"name": "A", "circuit": {circuit}}}"#))
-                .unwrap(),
-        )
-        .unwrap();
-        assert_eq!(again.circuit, actuator.circuit);
+        let text = written(&mut actuator.clone());
+        assert!(text.contains(r#""static":400.0"#), "{text}");
+        assert_eq!(read(&text.replace("\"$schema\":null,", "")), Ok(actuator));
     }
 
     #[test]
@@ -229,7 +206,7 @@ mod tests {
             (r#""tank": { "pressure": -2e5 }"#, &["tank.pressure = -200000", "-fluid.ambient_pressure", "-101325 Pa"]),
             (r#""chamber_b": { "start_pressure": -101325 }"#, &["chamber_b.start_pressure"]),
             (r#""valve": { "clearance": 0 }"#, &["valve.clearance = 0", "> 0"]),
-            (r#""valve": { "clearence": 1 }"#, &["circuit.valve.clearence", "unknown field"]),
+            (r#""valve": { "clearence": 1 }"#, &["circuit.valve.clearence", "no key `clearence`", "`clearance`"]),
             (r#""fluid": { "air_fraction": -1e-3 }"#, &["fluid.air_fraction = -0.001", ">= 0"]),
         ] {
             let error = read(&format!(r#"{{ "name": "A", "circuit": {{ {circuit} }} }}"#)).unwrap_err();

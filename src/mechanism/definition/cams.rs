@@ -1,12 +1,11 @@
 //! Disc cams: motion law of the follower, with the checks that need no geometry.
 use super::couplings::Coupling;
 use super::interpolation::Interpolation;
-use crate::format::{DefinitionError, Range};
+use crate::format::{DefinitionError, Key, Range, either, keys, number, words};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::periodic::{Periodic, Segment};
 use crate::numerics::rise::Rise;
-use crate::variables::Unit;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit::{Metre, Radian};
 use std::f64::consts::TAU;
 
 /// Largest error of a sum of angles that is to be one revolution, and of lifts that are to be 0, relative to its size.
@@ -14,44 +13,39 @@ const CLOSE: f64 = 1e-9;
 /// Least number of points of a table.
 const FEWEST: usize = 3;
 
-/// What touches a cam.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum Follower {
-    /// A roller.
-    Roller,
-    /// A flat face.
-    Flat,
+keys! {
+    /// A part of a cam's revolution, from rest to rest.
+    pub struct CamSegment: Copy {
+        /// Law of the lift.
+        law: CamLaw => Key::PLAIN.required();
+        /// Angle of the cam over which it goes [rad], > 0; of the last segment the rest of the revolution where absent.
+        angle: Option<f64> => number(Radian, Range::Revolution);
+        /// Growth of the lift, of any sign [m or rad], rad of an oscillating follower; none of a dwell; of the last segment
+        /// back to 0 where absent.
+        rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
+    }
 }
 
-/// A part of a cam's revolution.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct CamSegment {
-    /// Law of the lift.
-    pub law: CamLaw,
-    /// Angle of the cam over which it goes [rad], > 0; of the last segment the rest of the revolution where absent.
-    pub angle: Option<f64>,
-    /// Growth of the lift, of any sign [m, or rad of an oscillating follower]; none of a dwell; of the last segment back to
-    /// 0 where absent.
-    pub rise: Option<f64>,
-}
+words! {
+    /// What touches a cam.
+    pub enum Follower {
+        /// A roller.
+        Roller = "roller",
+        /// A flat face.
+        Flat = "flat",
+    }
 
-/// Law of the lift over a segment.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-pub enum CamLaw {
-    /// No motion.
-    #[serde(rename = "dwell")]
-    Dwell,
-    /// Acceleration as one period of a sine.
-    #[serde(rename = "cycloidal")]
-    Cycloidal,
-    /// Polynomial of degree 5, without acceleration at its ends.
-    #[serde(rename = "polynomial_345")]
-    Polynomial345,
-    /// Polynomial of degree 7, without acceleration and jerk at its ends.
-    #[serde(rename = "polynomial_4567")]
-    Polynomial4567,
+    /// Law of the lift over a segment.
+    pub enum CamLaw {
+        /// No motion.
+        Dwell = "dwell",
+        /// Acceleration as one period of a sine.
+        Cycloidal = "cycloidal",
+        /// Polynomial of degree 5, without acceleration at its ends.
+        Polynomial345 = "polynomial_345",
+        /// Polynomial of degree 7, without acceleration and jerk at its ends.
+        Polynomial4567 = "polynomial_4567",
+    }
 }
 
 impl CamLaw {
@@ -85,33 +79,6 @@ impl Coupling {
                 refused(key.to_owned(), "has no lift: add segments, or the points of a table [angle, lift]")
             }
         }
-    }
-
-    /// Call `visit` with each number of the lift, and whether it is an angle; else it is a length.
-    pub(super) fn lift_numbers(&mut self, visit: &mut dyn FnMut(bool, &mut f64)) {
-        let turns = self.joint.is_none();
-        for segment in self.segments.iter_mut().flatten() {
-            segment.angle.iter_mut().for_each(|angle| visit(true, angle));
-            segment.rise.iter_mut().for_each(|rise| visit(turns, rise));
-        }
-        for [angle, lift] in self.points.iter_mut().flatten() {
-            visit(true, angle);
-            visit(turns, lift);
-        }
-    }
-
-    /// Numbers of the lift with their keys. `key`: the key of the coupling.
-    pub(super) fn stated_lift(&self, key: &str) -> Vec<(String, f64)> {
-        let mut all = Vec::new();
-        for (k, segment) in self.segments.iter().flatten().enumerate() {
-            for (name, value) in [("angle", segment.angle), ("rise", segment.rise)] {
-                all.extend(value.map(|value| (format!("{key}.segments[{k}].{name}"), value)));
-            }
-        }
-        for (k, point) in self.points.iter().flatten().enumerate() {
-            all.extend((0..2).map(|part| (format!("{key}.points[{k}][{part}]"), point[part])));
-        }
-        all
     }
 
     /// Faults of the keys of a cam.
@@ -157,18 +124,17 @@ impl Coupling {
 }
 
 fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Periodic, DefinitionError> {
+    let unit = if turns { Radian } else { Metre };
     let last = segments.len().saturating_sub(1);
-    let unit = if turns { Unit::Radian } else { Unit::Metre };
     let (mut angle, mut lift, mut largest) = (0.0, 0.0, 0.0_f64);
     let mut all = Vec::new();
     for (k, segment) in segments.iter().enumerate() {
         let at = |name: &str| format!("{key}.segments[{k}].{name}");
         let law = segment.law.rise();
         let length = match segment.angle {
-            Some(length) if length > 0.0 && length <= TAU => length,
             Some(length) => {
-                let allowed = format!("an angle > 0 and <= {} rad, a whole revolution", Decimal::rounded(TAU));
-                return Err(DefinitionError::value(at("angle"), format_args!("{} rad", Decimal(length)), allowed));
+                Range::Revolution.check_in(Radian, at("angle"), length)?;
+                length
             }
             None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
             None if k == last => {

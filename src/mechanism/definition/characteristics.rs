@@ -100,7 +100,6 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
         let message = "the motion tells the speed, and the force is what it takes: remove points, or motion";
         return refused(format_args!("{key}.points"), message);
     }
-    Range::Finite.check(format_args!("{key}.command"), drive.command())?;
     function(&format!("{key}.points"), points, "speed").map(drop)
 }
 

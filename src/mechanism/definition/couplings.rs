@@ -1,154 +1,139 @@
 //! Couplings: gears, racks, belts and cams between two bodies, with the checks that need no geometry.
+use super::Mechanism;
 use super::cams::{CamSegment, Follower};
 use super::interpolation::Interpolation;
-use super::{Mechanism, Role, Visit};
-use crate::format::{DefinitionError, Faults, Owner, Range};
+use crate::format::{
+    DefinitionError, Described, Faults, Key, Keyed, Owner, Range, Role, Visit, curve, either, element, keys, number,
+    point, words,
+};
 use crate::mechanism::definition::bodies::JointKind;
-use crate::variables::Unit;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit::{Metre, Newton, One, Radian};
 
 /// Pressure angle of teeth where the file states none [rad]: 20 degrees (ISO 53).
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
-/// A coupling: with the angle u1 of the first wheel relative to the carrier, and the angle of the second wheel, or the
-/// position of the rack, relative to the carrier u2, it holds u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct Coupling {
-    /// Kind of coupling.
-    #[serde(rename = "type")]
-    pub kind: CouplingKind,
-    /// Centre of the first wheel or of the cam (`body.point`), where it is hinged on the carrier.
-    pub first: String,
-    /// Centre of the second wheel or of an oscillating follower (`body.point`), where it is hinged on the carrier.
-    pub second: Option<String>,
-    /// Body on which both are hinged; the ground where absent.
-    pub carrier: Option<String>,
-    /// The prismatic joint between the rack, or a translating follower, and the body on which the wheel or cam is hinged.
-    pub joint: Option<String>,
-    /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
-    pub eccentricity: Option<f64>,
-    /// Elliptic gears: number of lobes of each wheel [1]; 1, ellipses about a focus, where absent.
-    pub lobes: Option<f64>,
-    /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch curve [rad];
-    /// 0 where absent.
-    pub vertex_angle: Option<f64>,
-    /// Cam: what touches it.
-    pub follower: Option<Follower>,
-    /// Cam: centre of the roller, or a point of the flat face, on the follower (`body.point`).
-    pub contact: Option<String>,
-    /// Cam: radius of its base circle [m], > 0: the least of the profile, which touches without lift.
-    pub base_radius: Option<f64>,
-    /// Cam: radius of the roller [m], > 0.
-    pub roller_radius: Option<f64>,
-    /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis of an
-    /// oscillating follower, where absent.
-    pub face_angle: Option<f64>,
-    /// Cam: u1 at which the first segment begins, or at which the angle of the table is 0 [rad]; 0 where absent.
-    pub start_angle: Option<f64>,
-    /// Cam: the lift over a revolution, segment after segment.
-    pub segments: Option<Vec<CamSegment>>,
-    /// Cam: points of the lift in place of segments: pairs of angle [rad] and lift [m or rad], angles ascending.
-    pub points: Option<Vec<[f64; 2]>>,
-    /// Cam: curve through the points; a spline where absent.
-    pub interpolation: Option<Interpolation>,
-    /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
-    pub grooved: Option<bool>,
-    /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
-    pub first_teeth: Option<f64>,
-    /// Gears: number of teeth of the second wheel [1], > 0.
-    pub second_teeth: Option<f64>,
-    /// Gears: whether the wheel with more teeth is a ring around the other.
-    pub internal: Option<bool>,
-    /// Belt: radius of the first pulley [m], > 0.
-    pub first_radius: Option<f64>,
-    /// Belt: radius of the second pulley [m], > 0.
-    pub second_radius: Option<f64>,
-    /// Belt: whether its spans cross, so that the pulleys turn against one another.
-    pub crossed: Option<bool>,
-    /// Belt: tension of each span without load [N], >= 0; 0 where absent.
-    pub pretension: Option<f64>,
-    /// Rack: pitch radius of the wheel [m], > 0.
-    pub radius: Option<f64>,
-    /// Rack: side of the wheel's centre on which the rack lies, seen along the axis of the joint; right where absent.
-    pub side: Option<Side>,
-    /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], >= 0 and < pi/2; 20 degrees where absent.
-    pub pressure_angle: Option<f64>,
-    /// u2 at u1 = 0 [rad, or m for a rack]; as in the guess where absent.
-    pub phase: Option<f64>,
-    /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss where absent.
-    pub efficiency: Option<f64>,
+keys! {
+    /// One equation between two motions relative to a carrier: with the angle u1 of the first wheel, and the angle of the
+    /// second wheel or the position of the rack u2, u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
+    pub struct Coupling {
+        /// Kind of coupling. `gears`: two wheels with teeth. `rack`: a wheel and a rack. `belt`: a belt or chain around two
+        /// pulleys. `elliptic_gears`: two equal wheels of variable ratio. `cam`: a disc cam and its follower.
+        kind as "type": CouplingKind => Key::PLAIN.required();
+        /// Centre of the first wheel or of the cam (`body.point`), where it is hinged on the carrier.
+        first: String => point().required();
+        /// Centre of the second wheel or of an oscillating follower (`body.point`), where it is hinged on the carrier.
+        second: Option<String> => point();
+        /// Body on which both are hinged; the ground where absent.
+        carrier: Option<String> => element().absent("\"ground\"");
+        /// The prismatic joint between the rack, or a translating follower, and the body on which the wheel or cam is
+        /// hinged.
+        joint: Option<String> => element();
+        /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
+        eccentricity: Option<f64> =>
+            number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
+        /// Elliptic gears: number of lobes of each wheel [1], a whole number; 1: ellipses about a focus.
+        lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Lobes of each wheel").absent("1");
+        /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch curve
+        /// [rad].
+        vertex_angle: Option<f64> =>
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex").absent("0");
+        /// Cam: what touches it.
+        follower: Option<Follower>;
+        /// Cam: centre of the roller, or a point of the flat face, on the follower (`body.point`).
+        contact: Option<String> => point();
+        /// Cam: radius of its base circle [m], > 0: the least of the profile, which touches without lift.
+        base_radius: Option<f64> =>
+            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
+        /// Cam: radius of the roller [m], > 0.
+        roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
+        /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis of an
+        /// oscillating follower, where absent.
+        face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
+        /// Cam: u1 at which the first segment begins, or at which the angle of the table is 0 [rad].
+        start_angle: Option<f64> =>
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift begins").absent("0");
+        /// Cam: the lift over a revolution, segment after segment.
+        segments: Option<Vec<CamSegment>>;
+        /// Cam: points of the lift in place of segments: pairs of angle and lift [rad, m or rad], angles ascending, of one
+        /// revolution.
+        points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
+        /// Cam: curve through the points.
+        interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
+        /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
+        grooved: Option<bool> => Key::PLAIN.absent("false");
+        /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
+        first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
+        /// Gears: number of teeth of the second wheel [1], > 0.
+        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second wheel");
+        /// Gears: whether the wheel with more teeth is a ring around the other.
+        internal: Option<bool> => Key::PLAIN.absent("false");
+        /// Belt: radius of the first pulley [m], > 0.
+        first_radius: Option<f64> =>
+            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the first pulley");
+        /// Belt: radius of the second pulley [m], > 0.
+        second_radius: Option<f64> =>
+            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the second pulley");
+        /// Belt: whether its spans cross, so that the pulleys turn against one another.
+        crossed: Option<bool> => Key::PLAIN.absent("false");
+        /// Belt: tension of each span without load [N], >= 0.
+        pretension: Option<f64> =>
+            number(Newton, Range::NonNegative).parameter(Role::Load, "Tension of each span without load").absent("0");
+        /// Rack: pitch radius of the wheel [m], > 0.
+        radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Pitch radius of the wheel");
+        /// Rack: side of the wheel's centre on which the rack lies, seen along the axis of the joint.
+        side: Option<Side> => Key::PLAIN.absent("\"right\"");
+        /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2; 20 degrees where absent.
+        pressure_angle: Option<f64> => number(Radian, Range::Pressure).parameter(Role::Load, "Pressure angle");
+        /// u2 at u1 = 0 [m or rad], m of a rack; as in the guess where absent. Not of a cam.
+        phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
+        /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss where
+        /// absent.
+        efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
+    }
 }
 
-/// Kind of a coupling.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum CouplingKind {
-    /// Two gear wheels in mesh.
-    Gears,
-    /// A gear wheel in mesh with a rack.
-    Rack,
-    /// A belt or a chain around two pulleys, without slip.
-    Belt,
-    /// Two equal elliptic gear wheels in mesh.
-    EllipticGears,
-    /// A disc cam and its follower.
-    Cam,
-    /// A screw, which is refused: its axis lies in the plane.
-    Screw,
-}
-
-/// Side of a wheel.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum Side {
-    /// Left.
-    Left,
-    /// Right.
-    Right,
-}
-
-impl Coupling {
-    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        use Unit::{Metre, Newton, One, Radian};
-        let is_rack = self.kind == CouplingKind::Rack;
-        let mut list = Owner::new(Some("couplings"), name, Role::Geometry, visit);
-        list.add("first_teeth", "Teeth of the first wheel", One, Range::Positive, &mut self.first_teeth);
-        list.add("second_teeth", "Teeth of the second wheel", One, Range::Positive, &mut self.second_teeth);
-        list.add("first_radius", "Radius of the first pulley", Metre, Range::Length, &mut self.first_radius);
-        list.add("second_radius", "Radius of the second pulley", Metre, Range::Length, &mut self.second_radius);
-        list.add("radius", "Pitch radius of the wheel", Metre, Range::Length, &mut self.radius);
-        match is_rack {
-            true => list.add("phase", "Position at angle 0 of the wheel", Metre, Range::Coordinate, &mut self.phase),
-            false => list.add("phase", "Second angle at the first angle 0", Radian, Range::Turn, &mut self.phase),
-        }
-        list.add("eccentricity", "Eccentricity of the pitch curves", One, Range::Eccentricity, &mut self.eccentricity);
-        list.add("lobes", "Lobes of each wheel", One, Range::Count, &mut self.lobes);
-        list.add("vertex_angle", "Direction of the nearest vertex", Radian, Range::Turn, &mut self.vertex_angle);
-        list.add("base_radius", "Radius of the base circle", Metre, Range::Length, &mut self.base_radius);
-        list.add("roller_radius", "Radius of the roller", Metre, Range::Length, &mut self.roller_radius);
-        list.add("face_angle", "Direction of the flat face", Radian, Range::Turn, &mut self.face_angle);
-        list.add("start_angle", "Angle at which the lift begins", Radian, Range::Turn, &mut self.start_angle);
-        list.role = Role::Load;
-        list.add("pretension", "Tension of each span without load", Newton, Range::NonNegative, &mut self.pretension);
-        list.add("pressure_angle", "Pressure angle", Radian, Range::Pressure, &mut self.pressure_angle);
-        list.add("efficiency", "Efficiency", One, Range::Fraction, &mut self.efficiency);
+words! {
+    /// Kind of a coupling.
+    pub enum CouplingKind {
+        /// Two gear wheels in mesh.
+        Gears = "gears",
+        /// A gear wheel in mesh with a rack.
+        Rack = "rack",
+        /// A belt or a chain around two pulleys, without slip.
+        Belt = "belt",
+        /// Two equal elliptic gear wheels in mesh.
+        EllipticGears = "elliptic_gears",
+        /// A disc cam and its follower.
+        Cam = "cam",
+        /// A screw, which is refused: its axis lies in the plane.
+        Screw = "screw",
     }
 
-    /// Keys that this kind must have, and the others that it may have.
-    fn keys(&self) -> (&'static [&'static str], &'static [&'static str]) {
-        match self.kind {
-            CouplingKind::Gears => {
+    /// Side of a wheel.
+    pub enum Side {
+        /// Left.
+        Left = "left",
+        /// Right.
+        Right = "right",
+    }
+}
+
+impl CouplingKind {
+    /// Keys that a coupling of this kind must have, and the others that it may have, next to `type`, `first` and, but for a
+    /// cam, `phase`.
+    pub fn keys(self) -> (&'static [&'static str], &'static [&'static str]) {
+        match self {
+            Self::Gears => {
                 (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle", "efficiency"])
             }
-            CouplingKind::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
-            CouplingKind::Belt => {
+            Self::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
+            Self::Belt => {
                 (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension", "efficiency"])
             }
-            CouplingKind::EllipticGears => {
+            Self::EllipticGears => {
                 (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
             }
-            CouplingKind::Cam => (
+            Self::Cam => (
                 &["follower", "contact", "base_radius"],
                 &[
                     "joint",
@@ -163,39 +148,31 @@ impl Coupling {
                     "grooved",
                 ],
             ),
-            CouplingKind::Screw => (&[], &[]),
+            Self::Screw => (&[], &[]),
         }
     }
+}
 
-    /// Keys that not all kinds have, and whether they are given.
-    fn given(&self) -> [(&'static str, bool); 25] {
-        [
-            ("second", self.second.is_some()),
-            ("carrier", self.carrier.is_some()),
-            ("joint", self.joint.is_some()),
-            ("first_teeth", self.first_teeth.is_some()),
-            ("second_teeth", self.second_teeth.is_some()),
-            ("internal", self.internal.is_some()),
-            ("first_radius", self.first_radius.is_some()),
-            ("second_radius", self.second_radius.is_some()),
-            ("crossed", self.crossed.is_some()),
-            ("pretension", self.pretension.is_some()),
-            ("radius", self.radius.is_some()),
-            ("side", self.side.is_some()),
-            ("eccentricity", self.eccentricity.is_some()),
-            ("lobes", self.lobes.is_some()),
-            ("vertex_angle", self.vertex_angle.is_some()),
-            ("follower", self.follower.is_some()),
-            ("contact", self.contact.is_some()),
-            ("base_radius", self.base_radius.is_some()),
-            ("roller_radius", self.roller_radius.is_some()),
-            ("face_angle", self.face_angle.is_some()),
-            ("start_angle", self.start_angle.is_some()),
-            ("segments", self.segments.is_some()),
-            ("points", self.points.is_some()),
-            ("interpolation", self.interpolation.is_some()),
-            ("grooved", self.grooved.is_some()),
-        ]
+impl Coupling {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        let is_rotary = self.kind != CouplingKind::Rack;
+        // Wheels and what all couplings have; what makes their ratio vary; loads.
+        for part in 0..3 {
+            let refined = |key: Key| {
+                let is_of = match key.name {
+                    _ if key.role == Some(Role::Load) => 2,
+                    "first_teeth" | "second_teeth" | "first_radius" | "second_radius" | "radius" | "phase" => 0,
+                    _ => 1,
+                };
+                let key = match (key.name, is_rotary) {
+                    ("phase", false) => Key { words: "Position at angle 0 of the wheel", ..key },
+                    ("phase", true) => Key { words: "Second angle at the first angle 0", range: Range::Turn, ..key },
+                    _ => key,
+                };
+                (is_of == part).then_some(key)
+            };
+            Owner { group: Some("couplings"), name, is_rotary }.parameters(self, &refined, visit);
+        }
     }
 
     /// State what the file leaves out.
@@ -228,18 +205,18 @@ impl Mechanism {
                            friction of joints";
             return refused("efficiency", message);
         }
-        let (needed, allowed) = coupling.keys();
-        let given = coupling.given().into_iter().chain([
-            ("pressure_angle", coupling.pressure_angle.is_some()),
-            ("efficiency", coupling.efficiency.is_some()),
-        ]);
-        for (k, is_given) in given {
-            if is_given && !needed.contains(&k) && !allowed.contains(&k) {
-                let phase: &[&str] = if coupling.kind == CouplingKind::Cam { &[] } else { &["phase"] };
-                let keys = [&["first"], needed, allowed, phase].concat().join(", ");
+        let (needed, allowed) = coupling.kind.keys();
+        let others =
+            if coupling.kind == CouplingKind::Cam { &["type", "first"][..] } else { &["type", "first", "phase"] };
+        let mut own = coupling.clone();
+        for (index, Key { name: k, .. }) in Coupling::TABLE.keys.iter().enumerate() {
+            let (is_given, is_needed) = (own.slot(index).is_given(), needed.contains(k));
+            // A cam says more about a phase.
+            if is_given && !is_needed && !allowed.contains(k) && !others.contains(k) && *k != "phase" {
+                let keys = [&others[1..2], needed, allowed, &others[2..]].concat().join(", ");
                 return refused(k, &format!("goes with another type of coupling; the keys of this one are {keys}"));
             }
-            if !is_given && needed.contains(&k) {
+            if !is_given && is_needed {
                 return refused(k, "is missing: add it");
             }
         }

@@ -3,16 +3,14 @@
 //!
 //! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
 //! It must not know how loops are closed.
-use super::bodies::{Body, Joint, JointKind};
+use super::bodies::{Body, JointKind};
 use super::loads::Actuator;
 use super::mechanism::{GROUND, Mechanism};
-use super::{Role, Visit};
-use crate::format::{DefinitionError, Faults, Named};
+use crate::format::{Aside, DefinitionError, Faults, Key, Named, Number, Range, Role, keys, number, numbers, words};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross, turned};
 use crate::variables::Unit;
-use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
 /// Largest difference of a stated value from the drawn one, relative to the size of the drawing, and in rad: the
@@ -23,51 +21,46 @@ const OPEN: f64 = 1e-3;
 /// Angle that is 0 but for rounding [rad].
 const ZERO: f64 = 1e-12;
 
-/// Units of the angles and lengths in a file; all others are SI.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(deny_unknown_fields)]
-pub struct Units {
-    /// Unit of the angles; rad where absent.
-    pub angle: Option<AngleUnit>,
-    /// Unit of the lengths; m where absent.
-    pub length: Option<LengthUnit>,
+keys! {
+    /// Units of the angles and lengths in a file; all other numbers are SI. Variables of the FMU are SI in any case.
+    pub struct Units: Copy {
+        /// Unit of every angle.
+        angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
+        /// Unit of every length.
+        length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
+    }
+
+    /// The body at one drawn position, in the mechanism frame: lengths, local points and guess follow.
+    pub struct Drawn {
+        /// The point `origin` [m].
+        origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
+        /// The point `end` [m]: the body's x axis points there, and its distance is the body's length.
+        end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
+        /// Angle of the body's x axis from the X axis [rad]; not with `end`.
+        angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
+        /// Further points by name [m].
+        points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
+        /// Centre of mass [m].
+        center: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
+    }
 }
 
-/// Unit of angles.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum AngleUnit {
-    /// Radians.
-    Rad,
-    /// Degrees.
-    Deg,
-}
+words! {
+    /// Unit of angles.
+    pub enum AngleUnit {
+        /// Radians.
+        Rad = "rad",
+        /// Degrees.
+        Deg = "deg",
+    }
 
-/// Unit of lengths.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum LengthUnit {
-    /// Metres.
-    M,
-    /// Millimetres.
-    Mm,
-}
-
-/// A body at the drawn position: coordinates in the mechanism frame [m].
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct Drawn {
-    /// The point `origin`.
-    pub origin: [f64; 2],
-    /// The point `end`; the body's x axis points there, and its distance is the body's length.
-    pub end: Option<[f64; 2]>,
-    /// Without `end`: angle of the body's x axis from the X axis [rad]; 0 where absent.
-    pub angle: Option<f64>,
-    /// Further points by name.
-    #[serde(default)]
-    pub points: Named<[f64; 2]>,
-    /// Centre of mass.
-    pub center: Option<[f64; 2]>,
+    /// Unit of lengths.
+    pub enum LengthUnit {
+        /// Metres.
+        M = "m",
+        /// Millimetres.
+        Mm = "mm",
+    }
 }
 
 impl Units {
@@ -91,10 +84,6 @@ impl Units {
         if self.has_millimetres() {
             *value /= 1000.0;
         }
-    }
-
-    fn lengths(self, values: &mut [f64; 2]) {
-        values.iter_mut().for_each(|value| self.length(value));
     }
 
     /// The file's unit of a parameter with this unit and role, where it is none of SI.
@@ -134,8 +123,9 @@ impl Mechanism {
     }
 
     /// Whether a load in this joint turns; one between two points does not.
-    pub(super) fn is_rotary(&self, joint: &Option<String>) -> bool {
-        is_rotary(&self.joints, joint)
+    fn is_rotary(&self, joint: &Option<String>) -> bool {
+        let joint = joint.as_ref().and_then(|joint| self.joints.get(joint));
+        joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
     }
 
     /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
@@ -156,51 +146,34 @@ impl Mechanism {
     /// Every angle and length of the file in SI units, if it has others.
     pub(super) fn convert_units(&mut self) {
         if let Some(units) = self.units.take() {
-            self.file_units = units;
+            self.file_units = Aside(units);
             self.convert(units);
         }
     }
 
     /// Every angle and length of the file in SI units.
     fn convert(&mut self, units: Units) {
-        let convert: &mut Visit = &mut |parameter, value| match units.of_parameter(parameter.unit, parameter.role) {
-            None => {}
-            Some(_) if parameter.unit == Unit::Radian => units.angle(value),
-            Some(_) => units.length(value),
-        };
-        self.parameters(convert);
-        let Self { joints, actuators, springs, stops, .. } = self;
-        let is_rotary = |joint: &Option<String>| is_rotary(joints, joint);
-        let way = |is_rotary: bool, way: &mut f64| if is_rotary { units.angle(way) } else { units.length(way) };
-        for (_, actuator) in actuators.iter_mut() {
-            let is_rotary = is_rotary(&actuator.joint) || actuator.screw.is_some();
-            let Some(motion) = &mut actuator.motion else { continue };
-            let distances = motion.points.iter_mut().flatten().map(|[_, distance]| distance);
-            motion.position.iter_mut().chain(distances).for_each(|s| way(is_rotary, s));
-        }
-        for (_, spring) in springs.iter_mut() {
-            let is_rotary = is_rotary(&spring.joint);
-            spring.points.iter_mut().flatten().for_each(|[s, _]| way(is_rotary, s));
-        }
-        for (_, stop) in stops.iter_mut() {
-            let is_rotary = stop.angle.is_some();
-            stop.points.iter_mut().flatten().for_each(|[depth, _]| way(is_rotary, depth));
-        }
-        for (_, coupling) in self.couplings.iter_mut() {
-            coupling
-                .lift_numbers(&mut |is_angle, value| if is_angle { units.angle(value) } else { units.length(value) });
-        }
-        for (_, body) in self.bodies.iter_mut() {
-            let Some(drawn) = &mut body.drawn else { continue };
-            drawn.angle.iter_mut().for_each(|angle| units.angle(angle));
-            units.lengths(&mut drawn.origin);
-            drawn.end.iter_mut().chain(&mut drawn.center).for_each(|point| units.lengths(point));
-            drawn.points.iter_mut().for_each(|(_, point)| units.lengths(point));
-        }
-        let Self { bodies, guess, .. } = self;
-        for (name, value) in guess.iter_mut() {
-            if bodies.get(name).is_some() { units.angle(value) } else { units.length(value) }
-        }
+        let rotary = self.rotary();
+        numbers(self, &mut |number: Number| match number.unit(&rotary) {
+            // A circuit has defaults in SI units, so all its numbers are.
+            _ if number.path.contains(".hydraulics.") => {}
+            Unit::Radian => units.angle(number.value),
+            Unit::Metre => units.length(number.value),
+            _ => {}
+        });
+    }
+
+    /// Paths of the elements whose numbers have the second one of two units: those of a joint that turns.
+    pub(super) fn rotary(&self) -> HashSet<String> {
+        let drives = self.actuators.iter().filter(|(_, drive)| self.turns(drive));
+        let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(&spring.joint));
+        let stops = self.stops.iter().filter(|(_, stop)| stop.angle.is_some());
+        let couplings = self.couplings.iter().filter(|(_, coupling)| coupling.joint.is_none());
+        let paths = drives.map(|(name, _)| format!("actuators.{name}"));
+        let paths = paths.chain(springs.map(|(name, _)| format!("springs.{name}")));
+        let paths = paths.chain(stops.map(|(name, _)| format!("stops.{name}")));
+        let paths = paths.chain(couplings.map(|(name, _)| format!("couplings.{name}")));
+        paths.chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}"))).collect()
     }
 
     /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its
@@ -317,12 +290,6 @@ impl Mechanism {
         let stated = self.guess.iter().map(|(name, value)| (name.to_owned(), *value));
         self.guess = stated.chain(guesses).collect();
     }
-}
-
-/// Whether a load in this joint turns.
-fn is_rotary(joints: &Named<Joint>, joint: &Option<String>) -> bool {
-    let joint = joint.as_ref().and_then(|joint| joints.get(joint));
-    joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
 }
 
 /// Bodies that turn together: joined by fixings and by prismatic joints.

@@ -6,12 +6,14 @@ mod order;
 mod read_once;
 
 use super::Mechanism;
-use crate::format::{DefinitionError, Expression, Numbers, Range, index_of, number_with_unit, read_with};
+use crate::format::{
+    Aside, DefinitionError, Expression, Faults, Field, Kind, Node, Numbers, Own, Range, Slot, index_of,
+    number_with_unit, quoted, read_with,
+};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Unit, nearest};
 use order::ordered;
-use serde::{Serialize, Serializer};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The expressions of a mechanism, each behind those that it reads.
@@ -81,10 +83,23 @@ impl PartialEq for Expressions {
     }
 }
 
-impl Serialize for Expressions {
+impl Field for Expressions {
+    const KIND: Kind = Kind::Own("nothing");
+
+    fn slot(&mut self) -> Slot<'_> {
+        Slot::Own(self)
+    }
+}
+
+impl Own for Expressions {
+    fn take(&mut self, _: &Node, _: &str) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Names and texts: what they say is no parameter.
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter().map(Calculated::signature))
+    fn written(&self) -> String {
+        let all: Vec<String> = self.iter().map(|one| format!("{}:{}", quoted(&one.name), quoted(one.text()))).collect();
+        if all.is_empty() { String::new() } else { format!("{{{}}}", all.join(",")) }
     }
 }
 
@@ -239,40 +254,48 @@ fn indices(places: &[Place]) -> HashMap<String, usize> {
 }
 
 impl Mechanism {
-    /// Read a mechanism, with the values of its expressions in SI units; without any other check.
-    ///
-    /// # Errors
-    /// The text is no mechanism; an expression has no value, with the path of its key.
-    pub(super) fn read(text: &str) -> Result<Self, DefinitionError> {
+    /// Read a mechanism, with the values of its expressions in SI units, and what is at fault in its form; without any
+    /// other check.
+    pub(super) fn read(text: &str) -> (Self, Faults) {
         let numbers = Numbers::with_expressions();
-        let mut mechanism: Self = read_with("mechanism", text, &numbers)?;
-        mechanism.shared.as_ref().map_or(Ok(()), |shared| shared.check())?;
-        let texts = numbers.into_texts();
-        if !texts.is_empty() {
-            mechanism.read_expressions(text, &texts)?;
+        let mut mechanism = Self::default();
+        let mut faults = read_with("mechanism", text, &numbers, &mut mechanism);
+        if faults.are_of_unknown_keys() {
+            faults.keep(mechanism.shared.as_ref().map_or(Ok(()), |shared| shared.check()));
         }
-        Ok(mechanism)
+        let texts = numbers.into_texts();
+        if !texts.is_empty() && faults.are_of_unknown_keys() {
+            mechanism.read_expressions(text, &texts, &mut faults);
+        }
+        (mechanism, faults)
     }
 
     /// The values of these expressions in the places of numbers; apart from [`Self::read`], whose stack stays small so.
     #[inline(never)]
-    fn read_expressions(&mut self, text: &str, texts: &[String]) -> Result<(), DefinitionError> {
+    fn read_expressions(&mut self, text: &str, texts: &[String], faults: &mut Faults) {
         let mut places = places(self);
         let names = indices(&places);
-        let calculated = self.calculated(&places, &names, texts)?;
-        let read = self.fixed_expressions(&places, &names, texts)?;
+        let calculated = self.calculated(&places, &names, texts, faults);
+        let read = self.fixed_expressions(&places, &names, texts, faults);
+        let Some(ordered) = faults.keep(ordered(calculated, &names)) else { return };
+        if !faults.are_of_unknown_keys() {
+            return;
+        }
         let units = self.units.unwrap_or_default();
         self.convert_units();
         let mut values = Vec::new();
         self.parameters(&mut |_, value| values.push(*value));
-        let expressions = Expressions::new(ordered(calculated, &names)?).indexed(&names);
+        let expressions = Expressions::new(ordered).indexed(&names);
+        let mut at_fault = HashSet::new();
         for one in expressions.iter() {
             one.compute(&mut values);
-            if let Some(fault) = one.fault(&values) {
+            let Some(fault) = one.fault(&values) else { continue };
+            // A value that follows from one at fault has no fault of its own.
+            if at_fault.insert(one.index) && !one.arguments.iter().any(|argument| at_fault.contains(argument)) {
                 let unit = if one.unit == Unit::One { String::new() } else { format!(" {}", one.unit.name()) };
                 let value = format!("\"{}\" = {}{unit}", fault.text, Decimal(fault.value));
                 let allowed = format!("{}{}{}", fault.allowed, fault.because, self.origin(&one.key));
-                return Err(DefinitionError::value(&one.key, value, allowed));
+                faults.push(DefinitionError::value(&one.key, value, allowed));
             }
         }
         if !read.is_empty() {
@@ -286,14 +309,14 @@ impl Mechanism {
                 known[fixed.index] = Some(value.map(|value| units.stated(unit, value)));
             }
             let numbers = Numbers::with_values(known);
-            *self = read_with("mechanism", text, &numbers)?;
+            *self = Self::default();
+            faults.join(read_with("mechanism", text, &numbers, self));
             self.convert_units();
-            self.unclear = unclear;
+            self.unclear = Aside(unclear);
         }
         let mut all = values.iter();
         self.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
         self.expressions = expressions;
-        Ok(())
     }
 
     /// Give the expressions the indices of the parameters that there are now: a drawing may have added some.
@@ -312,31 +335,29 @@ impl Mechanism {
         }
     }
 
-    /// The parameters with an expression.
+    /// The parameters with an expression that can be read.
     #[inline(never)]
     fn calculated(
         &self,
         places: &[Place],
         names: &HashMap<String, usize>,
         texts: &[String],
-    ) -> Result<Vec<Calculated>, DefinitionError> {
+        faults: &mut Faults,
+    ) -> Vec<Calculated> {
         let mut calculated = Vec::new();
         for (index, place) in places.iter().enumerate() {
             let Some(text) = place.expression.and_then(|expression| texts.get(expression)) else { continue };
-            let refuse = |why: String| {
-                let why = format!("\"{text}\": {why}{}", self.origin(&place.key));
-                Err(DefinitionError::key(&place.key, why))
+            let read = match Expression::new(text) {
+                _ if place.name == "solver.tolerance" => Err("hosts set this number: write a number".to_owned()),
+                Ok(expression) => match expression.names().iter().find(|name| !names.contains_key(*name)) {
+                    Some(unknown) => Err(unknown_name(unknown, places)),
+                    None => Ok(expression),
+                },
+                Err(why) => Err(without_unit(text, Some(place), names).unwrap_or(why)),
             };
-            if place.name == "solver.tolerance" {
-                return refuse("hosts set this number: write a number".to_owned());
-            }
-            let expression = match Expression::new(text) {
-                Ok(expression) => expression,
-                Err(why) => return refuse(without_unit(text, Some(place), names).unwrap_or(why)),
-            };
-            if let Some(unknown) = expression.names().iter().find(|name| !names.contains_key(*name)) {
-                return refuse(unknown_name(unknown, places));
-            }
+            let fault =
+                |why| DefinitionError::key(&place.key, format_args!("\"{text}\": {why}{}", self.origin(&place.key)));
+            let Some(expression) = faults.keep(read.map_err(fault)) else { continue };
             let (name, key, range, unit) = (place.name.clone(), place.key.clone(), place.range, place.unit);
             let (file_unit, arguments, bases) = (place.file_unit, Vec::new(), Vec::new());
             let units = expression.names().iter().map(|name| places[names[name]].unit).collect();
@@ -353,7 +374,7 @@ impl Mechanism {
                 bases,
             });
         }
-        Ok(calculated)
+        calculated
     }
 }
 

@@ -3,13 +3,13 @@
 //! In: points and the kind of curve that the definition states. Out: the curve, and a warning where it goes beyond its
 //! points. It must not know geometry.
 use super::mechanism::Mechanism;
+use crate::format::words;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::monotone::monotone;
 use crate::numerics::periodic::Periodic;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::spline::spline;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Part of the points' range by which a curve may go beyond it: at 12 points a revolution a sine does by 0.9 of a hundred.
@@ -26,15 +26,14 @@ const ROUNDED: f64 = 0.1;
 /// random roundings is less than half of it.
 const SHARPNESS: f64 = 3.0;
 
-/// Curve through the points of a table.
-#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, PartialEq, Eq)]
-#[serde(rename_all = "snake_case")]
-pub enum Interpolation {
-    /// Quintic spline: its acceleration tends to that of a smooth law through the points, and it may go beyond them.
-    #[default]
-    Spline,
-    /// Curve that rises or falls only where the points do, at the price of its acceleration beside an extreme.
-    Monotone,
+words! {
+    /// Curve through the points of a table.
+    pub enum Interpolation {
+        /// Quintic spline: its acceleration tends to that of a smooth law through the points, and it may go beyond them.
+        Spline = "spline",
+        /// Curve that rises or falls only where the points do, at the price of its acceleration beside an extreme.
+        Monotone = "monotone",
+    }
 }
 
 impl Interpolation {
@@ -157,7 +156,7 @@ mod tests {
             (json!({ "profile": "table", "points": [[0, 0], [0.5, 0.4], [1, 1]] }), &[][..]),
             (
                 json!({ "profile": "table", "points": [[0, 0], [1, 0], [1.1, 0.9], [1.2, 1], [2, 0.9], [3, 1]] }),
-                &["servo.motion.points", "8.9", "at the time 2.5", "from 0 to 1", "monotone"],
+                &["servo.motion.points", "8.9", "at the time 2.5", "from 0 m to 1 m", "monotone"],
             ),
             (json!({ "profile": "table", "points": steep, "interpolation": "monotone" }), &[]),
             // Rests by two points at one end and by three at the other.

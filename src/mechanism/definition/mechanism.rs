@@ -1,5 +1,4 @@
 //! A whole mechanism as the file states it, and the list of its parameters.
-use super::Visit;
 use super::bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker};
 use super::contact::{Lock, Stop};
 use super::couplings::Coupling;
@@ -9,109 +8,84 @@ use super::expressions::{Expressions, Unclear};
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use super::motion::PrescribedMotion;
 use super::named_parameter::{NamedParameter, Shared};
-use crate::format::{About, DefinitionError, Experiment, Flag, Named};
+use crate::format::{
+    About, Aside, DefinitionError, Experiment, Flag, Key, Named, Range, Visit, either, element, keys, line, number,
+};
 use crate::hydraulics::definition::Circuit;
-use crate::numerics::decimal::Decimal;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit;
 
 /// Name of the body that does not move.
 pub const GROUND: &str = "ground";
 
 /// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
 pub const SNAP: f64 = 1e-6;
-/// Largest `snap`.
-const LARGEST_SNAP: f64 = 0.01;
-
-/// A whole mechanism.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct Mechanism {
-    /// Location of the schema, for editors; not read here.
-    #[serde(rename = "$schema")]
-    pub schema: Option<String>,
-    /// Name of the model, a C identifier.
-    pub name: String,
-    /// One line of text.
-    #[serde(default)]
-    pub description: String,
-    /// Author, copyright and licence.
-    #[serde(default, skip_serializing_if = "About::is_default")]
-    pub about: About,
-    /// Named parameters that several definitions share; none where absent.
-    #[serde(rename = "parameters_from", default, skip_serializing_if = "Option::is_none")]
-    pub shared: Option<Shared>,
-    /// Named parameters, which expressions read.
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub parameters: Named<NamedParameter>,
-    /// Parameters whose values are expressions of others.
-    #[serde(skip_deserializing, skip_serializing_if = "Expressions::is_empty")]
-    pub expressions: Expressions,
-    /// Units that the file has stated, once all angles and lengths are in SI units.
-    #[serde(skip)]
-    pub file_units: Units,
-    /// Expressions of numbers that are no parameters whose unit is unclear.
-    #[serde(skip)]
-    pub unclear: Vec<Unclear>,
-    /// Units of the file's angles and lengths; None once all are in SI units.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub units: Option<Units>,
-    /// Uniform gravity; none where absent.
-    pub gravity: Option<Gravity>,
-    /// Bodies; [`GROUND`] among them.
-    pub bodies: Named<Body>,
-    /// Joints between bodies.
-    pub joints: Named<Joint>,
-    /// Couplings between bodies: gears, racks, belts.
-    #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub couplings: Named<Coupling>,
-    /// Drives: forces along the line between two points, forces or torques in a joint.
-    #[serde(default)]
-    pub actuators: Named<Actuator>,
-    /// Forces at a point, in the mechanism frame.
-    #[serde(default)]
-    pub forces: Named<Force>,
-    /// Torques on a body.
-    #[serde(default)]
-    pub torques: Named<Torque>,
-    /// Springs and dampers, between two points or in a joint.
-    #[serde(default)]
-    pub springs: Named<Spring>,
-    /// Points whose position, velocity and acceleration are outputs.
-    #[serde(default)]
-    pub markers: Named<Marker>,
-    /// Joint friction; none where absent.
-    pub friction: Option<Friction>,
-    /// Air flow past the mechanism; none where absent.
-    pub air: Option<Air>,
-    /// Surfaces with drag.
-    #[serde(default)]
-    pub surfaces: Named<Surface>,
-    /// Stops: ends of the travel.
-    #[serde(default)]
-    pub stops: Named<Stop>,
-    /// Locks, which hold the mechanism at a stop.
-    #[serde(default)]
-    pub locks: Named<Lock>,
-    /// Position and speed at the start.
-    #[serde(deserialize_with = "Start::read")]
-    pub start: Start,
-    /// Rough angle [rad] of each turning body and position [m] of each prismatic joint, which select the assembly;
-    /// those of drawn bodies follow.
-    #[serde(default)]
-    pub guess: Named<f64>,
-    /// Largest miss of a crossing of branches, relative to the size of the mechanism, that is put right; [`SNAP`] where
-    /// absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub snap: Option<f64>,
-    /// Whether eigenfrequency and damping ratio of small motions are outputs.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub linearisation: bool,
-    /// Integration settings.
-    #[serde(default)]
-    pub solver: Solver,
-    /// Default experiment.
-    #[serde(default)]
-    pub experiment: Experiment,
+keys! {
+    /// A planar linkage with one degree of freedom. SI units, angles in rad, anticlockwise positive.
+    pub struct Mechanism {
+        /// Where an editor finds the schema; not read by the FMU.
+        schema as "$schema": Option<String>;
+        /// Name of the FMU: a letter, then letters, digits or underscores.
+        name: String => element().required();
+        /// One line of text.
+        description: String => line();
+        /// Author, copyright and licence of the model, which the description of the FMU shows.
+        about: About => Key::PLAIN.brief();
+        /// Path of a file of named parameters that several definitions share, from the folder of this file; in an FMU the
+        /// path and the contents.
+        shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
+        /// Parameters under names of their own, which expressions read: a number, an expression, or an object.
+        parameters: Named<NamedParameter> => Key::PLAIN.brief();
+        /// Parameters whose values are expressions of others.
+        expressions: Expressions => Key { is_written_only: true, ..Key::PLAIN }.brief();
+        /// Units that the file has stated, once all angles and lengths are in SI units.
+        file_units: Aside<Units> => Aside::<Units>::KEY;
+        /// Expressions of numbers that are no parameters whose unit is unclear.
+        unclear: Aside<Vec<Unclear>> => Aside::<Vec<Unclear>>::KEY;
+        /// Units of the angles and lengths in this file; SI units where absent.
+        units: Option<Units> => Key::PLAIN.brief();
+        /// Uniform gravity; none where absent.
+        gravity: Option<Gravity>;
+        /// Rigid bodies by name. The body `ground` must be there and does not move.
+        bodies: Named<Body> => Key::PLAIN.required();
+        /// Joints by name. All together they leave one degree of freedom.
+        joints: Named<Joint> => Key::PLAIN.required();
+        /// Gears, racks, belts and cams by name.
+        couplings: Named<Coupling> => Key::PLAIN.brief();
+        /// Drives by name: the input `<name>.force` or `<name>.torque`, and the mechanism reduced to the drive.
+        actuators: Named<Actuator>;
+        /// Forces at a point by name, in the mechanism frame.
+        forces: Named<Force>;
+        /// Torques on a body by name.
+        torques: Named<Torque>;
+        /// Springs and dampers by name, between two points or in a joint.
+        springs: Named<Spring>;
+        /// Points by name whose position, velocity and acceleration are outputs.
+        markers: Named<Marker>;
+        /// Friction of the joints; none where absent.
+        friction: Option<Friction>;
+        /// Air flow past the mechanism; none where absent.
+        air: Option<Air>;
+        /// Surfaces by name on which the air drags; with `air` only.
+        surfaces: Named<Surface>;
+        /// Ends of the travel by name.
+        stops: Named<Stop>;
+        /// Locks by name: each holds the mechanism at a stop while the input `<name>.engage` is true.
+        locks: Named<Lock>;
+        /// Where the run begins; the word `equilibrium`: at the stable equilibrium nearest to the guess.
+        start: Start => Key::PLAIN.required();
+        /// Which assembly is meant: a rough position of each prismatic joint and a rough angle, -1e6 to 1e6, of each turning
+        /// body [m or rad]. Drawn bodies need none.
+        guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
+        /// Largest miss of a crossing of branches that is put right, relative to the size of the mechanism [1], from 0 to
+        /// 0.01: lengths that almost let branches cross are taken as letting them cross. 0: none is.
+        snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
+        /// Whether eigenfrequency and damping ratio of small motions about the present state are outputs.
+        linearisation: bool => Key::PLAIN.brief();
+        /// Integration settings.
+        solver: Solver;
+        /// Default experiment of the FMU.
+        experiment: Experiment;
+    }
 }
 
 impl Mechanism {
@@ -128,13 +102,7 @@ impl Mechanism {
 
     /// Refuse a `snap` that is no small part of the mechanism.
     pub(super) fn check_snap(&self) -> Result<(), DefinitionError> {
-        match self.snap {
-            Some(snap) if !(0.0..=LARGEST_SNAP).contains(&snap) => {
-                let allowed = format!("from 0 to {LARGEST_SNAP}, a part of the mechanism's size");
-                Err(DefinitionError::value("snap", Decimal(snap), allowed))
-            }
-            _ => Ok(()),
-        }
+        self.snap.map_or(Ok(()), |snap| Range::Snap.check("snap", snap))
     }
 
     /// The error for a variable that two elements give, which are named.

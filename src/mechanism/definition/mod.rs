@@ -19,7 +19,7 @@ mod named_parameter;
 mod validate;
 mod warnings;
 
-pub use crate::format::{DefinitionError, Experiment, Named, Range};
+pub use crate::format::{DefinitionError, Experiment, Named, Range, Role, Visit};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
@@ -33,51 +33,39 @@ pub use mechanism::{GROUND, Mechanism};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};
 
-use crate::format::{Faults, Parameter};
+use crate::format::{About, Element, Faults};
 
-/// What a parameter changes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// The shape of the linkage.
-    Geometry,
-    /// Masses and moments of inertia.
-    Inertia,
-    /// The potential or the law of a load.
-    Load,
-    /// A number in the law of a load, which may change between two steps: of friction, air, drag, what a stop does.
-    Law,
-    /// The position at the start.
-    StartPosition,
-    /// The speed at the start.
-    StartSpeed,
-    /// The stretch of bodies as rods.
-    Elasticity,
-    /// The tolerance of the integration or the bound on its work, which may change between two steps.
-    Tolerance,
-    /// The step of the finite elements.
-    Step,
-    /// What the errors of the integration are relative to.
-    Scale,
-    /// The laws of a hydraulic circuit.
-    Circuit,
-    /// The pressures at the start.
-    CircuitStart,
-    /// Nothing by itself: the numbers whose expressions read it.
-    Named,
-}
-
-impl Role {
-    /// Whether a host may change such a parameter between two steps.
-    pub fn is_tunable(self) -> bool {
-        matches!(self, Self::Law | Self::Tolerance)
-    }
-}
-
-/// Function that is called with each parameter and its value.
-pub type Visit<'v> = dyn FnMut(Parameter<'_, Role>, &mut f64) + 'v;
-
-/// Name of a coordinate in variables, and its index in the file.
-const AXES: [(&str, &str); 2] = [("x", "[0]"), ("y", "[1]")];
+/// The elements of a definition for its schema and reference: the whole first, those of a circuit apart.
+pub const ELEMENTS: [Element; 28] = [
+    Element::of::<Mechanism>(""),
+    Element::of::<About>("about"),
+    Element::of::<Shared>("parameters_from"),
+    Element::of::<SharedContents>("shared_parameters"),
+    Element::of::<NamedParameter>("parameter"),
+    Element::of::<Units>("units"),
+    Element::of::<Gravity>("gravity"),
+    Element::of::<Body>("body"),
+    Element::of::<Drawn>("drawn"),
+    Element::of::<Joint>("joint"),
+    Element::of::<Coupling>("coupling"),
+    Element::of::<CamSegment>("cam_segment"),
+    Element::of::<Actuator>("actuator"),
+    Element::of::<Screw>("screw"),
+    Element::of::<PrescribedMotion>("motion"),
+    Element::of::<Force>("force"),
+    Element::of::<Torque>("torque"),
+    Element::of::<Spring>("spring"),
+    Element::of::<Gas>("gas"),
+    Element::of::<Marker>("marker"),
+    Element::of::<Friction>("friction"),
+    Element::of::<Air>("air"),
+    Element::of::<Surface>("surface"),
+    Element::of::<Stop>("stop"),
+    Element::of::<Lock>("lock"),
+    Element::of::<Start>("start"),
+    Element::of::<Solver>("solver"),
+    Element::of::<Experiment>("experiment"),
+];
 
 impl Mechanism {
     /// Read and check a definition.
@@ -85,19 +73,21 @@ impl Mechanism {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
-        let mut mechanism = Self::read(text)?;
-        mechanism.faults().first()?;
-        mechanism.index_expressions();
+        let (mechanism, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
+        faults.first()?;
         Ok(mechanism)
     }
 
-    /// Read a definition, with all faults that show without geometry.
+    /// Read a definition, with all faults that show without geometry, keys that nobody knows among them.
     ///
     /// # Errors
-    /// The text cannot be read as a mechanism at all.
-    pub fn with_faults(text: &str) -> Result<(Self, Faults), DefinitionError> {
-        let mut mechanism = Self::read(text)?;
-        let faults = mechanism.faults();
+    /// All faults for which the text cannot be read as a mechanism.
+    pub fn with_faults(text: &str) -> Result<(Self, Faults), Faults> {
+        let (mut mechanism, mut faults) = Self::read(text);
+        if !faults.are_of_unknown_keys() {
+            return Err(faults);
+        }
+        mechanism.find_faults(&mut faults);
         mechanism.index_expressions();
         Ok((mechanism, faults))
     }

@@ -2,64 +2,58 @@
 use super::interpolation::Interpolation;
 use super::loads::Actuator;
 use super::mechanism::Mechanism;
-use super::{Role, Visit};
-use crate::format::{DefinitionError, Faults, Owner, Range};
+use crate::format::{DefinitionError, Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
 use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
-use crate::variables::Unit;
-use serde::{Deserialize, Serialize};
+use crate::variables::Unit::{
+    Metre, MetrePerSecond, MetrePerSecondSquared, Radian, RadianPerSecond, RadianPerSecondSquared, Second,
+};
 use std::fmt;
 
-/// Motion of a drive that is given, so that the force is what follows: by inputs, or by a profile over time.
-#[derive(Clone, Debug, Deserialize, Serialize, PartialEq)]
-#[serde(deny_unknown_fields)]
-pub struct PrescribedMotion {
-    /// Start value of the input `<drive>.motion.enabled`: whether the motion is prescribed; else the force of the input
-    /// acts.
-    #[serde(default = "enabled")]
-    pub enabled: bool,
-    /// Without a profile: start value of the input `<drive>.motion.position`, the length, position or angle [m or rad].
-    pub position: Option<f64>,
-    /// Law of the motion over time; where absent position, speed and acceleration are inputs.
-    pub profile: Option<ProfileKind>,
-    /// Time at rest before the profile begins [s], >= 0, from where the motion is first prescribed; 0 where absent.
-    pub start_time: Option<f64>,
-    /// Time that the profile takes [s], > 0; of a trapezoid it follows, of a table the points state it.
-    pub duration: Option<f64>,
-    /// Distance [m or rad] from where the motion is first prescribed, of any sign.
-    pub distance: Option<f64>,
-    /// Largest speed of a trapezoid [m/s or rad/s], > 0.
-    pub speed: Option<f64>,
-    /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
-    pub acceleration: Option<f64>,
-    /// Points of a table: pairs of time [s] and distance [m or rad], times ascending.
-    pub points: Option<Vec<[f64; 2]>>,
-    /// Curve of a table through its points; a spline where absent.
-    pub interpolation: Option<Interpolation>,
+keys! {
+    /// Motion of a drive: by the inputs `<name>.motion.position`, `.speed` and `.acceleration`, or by a profile over time.
+    pub struct PrescribedMotion {
+        /// Start value of the input `<name>.motion.enabled`: whether the motion is prescribed; else the force acts.
+        enabled: bool = true;
+        /// Without a profile: start value of the input `<name>.motion.position`, the length, position or angle [m or rad].
+        position: Option<f64> => either([Metre, Radian], Range::Finite);
+        /// Law of the motion over time; where absent, position, speed and acceleration are inputs.
+        profile: Option<ProfileKind>;
+        /// Time at rest before the profile begins [s], >= 0, from where the motion is first prescribed.
+        start_time: Option<f64> => number(Second, Range::NonNegative)
+            .parameter(Role::Load, "Time at rest before the profile of the motion").absent("0");
+        /// Time that the profile takes [s], > 0; of a trapezoid it follows, of a table the points state it.
+        duration: Option<f64> => number(Second, Range::Positive).parameter(Role::Load, "Duration of the motion");
+        /// Distance from where the motion is first prescribed, of any sign [m or rad].
+        distance: Option<f64> =>
+            either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the motion");
+        /// Largest speed of a trapezoid [m/s or rad/s], > 0.
+        speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Positive)
+            .parameter(Role::Load, "Largest speed of the motion");
+        /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
+        acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
+            .parameter(Role::Load, "Acceleration and deceleration of the motion");
+        /// Points of a table: pairs of time and distance [s, m or rad], times ascending.
+        points: Option<Vec<[f64; 2]>> => curve([Second; 2], [Metre, Radian], Range::Finite);
+        /// Curve of a table through its points.
+        interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
+    }
 }
 
-fn enabled() -> bool {
-    true
-}
-
-/// Law of a motion over time.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, PartialEq, Eq)]
-pub enum ProfileKind {
-    /// Constant acceleration, constant speed, constant deceleration.
-    #[serde(rename = "trapezoid")]
-    Trapezoid,
-    /// Acceleration as one period of a sine.
-    #[serde(rename = "cycloidal")]
-    Cycloidal,
-    /// Polynomial of degree 5, without acceleration at its ends.
-    #[serde(rename = "polynomial_345")]
-    Polynomial345,
-    /// Polynomial of degree 7, without acceleration and jerk at its ends.
-    #[serde(rename = "polynomial_4567")]
-    Polynomial4567,
-    /// Smooth curve through points.
-    #[serde(rename = "table")]
-    Table,
+words! {
+    /// Law of a motion over time.
+    pub enum ProfileKind {
+        /// Constant acceleration, constant speed, constant deceleration.
+        Trapezoid = "trapezoid",
+        /// Acceleration as one period of a sine.
+        Cycloidal = "cycloidal",
+        /// Polynomial of degree 5, without acceleration at its ends.
+        Polynomial345 = "polynomial_345",
+        /// Polynomial of degree 7, without acceleration and jerk at its ends.
+        Polynomial4567 = "polynomial_4567",
+        /// Smooth curve through points.
+        Table = "table",
+    }
 }
 
 impl PrescribedMotion {
@@ -71,30 +65,22 @@ impl PrescribedMotion {
     /// Faults of the motion of a drive, under the key of that motion.
     pub(super) fn check(&self, key: &str, faults: &mut Faults) {
         use ProfileKind::{Cycloidal, Polynomial345, Polynomial4567, Table, Trapezoid};
-        let stated = [
-            ("position", self.position.is_some()),
-            ("start_time", self.start_time.is_some()),
-            ("duration", self.duration.is_some()),
-            ("distance", self.distance.is_some()),
-            ("speed", self.speed.is_some()),
-            ("acceleration", self.acceleration.is_some()),
-            ("points", self.points.is_some()),
-            ("interpolation", self.interpolation.is_some()),
-        ];
         let (what, wanted): (&str, &[&str]) = match self.profile {
             None => ("without a profile", &["position"]),
             Some(Trapezoid) => ("a trapezoid", &["distance", "speed", "acceleration"]),
             Some(Cycloidal | Polynomial345 | Polynomial4567) => ("this profile", &["duration", "distance"]),
             Some(Table) => ("a table", &["points"]),
         };
-        for (name, is_stated) in stated {
-            let path = format_args!("{key}.{name}");
-            let is_optional = match name {
+        let mut own = self.clone();
+        for (index, Key { name, .. }) in Self::TABLE.keys.iter().enumerate() {
+            let (path, is_stated) = (format_args!("{key}.{name}"), own.slot(index).is_given());
+            let is_optional = match *name {
+                "enabled" | "profile" => true,
                 "start_time" => self.profile.is_some(),
                 "interpolation" => self.profile == Some(Table),
                 _ => false,
             };
-            match (is_stated, wanted.contains(&name)) {
+            match (is_stated, wanted.contains(name)) {
                 (false, true) => faults.keep::<()>(refused(key, format_args!("{what} asks for {name}: add this key"))),
                 (true, false) if !is_optional => {
                     let message = format_args!("{what} does not use it: remove it, or choose another profile");
@@ -103,30 +89,11 @@ impl PrescribedMotion {
                 _ => None,
             };
         }
-        if let Some(position) = self.position {
-            faults.keep(Range::Finite.check(format_args!("{key}.position"), position));
-        }
         let Some(points) = &self.points else { return };
         if points.iter().flatten().any(|value| !value.is_finite()) || self.curve().is_none() {
             let message = "give 2 or more points [time, distance] of finite numbers with ascending times";
             faults.keep::<()>(refused(format_args!("{key}.points"), message));
         }
-    }
-
-    pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
-        let [way, speed, acceleration] = match is_rotary {
-            true => [Unit::Radian, Unit::RadianPerSecond, Unit::RadianPerSecondSquared],
-            false => [Unit::Metre, Unit::MetrePerSecond, Unit::MetrePerSecondSquared],
-        };
-        let mut list = Owner::new(Some("actuators"), name, Role::Load, visit);
-        let (time, positive) = (Unit::Second, Range::Positive);
-        let words = "Time at rest before the profile of the motion";
-        list.add("motion.start_time", words, time, Range::NonNegative, &mut self.start_time);
-        list.add("motion.duration", "Duration of the motion", time, positive, &mut self.duration);
-        list.add("motion.distance", "Distance of the motion", way, Range::Coordinate, &mut self.distance);
-        list.add("motion.speed", "Largest speed of the motion", speed, positive, &mut self.speed);
-        let words = "Acceleration and deceleration of the motion";
-        list.add("motion.acceleration", words, acceleration, positive, &mut self.acceleration);
     }
 }
 

@@ -22,17 +22,16 @@ pub(super) fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> 
 }
 
 impl Mechanism {
-    /// All faults that show without geometry.
-    pub(super) fn faults(&mut self) -> Faults {
-        let mut faults = Faults::default();
-        self.resolve_drawing(&mut faults);
+    /// All faults of what was read that show without geometry.
+    pub(super) fn find_faults(&mut self, faults: &mut Faults) {
+        self.resolve_drawing(faults);
         faults.keep(check_name("name", &self.name));
         if self.description.chars().any(char::is_control) {
             let value = format!("\"{}\"", self.description);
             faults.keep::<()>(Err(DefinitionError::value("description", value, "one line of text")));
         }
-        self.check_names(&mut faults);
-        self.check_couplings(&mut faults);
+        self.check_names(faults);
+        self.check_couplings(faults);
         faults.keep(self.check_snap());
         faults.keep(self.check_solver());
         self.parameters(&mut |parameter, value| {
@@ -42,16 +41,15 @@ impl Mechanism {
                 faults.keep(range.check_in(parameter.unit, parameter.key.concat(), *value));
             }
         });
-        self.check_bodies(&mut faults);
-        self.check_joints(&mut faults);
-        self.check_drives(&mut faults);
-        self.check_loads(&mut faults);
-        self.check_surfaces(&mut faults);
-        self.check_stops(&mut faults);
+        self.check_bodies(faults);
+        self.check_joints(faults);
+        self.check_drives(faults);
+        self.check_loads(faults);
+        self.check_surfaces(faults);
+        self.check_stops(faults);
         faults.keep(self.check_start());
         faults.keep(self.about.check());
         faults.keep(self.experiment.check());
-        faults
     }
 
     /// A stated method has a step.
@@ -185,7 +183,6 @@ impl Mechanism {
                 let message = "a drive in a revolute joint or with a screw has a torque, any other a force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
-            faults.keep(Range::Finite.check(format_args!("{key}.{asked}"), a.force.or(a.torque).unwrap_or(0.0)));
             if let Some(circuit) = &a.hydraulics {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
                 if is_rotary {
@@ -200,7 +197,7 @@ impl Mechanism {
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
                     refuse(&format!("{other} has a circuit already, and one drive may have one: remove one"));
                 }
-                faults.keep(circuit.check());
+                circuit.find_faults(faults);
             }
             faults.keep(check_drive(&key, a));
             self.check_motion(name, a, faults);
@@ -208,9 +205,6 @@ impl Mechanism {
     }
 
     fn check_loads(&self, faults: &mut Faults) {
-        if let Some(gravity) = &self.gravity {
-            faults.keep(Range::Finite.check("gravity.load_factor", gravity.load_factor));
-        }
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");
             let ends = self.check_ends(&key, &spring.first, &spring.second, &spring.joint);
@@ -225,13 +219,9 @@ impl Mechanism {
         }
         for (name, force) in self.forces.iter() {
             faults.keep(self.point(format_args!("forces.{name}.at"), &force.at));
-            for (i, component) in force.force.into_iter().enumerate() {
-                faults.keep(Range::Finite.check(format_args!("forces.{name}.force[{i}]"), component));
-            }
         }
         for (name, torque) in self.torques.iter() {
             faults.keep(entry(format_args!("torques.{name}.on"), "bodies", &self.bodies, &torque.on));
-            faults.keep(Range::Finite.check(format_args!("torques.{name}.torque"), torque.torque));
         }
         for (name, marker) in self.markers.iter() {
             faults.keep(self.point(format_args!("markers.{name}.at"), &marker.at));
@@ -282,9 +272,7 @@ impl Mechanism {
     }
 
     fn check_surfaces(&self, faults: &mut Faults) {
-        if let Some(air) = &self.air {
-            faults.keep(Range::Finite.check("air.airspeed", air.airspeed));
-        } else if let Some(name) = self.surfaces.names().first() {
+        if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
             let message = "there is no air that could drag on it: add the key air";
             faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
         }

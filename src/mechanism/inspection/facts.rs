@@ -42,7 +42,7 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     let done = remarks(&reduced, mechanism.snap()).into_iter();
     out.facts.extend(done.map(|text| Fact::new("Snapped lengths", "").saying(text)));
     let ends = ends(&reduced, &state.travel, here);
-    add_travel(&reduced, &state, (here, ends), mechanism.file_units, out);
+    add_travel(&reduced, &state, (here, ends), *mechanism.file_units, out);
     friction::add((&reduced, &state), &model.original.inputs, ends, out);
     add_redundant_joints(&reduced, &assembled, &mut out.facts);
     equilibrium::add(model, &reduced, &state, &mut out.facts);

@@ -24,19 +24,23 @@ pub fn inspect(text: &str) -> Inspection {
     let mut out = Inspection::default();
     let (mechanism, faults) = match Mechanism::with_faults(text) {
         Ok(read) => read,
-        Err(fault) => {
-            out.findings.push(Finding::error(fault.path(), &fault));
+        Err(faults) => {
+            out.findings.extend(faults.into_iter().map(|fault| Finding::fault(fault.path(), &fault)));
             return out;
         }
     };
     (out.is_readable, out.name) = (true, mechanism.name.clone());
-    let of_fault = |fault: DefinitionError| Finding::error(path::in_file(fault.path(), &mechanism), &fault);
+    let is_sound = faults.are_of_unknown_keys();
+    let of_fault = |fault: DefinitionError| match fault.place() {
+        Some(_) => Finding::fault(fault.path(), &fault),
+        None => Finding::fault(&path::in_file(fault.path(), &mechanism), &fault),
+    };
     out.findings.extend(faults.into_iter().map(of_fault));
-    if !out.findings.is_empty() {
+    if !is_sound {
         out.findings.extend(mechanism.warnings());
         return out;
     }
-    match Model::from_json(text) {
+    match Model::with_mechanism(mechanism.clone(), None) {
         Ok(mut model) => {
             out.findings.extend(model.warnings().iter().cloned());
             facts::collect(&mut model, &mut out);

@@ -1,4 +1,5 @@
 //! The key of a definition to which an error of the model belongs.
+use crate::format::Described;
 use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::Mechanism;
@@ -8,7 +9,7 @@ use crate::mechanism::reduced::ReductionError;
 /// Path in the file of a fault's key, where those of a circuit stand in its drive.
 pub fn in_file(path: &str, mechanism: &Mechanism) -> String {
     let first = path.split('.').next().unwrap_or_default();
-    let is_own = || serde_json::to_value(mechanism).is_ok_and(|keys| keys.get(first).is_some());
+    let is_own = || Mechanism::TABLE.position(first).is_some();
     match mechanism.hydraulic_drive() {
         Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
         _ => path.to_owned(),

@@ -4,6 +4,7 @@
 //! In: a definition in SI units without expressions. Out: another one, and what its outputs say of those of the first. It
 //! must not know how a mechanism is solved.
 use super::relation::{Relation, factor};
+use linkage_fmu::format::written;
 use linkage_fmu::mechanism::definition::{Mechanism, Role};
 use linkage_fmu::variables::Unit;
 use serde_json::{Map, Value, json};
@@ -30,7 +31,7 @@ fn with_parameters(text: &str, change: &mut dyn FnMut(&str, Unit, Role, &mut f64
     mechanism.parameters(&mut |parameter, value| {
         change(&parameter.key.concat(), parameter.unit, parameter.role, value);
     });
-    let mut all = serde_json::to_value(&mechanism).map_err(|e| e.to_string())?;
+    let mut all = serde_json::from_str(&written(&mut mechanism)).map_err(|e| e.to_string())?;
     prune(&mut all);
     if let Some(all) = all.as_object_mut() {
         all.remove("expressions");

@@ -132,7 +132,7 @@ mod tests {
 
     fn goal(rest: &str) -> Result<Goal> {
         let text = format!(r#"{{ "mechanism": "m", "responses": {{ "r": {{ "final": "x" }} }}, {rest} }}"#);
-        let study: Definition = serde_json::from_str(&text)?;
+        let study: Definition = linkage_fmu::format::read("study", &text)?;
         Goal::new(&study, &["r".to_owned(), "s".to_owned()])
     }
 

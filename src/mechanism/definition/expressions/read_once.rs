@@ -3,7 +3,7 @@
 //! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the values
 //! of these expressions. It must not know the order of parameters.
 use super::{Place, Unclear, is_clear, unknown_name, without_unit};
-use crate::format::{DefinitionError, Expression, index_of};
+use crate::format::{DefinitionError, Expression, Faults, Number, index_of, numbers};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::drawing::Units;
 use crate::numerics::decimal::Decimal;
@@ -28,7 +28,8 @@ impl Mechanism {
         places: &[Place],
         names: &HashMap<String, usize>,
         texts: &[String],
-    ) -> Result<Vec<Fixed>, DefinitionError> {
+        faults: &mut Faults,
+    ) -> Vec<Fixed> {
         let mut is_parameter = vec![false; texts.len()];
         for index in places.iter().filter_map(|place| place.expression) {
             is_parameter[index] = true;
@@ -48,55 +49,25 @@ impl Mechanism {
                     "{name} may change after this number was read, which is no parameter: write numbers and functions \
                      alone, or for a drawing the body's length and points in its own frame"
                 );
-                return Err(DefinitionError::key(key, format_args!("\"{}\": {why}", texts[fixed.index])));
+                faults.push(DefinitionError::key(&key, format_args!("\"{}\": {why}", texts[fixed.index])));
             }
             fixed.stated = Some((key, unit));
         }
-        Ok(others)
+        others
     }
 
     /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; the unit of a length or
     /// an angle.
     fn numbers_read_once(&self) -> Vec<(String, f64, Option<Unit>)> {
-        let (mut all, length, angle) = (Vec::new(), Some(Unit::Metre), Some(Unit::Radian));
-        for (name, body) in self.bodies.iter() {
-            let Some(drawn) = &body.drawn else { continue };
-            let key = |part: &str| format!("bodies.{name}.drawn.{part}");
-            let mut pair = |part: &str, [x, y]: [f64; 2]| {
-                all.extend([(key(&format!("{part}[0]")), x, length), (key(&format!("{part}[1]")), y, length)]);
-            };
-            pair("origin", drawn.origin);
-            drawn.end.into_iter().for_each(|end| pair("end", end));
-            drawn.center.into_iter().for_each(|center| pair("center", center));
-            drawn.points.iter().for_each(|(point, place)| pair(&format!("points.{point}"), *place));
-            all.extend(drawn.angle.map(|value| (key("angle"), value, angle)));
-        }
-        let way = |is_rotary: bool| if is_rotary { angle } else { length };
-        let mut points = |key: String, points: &Option<Vec<[f64; 2]>>, units: [Option<Unit>; 2]| {
-            for (i, point) in points.iter().flatten().enumerate() {
-                all.extend((0..2).map(|part| (format!("{key}[{i}][{part}]"), point[part], units[part])));
+        let (mut all, rotary) = (Vec::new(), self.rotary());
+        numbers(&mut self.clone(), &mut |number: Number| {
+            let Number { path, key, value, .. } = &number;
+            let shapes = key.second.is_some() || path.starts_with("guess.");
+            if shapes || [".drawn.", ".segments["].iter().any(|part| path.contains(part)) {
+                let unit = Some(number.unit(&rotary)).filter(|unit| matches!(unit, Unit::Metre | Unit::Radian));
+                all.push(((*path).to_owned(), **value, unit));
             }
-        };
-        for (name, spring) in self.springs.iter() {
-            points(format!("springs.{name}.points"), &spring.points, [way(self.is_rotary(&spring.joint)), None]);
-            points(format!("springs.{name}.damping_points"), &spring.damping_points, [None; 2]);
-        }
-        for (name, stop) in self.stops.iter() {
-            points(format!("stops.{name}.points"), &stop.points, [way(stop.angle.is_some()), None]);
-        }
-        for (name, actuator) in self.actuators.iter() {
-            points(format!("actuators.{name}.points"), &actuator.points, [None; 2]);
-            let table = actuator.motion.as_ref().map_or(&None, |motion| &motion.points);
-            points(format!("actuators.{name}.motion.points"), table, [None, way(self.turns(actuator))]);
-        }
-        for (name, coupling) in self.couplings.iter() {
-            let mut units = Vec::new();
-            coupling.clone().lift_numbers(&mut |is_angle, _| units.push(way(is_angle)));
-            let numbers = coupling.stated_lift(&format!("couplings.{name}")).into_iter();
-            all.extend(numbers.zip(units).map(|((key, value), unit)| (key, value, unit)));
-        }
-        let of_guess = |name: &str| way(self.bodies.get(name).is_some());
-        all.extend(self.guess.iter().map(|(name, value)| (format!("guess.{name}"), *value, of_guess(name))));
+        });
         all
     }
 }

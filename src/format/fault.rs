@@ -1,0 +1,290 @@
+//! What is wrong with a definition: each fault with its key, its place, and what to do.
+use super::Range;
+use super::keys::Table;
+use crate::numerics::decimal::Decimal;
+use crate::variables::{Unit, edits, nearest};
+use std::fmt::{self, Display};
+use std::ops;
+
+/// What is wrong at a key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// The text is no JSON.
+    Syntax(String),
+    /// No key of this name is known here.
+    UnknownKey(String, &'static Table),
+    /// A key that must be given is not.
+    Missing(&'static str),
+    /// A name stands twice in one object.
+    Twice(String),
+    /// A value of another type: what is asked for, what is there, and the remedy.
+    Type {
+        /// What is asked for.
+        expected: String,
+        /// What is there.
+        found: String,
+        /// What to do; empty where that is plain.
+        remedy: &'static str,
+    },
+    /// None of the words that may stand here.
+    Word(String, &'static [&'static str]),
+    /// A number out of its range.
+    Range(f64, Unit, Range),
+    /// A text or number that does not fit, and what is allowed.
+    Value(String, String),
+    /// Anything else, in words.
+    Other(String),
+}
+
+/// Place in the text of a definition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// Range of bytes.
+    pub bytes: ops::Range<usize>,
+    /// Line and column of its beginning, from 1; columns count characters.
+    pub position: [usize; 2],
+}
+
+impl Place {
+    /// The place of these bytes in a text.
+    pub fn new(text: &str, bytes: ops::Range<usize>) -> Self {
+        let before = text.get(..bytes.start).unwrap_or(text);
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        let position = [before.matches('\n').count() + 1, before[line..].chars().count() + 1];
+        Self { bytes, position }
+    }
+}
+
+/// A refused definition; the text names the key, the value and what is allowed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DefinitionError {
+    path: String,
+    fault: Box<Fault>,
+    place: Option<Box<Place>>,
+}
+
+impl DefinitionError {
+    /// A fault at a key.
+    #[cold]
+    pub fn new(path: impl Into<String>, fault: Fault) -> Self {
+        Self { path: path.into(), fault: Box::new(fault), place: None }
+    }
+
+    /// A key that excludes another, or any other fault in words.
+    pub fn key(key: impl Display, message: impl Display) -> Self {
+        Self::new(key.to_string(), Fault::Other(message.to_string()))
+    }
+
+    /// A number or text out of its range.
+    pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
+        Self::new(key.to_string(), Fault::Value(value.to_string(), format!("must be {allowed}")))
+    }
+
+    /// A name that no element has.
+    pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
+        Self::new(key.to_string(), Fault::Value(format!("\"{name}\""), format!("there is none; {allowed}")))
+    }
+
+    /// The fault with its place.
+    pub fn at(mut self, place: Place) -> Self {
+        self.place = Some(Box::new(place));
+        self
+    }
+
+    /// Path of the key at fault, such as `bodies.crank.length`.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// What is wrong.
+    pub fn fault(&self) -> &Fault {
+        &self.fault
+    }
+
+    /// Where, if the fault was found while the text was read.
+    pub fn place(&self) -> Option<&Place> {
+        self.place.as_deref()
+    }
+
+    /// Path, fault and remedy on one line, without the place.
+    pub fn message(&self) -> String {
+        let colon = if matches!(*self.fault, Fault::Range(..) | Fault::Value(..)) { "" } else { ":" };
+        on_one_line(&format!("{}{colon} {}", self.path, self.fault))
+    }
+}
+
+impl Display for DefinitionError {
+    /// A key in the file may hold any character.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message())?;
+        match &self.place {
+            Some(place) => write!(f, " (line {}, column {})", place.position[0], place.position[1]),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for DefinitionError {}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Syntax(message) | Self::Other(message) => f.write_str(message),
+            Self::UnknownKey(key, table) => {
+                write!(f, "there is no key `{key}` here; ")?;
+                match meant(table.names(), key) {
+                    Some(meant) => write!(f, "did you mean `{meant}`?"),
+                    None => write!(f, "the keys are {}", listed(table.names(), "and")),
+                }
+            }
+            Self::Missing(key) => write!(f, "the key `{key}` is missing: add it"),
+            Self::Twice(name) => write!(f, "`{name}` stands twice: remove one of the two, or rename it"),
+            Self::Type { expected, found, remedy } => write!(f, "must be {expected}, not {found}{remedy}"),
+            Self::Word(word, words) if words.len() > MANY => {
+                let nearest = nearest(words.iter().copied(), word);
+                write!(f, "there is no `{word}` here; the nearest are {}", listed(nearest.into_iter(), "and"))
+            }
+            Self::Word(word, words) => {
+                write!(f, "must be {}, not `{word}`", listed(words.iter().copied(), "or"))?;
+                meant(words.iter().copied(), word).map_or(Ok(()), |meant| write!(f, "; did you mean `{meant}`?"))
+            }
+            Self::Range(value, Unit::One, range) => write!(f, "= {}: must be {}", Decimal(*value), range.text()),
+            Self::Range(value, unit, range) => {
+                let name = unit.name();
+                let allowed = match (range, unit) {
+                    // A file may state lengths and angles in another unit.
+                    (Range::Coordinate, Unit::Metre | Unit::Radian) => {
+                        format!("a number from -1e100 {name} to 1e100 {name}")
+                    }
+                    _ => range.text(),
+                };
+                write!(f, "= {} {name}: must be {allowed}", Decimal(*value))
+            }
+            Self::Value(value, allowed) => write!(f, "= {value}: {allowed}"),
+        }
+    }
+}
+
+/// Most words that are all listed.
+const MANY: usize = 8;
+
+/// These words in backticks.
+fn listed<'w>(words: impl Iterator<Item = &'w str>, and: &str) -> String {
+    let words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
+    match words.as_slice() {
+        [first @ .., before, last] => {
+            let first = first.iter().map(|word| format!("{word}, ")).collect::<String>();
+            format!("{first}{before} {and} {last}")
+        }
+        words => words.concat(),
+    }
+}
+
+/// Words of other programs and of everyday speech, with those of a definition.
+const SYNONYMS: [(&str, &str); 9] = [
+    ("weight", "mass"),
+    ("moment_of_inertia", "inertia"),
+    ("links", "bodies"),
+    ("hinges", "joints"),
+    ("drives", "actuators"),
+    ("motors", "actuators"),
+    ("dampers", "springs"),
+    ("spring_rate", "stiffness"),
+    ("initial", "start"),
+];
+
+/// Of the words that may stand here the one that was probably meant.
+fn meant<'w>(words: impl Iterator<Item = &'w str> + Clone, word: &str) -> Option<&'w str> {
+    let synonym = SYNONYMS.iter().find(|(other, _)| *other == word);
+    if let Some(own) = synonym.and_then(|(_, own)| words.clone().find(|word| word == own)) {
+        return Some(own);
+    }
+    let nearest = nearest(words, word).into_iter().next()?;
+    let is_alike = edits(word, nearest) <= 1 + word.len() / 5 || nearest.starts_with(word) || word.starts_with(nearest);
+    is_alike.then_some(nearest)
+}
+
+/// All faults of a definition, in the order in which they are found.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<DefinitionError>);
+
+impl Faults {
+    /// One more fault.
+    pub fn push(&mut self, fault: DefinitionError) {
+        self.0.push(fault);
+    }
+
+    /// The value that was checked; None if it is at fault, which is kept.
+    pub fn keep<T>(&mut self, checked: Result<T, DefinitionError>) -> Option<T> {
+        checked.map_err(|fault| self.0.push(fault)).ok()
+    }
+
+    /// These faults, and those of another reading of the same text that are not among them.
+    pub fn join(&mut self, others: Self) {
+        others.0.into_iter().for_each(|fault| {
+            if !self.0.contains(&fault) {
+                self.0.push(fault);
+            }
+        });
+    }
+
+    /// Number of faults.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether all that was read has its value: what is at fault are keys that nobody reads.
+    pub fn are_of_unknown_keys(&self) -> bool {
+        self.0.iter().all(|fault| matches!(fault.fault(), Fault::UnknownKey(..)))
+    }
+
+    /// Nothing, or the first fault.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn first(self) -> Result<(), DefinitionError> {
+        self.0.into_iter().next().map_or(Ok(()), Err)
+    }
+}
+
+impl IntoIterator for Faults {
+    type Item = DefinitionError;
+    type IntoIter = std::vec::IntoIter<DefinitionError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+/// A message on one line: control characters are made visible.
+pub(crate) fn on_one_line(message: &str) -> String {
+    let mut line = String::with_capacity(message.len());
+    for c in message.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_one_line() {
+        assert_eq!(on_one_line("räder\0 a\r\nb\u{7f} 'c'"), "räder\\u{0} a\\r\\nb\\u{7f} 'c'");
+    }
+
+    #[test]
+    fn columns_count_characters() {
+        assert_eq!(Place::new("é\nöx", 6..7).position, [2, 3]);
+        assert_eq!(Place::new("", 0..0).position, [1, 1]);
+    }
+}

@@ -1,0 +1,450 @@
+//! JSON as a tree in which each part knows its place.
+//!
+//! In: a text. Out: its values in the order of the text, each with its range of bytes, or the first place at which the
+//! text is no JSON. It must not know what keys mean.
+use super::fault::{DefinitionError, Fault, Place};
+use std::ops::Range;
+
+/// Most brackets inside one another.
+const DEEPEST: usize = 128;
+
+/// A value with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// Range of bytes in the text.
+    pub span: Range<usize>,
+    /// The value.
+    pub json: Json,
+}
+
+/// A value of JSON.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Json {
+    /// null.
+    Null,
+    /// true or false.
+    Flag(bool),
+    /// A number; infinite where the text has one that no double holds.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// A list.
+    List(Vec<Node>),
+    /// An object: its members in order, also those of one name.
+    Object(Vec<Member>),
+}
+
+/// A member of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// The key.
+    pub key: String,
+    /// Range of bytes of the key with its quotes.
+    pub span: Range<usize>,
+    /// The value.
+    pub value: Node,
+}
+
+impl Node {
+    /// The member of an object with this key; of several the last.
+    pub fn member(&self, key: &str) -> Option<&Member> {
+        match &self.json {
+            Json::Object(members) => members.iter().rev().find(|member| member.key == key),
+            _ => None,
+        }
+    }
+
+    /// The text, if it is one.
+    pub fn text(&self) -> Option<&str> {
+        if let Json::Text(text) = &self.json { Some(text) } else { None }
+    }
+}
+
+/// Read a text; a byte order mark before it is skipped. `kind`: word of the message where the fault is in no key.
+///
+/// # Errors
+/// The text is no JSON: the path of the key in which it stops to be, the place, and the remedy.
+pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
+    let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
+    let mut parser = Parser { text, at: start, depth: 0 };
+    parser.skip_blanks();
+    let read = parser.value().and_then(|node| match parser.peek() {
+        None => Ok(node),
+        Some(_) => Err(parser.fault(
+            "the object ends before this: remove what follows, or a closing bracket too many \
+                                     before it",
+        )),
+    });
+    read.map_err(|Stop { at, message, path }| {
+        let end = at + text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
+        let path = path.strip_prefix('.').map_or(path.clone(), str::to_owned);
+        // A text that ends too early does so in no key.
+        let path = if path.is_empty() || at == text.len() { format!("no {kind}") } else { path };
+        DefinitionError::new(path, Fault::Syntax(message)).at(Place::new(text, at..end))
+    })
+}
+
+/// Why and where a text is no JSON.
+struct Stop {
+    at: usize,
+    message: String,
+    /// Path of the value, each part with its dot or brackets.
+    path: String,
+}
+
+impl Stop {
+    /// The fault as that of a part of a list or an object.
+    fn inside(mut self, part: std::fmt::Arguments) -> Self {
+        self.path = format!("{part}{}", self.path);
+        self
+    }
+}
+
+struct Parser<'t> {
+    text: &'t str,
+    at: usize,
+    depth: usize,
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<u8> {
+        self.text.as_bytes().get(self.at).copied()
+    }
+
+    fn skip_blanks(&mut self) {
+        while matches!(self.peek(), Some(b' ' | b'\t' | b'\n' | b'\r')) {
+            self.at += 1;
+        }
+    }
+
+    /// Skip this character and blanks behind it; whether it is there.
+    fn takes(&mut self, character: u8) -> bool {
+        let is_there = self.peek() == Some(character);
+        if is_there {
+            self.at += 1;
+            self.skip_blanks();
+        }
+        is_there
+    }
+
+    /// A fault at the present place, in words that fit what stands there.
+    #[cold]
+    fn fault(&self, message: &str) -> Stop {
+        let (at, bytes) = (self.at, self.text.as_bytes());
+        let rest = &bytes[at.min(bytes.len())..];
+        let starts = |word: &str| rest.get(..word.len()).is_some_and(|part| part.eq_ignore_ascii_case(word.as_bytes()));
+        let is_digit = |at: Option<usize>| at.and_then(|at| bytes.get(at)).is_some_and(u8::is_ascii_digit);
+        let comma =
+            bytes[..at].iter().rposition(|byte| !byte.is_ascii_whitespace()).filter(|last| bytes[*last] == b',');
+        let message = if self.text.trim_start_matches('\u{feff}').trim().is_empty() {
+            "the file is empty; a definition is one object { \"name\": ... }"
+        } else if rest.is_empty() {
+            "the text ends before its last closing bracket: is the file complete?"
+        } else if ["//", "/*", "#"].into_iter().any(starts) {
+            "JSON has no comments: remove this one"
+        } else if ["nan", "inf", "-inf"].into_iter().any(starts) {
+            "numbers are finite in JSON: give one, or leave the key out"
+        } else if is_digit(Some(at)) && comma == at.checked_sub(1) && is_digit(at.checked_sub(2)) {
+            "decimals are written with a point, such as 0.5"
+        } else if comma.is_some() && matches!(rest[0], b'}' | b']') {
+            "a comma before the closing bracket: nothing follows it; remove it"
+        } else {
+            message
+        };
+        Stop { at, message: message.to_owned(), path: String::new() }
+    }
+
+    /// A value and the blanks behind it.
+    fn value(&mut self) -> Result<Node, Stop> {
+        let start = self.at;
+        let json = match self.peek() {
+            Some(b'{') => self.nested(Self::object)?,
+            Some(b'[') => self.nested(Self::list)?,
+            Some(b'"') => Json::Text(self.text()?),
+            Some(b'-' | b'0'..=b'9') => Json::Number(self.number()?),
+            _ => {
+                let words = [("true", Json::Flag(true)), ("false", Json::Flag(false)), ("null", Json::Null)];
+                let found = words.into_iter().find(|(word, _)| self.text[start..].starts_with(word));
+                let (word, json) = found.ok_or_else(|| self.fault("here a value is expected"))?;
+                self.at += word.len();
+                json
+            }
+        };
+        let span = start..self.at;
+        self.skip_blanks();
+        Ok(Node { span, json })
+    }
+
+    fn nested(&mut self, read: fn(&mut Self) -> Result<Json, Stop>) -> Result<Json, Stop> {
+        if self.depth == DEEPEST {
+            return Err(self.fault("more than 128 brackets stand inside one another: a definition has a few"));
+        }
+        self.at += 1;
+        self.depth += 1;
+        self.skip_blanks();
+        let json = read(self)?;
+        self.depth -= 1;
+        Ok(json)
+    }
+
+    /// An object from behind its opening bracket to its closing one.
+    fn object(&mut self) -> Result<Json, Stop> {
+        let mut members = Vec::new();
+        while self.peek() != Some(b'}') || !members.is_empty() {
+            let start = self.at;
+            if self.peek() != Some(b'"') {
+                return Err(self.fault("here a key in double quotes is expected"));
+            }
+            let key = self.text()?;
+            let span = start..self.at;
+            self.skip_blanks();
+            if !self.takes(b':') {
+                return Err(self.fault("a colon is missing before this: add it").inside(format_args!(".{key}")));
+            }
+            let value = self.value().map_err(|stop| stop.inside(format_args!(".{key}")))?;
+            members.push(Member { key, span, value });
+            if self.peek() == Some(b'}') {
+                break;
+            }
+            if !self.takes(b',') {
+                return Err(self.fault("a comma is missing before this: add it"));
+            }
+        }
+        self.at += 1;
+        Ok(Json::Object(members))
+    }
+
+    /// A list from behind its opening bracket to its closing one.
+    fn list(&mut self) -> Result<Json, Stop> {
+        let mut nodes = Vec::new();
+        while self.peek() != Some(b']') || !nodes.is_empty() {
+            let index = nodes.len();
+            nodes.push(self.value().map_err(|stop| stop.inside(format_args!("[{index}]")))?);
+            if self.peek() == Some(b']') {
+                break;
+            }
+            if !self.takes(b',') {
+                return Err(self.fault("a comma is missing before this: add it"));
+            }
+        }
+        self.at += 1;
+        Ok(Json::List(nodes))
+    }
+
+    /// A text from its opening quote to its closing one.
+    fn text(&mut self) -> Result<String, Stop> {
+        let mut text = String::new();
+        self.at += 1;
+        loop {
+            let rest = &self.text[self.at..];
+            let length = rest.find(|c: char| c < ' ' || c == '"' || c == '\\').unwrap_or(rest.len());
+            text.push_str(&rest[..length]);
+            self.at += length;
+            match self.peek() {
+                Some(b'"') => {
+                    self.at += 1;
+                    return Ok(text);
+                }
+                Some(b'\\') => text.push(self.escaped()?),
+                _ => {
+                    return Err(
+                        self.fault("a text without its closing quote: put a quote \" at its end, on the same line")
+                    );
+                }
+            }
+        }
+    }
+
+    /// The character for which an escape from its backslash on stands.
+    fn escaped(&mut self) -> Result<char, Stop> {
+        const NONE: &str = "JSON has no such escape: write \\\\ for a backslash";
+        let letter = self.text.as_bytes().get(self.at + 1).copied();
+        let character = match letter {
+            Some(b'u') => {
+                let first = self.unit(NONE)?;
+                let code = match first {
+                    // Two halves of a character beyond the first 65 536.
+                    0xd800..0xdc00 if self.text[self.at..].starts_with("\\u") => match self.unit(NONE)? {
+                        second @ 0xdc00..0xe000 => 0x1_0000 + ((first - 0xd800) << 10) + (second - 0xdc00),
+                        _ => first,
+                    },
+                    _ => first,
+                };
+                return char::from_u32(code).ok_or_else(|| self.fault(NONE));
+            }
+            Some(b'b') => '\u{8}',
+            Some(b'f') => '\u{c}',
+            Some(b'n') => '\n',
+            Some(b'r') => '\r',
+            Some(b't') => '\t',
+            Some(letter @ (b'"' | b'\\' | b'/')) => char::from(letter),
+            _ => return Err(self.fault(NONE)),
+        };
+        self.at += 2;
+        Ok(character)
+    }
+
+    /// Four hexadecimal digits behind `\u`.
+    fn unit(&mut self, message: &str) -> Result<u32, Stop> {
+        let digits = self.text.get(self.at + 2..self.at + 6).filter(|text| text.bytes().all(|c| c.is_ascii_hexdigit()));
+        let unit = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).ok_or_else(|| self.fault(message))?;
+        self.at += 6;
+        Ok(unit)
+    }
+
+    /// A number.
+    fn number(&mut self) -> Result<f64, Stop> {
+        let start = self.at;
+        self.at += usize::from(self.peek() == Some(b'-'));
+        let leads_by_zero = self.peek() == Some(b'0');
+        let whole = self.digits()?;
+        if leads_by_zero && whole > 1 {
+            self.at = start;
+            return Err(self.fault("a number does not begin with a zero that is followed by a digit: remove the zero"));
+        }
+        if self.peek() == Some(b'.') {
+            self.at += 1;
+            self.digits()?;
+        }
+        if let Some(b'e' | b'E') = self.peek() {
+            self.at += 1;
+            self.at += usize::from(matches!(self.peek(), Some(b'+' | b'-')));
+            self.digits()?;
+        }
+        // All that JSON calls a number, Rust does too.
+        self.text[start..self.at].parse().map_err(|_| self.fault("here a number is expected"))
+    }
+
+    /// Skip one or more digits; their number.
+    fn digits(&mut self) -> Result<usize, Stop> {
+        let start = self.at;
+        while matches!(self.peek(), Some(b'0'..=b'9')) {
+            self.at += 1;
+        }
+        if self.at == start { Err(self.fault("here a digit is expected")) } else { Ok(self.at - start) }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use serde_json::Value;
+
+    /// The value that serde_json reads; numbers as doubles.
+    fn same(node: &Node, value: &Value, text: &str) -> bool {
+        match (&node.json, value) {
+            (Json::Null, Value::Null) => true,
+            (Json::Flag(a), Value::Bool(b)) => a == b,
+            (Json::Number(a), b) => b.as_f64() == Some(*a),
+            (Json::Text(a), Value::String(b)) => a == b && text[node.span.clone()].starts_with('"'),
+            (Json::List(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b, text)),
+            (Json::Object(a), Value::Object(b)) => {
+                // Of two members of one name the last counts there.
+                b.iter().all(|(key, b)| a.iter().rev().find(|a| a.key == *key).is_some_and(|a| same(&a.value, b, text)))
+                    && a.iter().all(|a| b.contains_key(&a.key))
+            }
+            _ => false,
+        }
+    }
+
+    fn agrees(text: &str) {
+        match (parse("test", text), serde_json::from_str::<Value>(text)) {
+            (Ok(node), Ok(value)) => assert!(same(&node, &value, text), "{text}: {node:?} where {value} was expected"),
+            (Err(_), Err(_)) => {}
+            // What no double holds has its key here.
+            (Ok(_), Err(error)) => assert!(error.to_string().contains("out of range"), "{text}: {error}"),
+            (Err(error), Ok(_)) => panic!("{text}: {error}"),
+        }
+    }
+
+    #[test]
+    fn texts_are_read_as_others_read_them() {
+        for text in [
+            "",
+            " ",
+            "{",
+            "}",
+            "[1,]",
+            "[,1]",
+            "{\"a\":1,}",
+            "{,}",
+            "01",
+            "-",
+            "-0",
+            "1.",
+            ".5",
+            "1e",
+            "1e+",
+            "1e5",
+            "1E-400",
+            "1e999",
+            "+1",
+            "0x1",
+            "nul",
+            "nulls",
+            "true false",
+            "\"\\ud834\\udd1e\"",
+            "\"\\ud834\"",
+            "\"\\udd1e\"",
+            "\"\\ud834\\u0041\"",
+            "\"\\u00e9\"",
+            "\"\\u00g9\"",
+            "\"\\x\"",
+            "\"\n\"",
+            "\"\\/\\b\\f\\n\\r\\t\\\\\\\"\"",
+            "{\"a\" 1}",
+            "{1:2}",
+            "{\"a\":1 \"b\":2}",
+            "[[[]]]",
+            "{\"a\":{\"a\":[]},\"a\":2}",
+            "\"é\u{7f}\"",
+            "9007199254740993",
+            "123456789012345678901234567890",
+            "1 //",
+            "5e-324",
+            "2.2250738585072011e-308",
+            "0.1e1",
+            "[0.0,-0.0]",
+        ] {
+            agrees(text);
+        }
+        [1, 127, 200_000].into_iter().for_each(|deep| agrees(&("[".repeat(deep) + &"]".repeat(deep))));
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_read_as_others_read_it(text in "([\\[\\]{},:\"\\\\eE0-9.+ \n-]|true|null|\"a\"|\"a\":|\\\\u[0-9a-f]{3,4}|é){0,24}") {
+            agrees(&text);
+        }
+
+        #[test]
+        fn any_number_is_the_nearest_double(number in "-?(0|[1-9][0-9]{0,24})(\\.[0-9]{1,24})?([eE][+-]?[0-9]{1,3})?") {
+            agrees(&number);
+        }
+    }
+
+    #[test]
+    fn what_is_no_json_is_named_with_its_path_and_place() {
+        for (text, said, place) in [
+            ("", "no test: the file is empty", [1, 1]),
+            (" \n", "no test: the file is empty", [2, 1]),
+            ("{ \"a\": 1", "no test: the text ends before its last closing bracket", [1, 9]),
+            ("{ // none\n}", "no test: JSON has no comments", [1, 3]),
+            ("{ \"a\": 1 # none\n}", "no test: JSON has no comments", [1, 10]),
+            ("{ \"a\": NaN }", "a: numbers are finite", [1, 8]),
+            ("{ \"a\": [1, -Infinity] }", "a[1]: ", [1, 13]),
+            ("{ \"a\": 0,5 }", "no test: decimals are written with a point", [1, 10]),
+            ("{ \"a\": { \"b\": [1,] } }", "a.b[1]: a comma before the closing bracket", [1, 18]),
+            ("{} }", "bracket too many", [1, 4]),
+            ("{ a: 1 }", "a key in double quotes", [1, 3]),
+        ] {
+            let fault = parse("test", text).unwrap_err();
+            let message = fault.to_string();
+            let [line, column] = place;
+            assert!(message.contains(said), "{text}: {message}");
+            assert!(message.ends_with(&format!("(line {line}, column {column})")), "{text}: {message}");
+        }
+    }
+}
