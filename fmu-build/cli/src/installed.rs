@@ -8,12 +8,12 @@ use clap::{Command, CommandFactory, FromArgMatches};
 pub const PROGRAM: &str = "linkage-fmu";
 
 /// Tasks that work on the source.
-const OF_THE_SOURCE: [&str; 6] = ["demo", "docs", "report", "dist", "test", "bench"];
+const OF_THE_SOURCE: [&str; 5] = ["docs", "report", "dist", "test", "bench"];
 
 /// Name of a task that works on the source; None of all others.
 pub fn needs_source(task: &Task) -> Option<&'static str> {
     match task {
-        Task::Demo(_) => Some("demo"),
+        Task::Demo(demo) if demo.gallery => Some("demo --gallery"),
         Task::Docs(_) => Some("docs"),
         Task::Report(_) => Some("report"),
         Task::Dist(_) => Some("dist"),
