@@ -188,12 +188,14 @@ mod tests {
             let line = ["linkage-fmu"].iter().chain(words);
             workspace.serves(&Cli::try_parse_from(line).unwrap().task).map_err(|error| error.to_string())
         };
-        for name in ["test", "bench", "demo", "report", "dist"] {
-            let message = serves(&installation, &[name]).unwrap_err();
-            assert!(message.contains(&format!("say `cargo fmu {name}` in a checked-out repository")), "{message}");
-            serves(&Workspace::locate(), &[name]).unwrap();
+        for words in [&["test"][..], &["bench"], &["demo", "--gallery"], &["report"], &["dist"]] {
+            let message = serves(&installation, words).unwrap_err();
+            let named = words.join(" ");
+            assert!(message.contains(&format!("say `cargo fmu {named}` in a checked-out repository")), "{message}");
+            serves(&Workspace::locate(), words).unwrap();
         }
         serves(&installation, &["package"]).unwrap();
+        serves(&installation, &["demo"]).unwrap();
         assert_eq!(installation.output("fmu"), Path::new("."));
         assert!(!installation.keeps_descriptions(&installation.descriptions()));
         assert!(!installation.target("venv-cluster").starts_with("/nowhere"));

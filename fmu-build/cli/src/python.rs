@@ -56,7 +56,7 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     if python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted) {
         return Ok(python);
     }
-    println!("making the Python environment {}", folder.display());
+    println!("making the Python environment {}: half a minute, once", folder.display());
     run(Command::new(&interpreter).args(["-m", "venv", "--clear"]).arg(folder), "python -m venv").context(format!(
         "{}: no virtual environment can be made; install Python 3.11 or later with venv \
              (Debian: apt-get install python3-venv) or name an interpreter in {INTERPRETER}",
