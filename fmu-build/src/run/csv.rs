@@ -25,6 +25,7 @@ impl Format for Csv {
         Ok(Self { file, booleans: columns.iter().map(|column| column.is_boolean).collect() })
     }
 
+    #[inline]
     fn write(&mut self, rows: &[f64]) -> Result<()> {
         for row in rows.chunks_exact(self.booleans.len() + 1) {
             self.write_row(row)?;
@@ -39,6 +40,7 @@ impl Format for Csv {
 
 impl Csv {
     /// One line of the file.
+    #[inline]
     fn write_row(&mut self, row: &[f64]) -> io::Result<()> {
         let mut digits = zmij::Buffer::new();
         self.file.write_all(decimal(&mut digits, row[0]))?;
@@ -54,6 +56,7 @@ impl Csv {
 }
 
 /// The fewest digits that give a number back; words that readers of CSV know where it is none.
+#[inline]
 pub fn decimal(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
     if value.is_finite() {
         digits.format_finite(value).as_bytes()

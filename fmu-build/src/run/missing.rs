@@ -33,6 +33,7 @@ impl Missing {
 
     /// A row, its time first; a row read again counts once. `why` tells why the variable of an index has no value now, and
     /// is asked in the first such row only.
+    #[inline]
     pub fn see(&mut self, row: &[f64], mut why: impl FnMut(usize) -> Option<String>) {
         if row[0] == self.time {
             return;

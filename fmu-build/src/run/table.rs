@@ -35,6 +35,7 @@ impl Column {
         Self { reference, name: variable.name.clone(), unit: variable.unit, is_boolean }
     }
 
+    #[inline]
     fn read(&self, model: &mut Component) -> Result<f64, Refused> {
         match self.is_boolean {
             true => Ok(f64::from(u8::from(model.boolean(self.reference)?))),
@@ -107,6 +108,7 @@ impl Table {
     ///
     /// # Errors
     /// The model refuses to tell a value; the file cannot be written.
+    #[inline]
     pub fn record(&mut self, model: &mut Component, time: f64) -> Result<()> {
         let is_plotted = self.plotted.as_mut().is_some_and(Thinned::wants_next);
         if self.writer.is_some() || is_plotted {
@@ -122,6 +124,7 @@ impl Table {
     }
 
     /// Read the row of the present state into the block.
+    #[inline]
     fn read(&mut self, model: &mut Component, time: f64) -> Result<()> {
         if self.writer.is_none() {
             self.block.clear();

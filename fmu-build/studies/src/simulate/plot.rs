@@ -4,6 +4,7 @@
 
 use super::picture::{self, COLOURS, FONT};
 use anyhow::{Context, Result, bail};
+use fmu_build::drawing::png;
 use fmu_build::files;
 use linkage_fmu::variables::Unit;
 use plotters::coord::Shift;
@@ -86,7 +87,8 @@ fn content(path: &Path, size: (u32, u32), panels: &[Panel], picture: &Picture) -
     }
     let mut pixels = vec![0; 3 * (size.0 * size.1) as usize];
     draw(&BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area(), panels, picture, false)?;
-    picture::to_png(&pixels, size)
+    let (pixels, _) = pixels.as_chunks::<3>();
+    Ok(png::encode(pixels, [size.0, size.1])?)
 }
 
 /// The panels, and how many variables are in none.
