@@ -1,4 +1,5 @@
-//! `cargo fmu`: help and wrong usage are answered here; a task goes to the program that does it, which Cargo builds first.
+//! `cargo fmu`: help and wrong usage are answered here. A task goes to the program that does it, which Cargo builds
+//! first.
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use fmu_cli::{Cli, Program, python, words};
@@ -33,7 +34,8 @@ fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// Build the program and the library of the FMUs, and make Python's environment meanwhile: pip waits for the network mostly.
+/// Build the program and the library of the FMUs, and make Python's environment meanwhile: pip mostly waits for the
+/// network.
 fn prepare_demo(program: Program, root: &Path) -> Result<()> {
     let [environments, scripts] = [root.join("target"), root.join("fmu-build").join("python")];
     thread::scope(|scope| {

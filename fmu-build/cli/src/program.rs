@@ -1,7 +1,7 @@
 //! The two programs that do the tasks of `cargo fmu`.
 //!
-//! In: a task. Out: the program that does it. The second one has crates that no first command needs, for tables, plots and
-//! samples, and is built when one of its tasks is asked for.
+//! In: a task. Out: the program that does it. The second program has crates that no first command needs, for tables,
+//! plots and samples. It is built when one of its tasks is asked for.
 
 use crate::Task;
 

@@ -1,6 +1,7 @@
 //! Python's virtual environments, made once and renewed when the pinned requirements change.
 //!
-//! In: a folder, requirements. Out: the interpreter of an environment there that has them. It must not know what runs in it.
+//! In: a folder, requirements. Out: the interpreter of an environment in this folder that has them. It must not know
+//! what runs there.
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
@@ -32,7 +33,8 @@ pub fn cannot_start(command: &Command, task: &str) -> String {
     format!("{task}: {} cannot be started; is it installed and on the PATH?", command.get_program().display())
 }
 
-/// Interpreter of the environment of the demo, in this folder for environments, with the requirements among these scripts.
+/// Interpreter of the environment of the demo, in a folder for environments, with the requirements in the folder of the
+/// scripts.
 ///
 /// # Errors
 /// As for [`environment`].

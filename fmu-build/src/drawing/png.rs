@@ -1,6 +1,7 @@
 //! Pixels as PNG (ISO/IEC 15948).
 //!
-//! In: pixels of three or four bytes. Out: the file, the same bytes for the same pixels. It must not know what they show.
+//! In: pixels of three or four bytes. Out: the file, the same bytes for the same pixels. It must not know what the
+//! pixels show.
 
 use flate2::write::ZlibEncoder;
 use flate2::{Compression, Crc};
@@ -9,7 +10,8 @@ use std::io::{self, Write};
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// A picture of `N` bytes a pixel, line by line: red, green, blue, and if there are four how opaque it is, not multiplied in.
+/// A picture of `N` bytes a pixel, line by line: red, green, blue, and with four bytes the opacity, by which the colours
+/// are not multiplied.
 ///
 /// # Errors
 /// There are not as many pixels as the size says, or none.

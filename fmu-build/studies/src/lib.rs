@@ -1,4 +1,5 @@
-//! Runs and studies of mechanisms, and what they draw: tasks of `cargo fmu` whose crates take long to build. One file per task.
+//! Runs and studies of mechanisms, and what they draw: tasks of `cargo fmu` whose crates take long to build. One file
+//! per task.
 //!
 //! In: the command line. Out: tables, pictures, films, definitions. It must not know how an FMU is packed.
 

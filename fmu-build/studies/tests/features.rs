@@ -1,4 +1,4 @@
-//! The crates that both programs have are built once: neither asks for features of them that the other does not ask for.
+//! The crates that both programs have are built once: neither asks for features that the other does not ask for.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;

@@ -303,4 +303,13 @@ fn the_time_of_a_warning_is_told_once() {
     let [line] = told[..] else { panic!("{said}") };
     assert!(line.starts_with("warning: loop transmits ") && line.matches(" s").count() >= 1, "{line}");
     assert_eq!(line.matches("at t = ").count() + line.matches("warning: at ").count(), 1, "{line}");
+
+#[test]
+fn signals_are_separated_by_commas() {
+    let folder = Folder::new("separator");
+    let path = folder.0.join("in.csv");
+    fs::write(&path, "time;load\n0;1\n").unwrap();
+    let arguments = Arguments { path: four_bar(), input_file: Some(path), ..Arguments::default() };
+    let error = simulate::run(&Workspace::locate(), &arguments).unwrap_err();
+    assert!(format!("{error:#}").contains("separated by ';'"), "{error:#}");
 }
