@@ -296,13 +296,14 @@ fn the_time_of_a_warning_is_told_once() {
         "torques": { "motor": { "on": "one", "torque": 3 } },
         "start": { "body": "one", "angle": 0.4 }, "guess": { "one": 0.4, "two": 1.1 } }"#;
     fs::write(&path, text).unwrap();
-    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fmu-build"));
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
     let output = command.arg("simulate").arg(&path).args(["--stop-time", "0.1"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     let told: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
     let [line] = told[..] else { panic!("{said}") };
     assert!(line.starts_with("warning: loop transmits ") && line.matches(" s").count() >= 1, "{line}");
     assert_eq!(line.matches("at t = ").count() + line.matches("warning: at ").count(), 1, "{line}");
+}
 
 #[test]
 fn signals_are_separated_by_commas() {
