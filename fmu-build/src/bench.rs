@@ -5,11 +5,15 @@ use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, files, package};
 use anyhow::{Context, Result};
 pub use fmu_cli::Bench as Arguments;
+use fmu_cli::Program;
 use serde_json::{Value, json};
 use std::env;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
+
+/// Package and program of the benchmarks.
+const VALIDATION: &str = "validation";
 
 /// Run the benchmarks, the importers or the other tools, or draw the figures.
 ///
@@ -27,23 +31,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         }
     }
     command::run(
-        Command::new(validation(workspace)?).args(&arguments.rest).current_dir(workspace.root()),
+        Command::new(command::built(workspace, VALIDATION)?).args(&arguments.rest).current_dir(workspace.root()),
         "validation",
     )?;
     if arguments.rest.iter().any(|word| word == "stress") {
         random_linkages(workspace)?;
     }
     Ok(())
-}
-
-/// The program of the validation package, built.
-fn validation(workspace: &Workspace) -> Result<PathBuf> {
-    // Both packages are named so that dependencies have the features they have for this program, and the engine is not
-    // built again for each of the two in turn.
-    let mut cargo = command::cargo(workspace);
-    cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", "validation"]);
-    command::run(cargo.args(["--bin", "validation"]), "cargo build")?;
-    Ok(env::current_exe()?.with_file_name(format!("validation{}", env::consts::EXE_SUFFIX)))
 }
 
 /// The random linkages of the engine's tests, six times as many as in a run of the tests.
@@ -70,7 +64,7 @@ fn importers(workspace: &Workspace) -> Result<()> {
     let (mut script, _, work) = comparison(workspace, "importers")?;
     script.arg("--out").arg(workspace.results().join("importers.md")).arg("--work").arg(work);
     if cfg!(target_os = "linux") {
-        script.arg("--host").arg(validation(workspace)?);
+        script.arg("--host").arg(command::built(workspace, VALIDATION)?);
     }
     match fmi_sim(workspace) {
         Ok(program) => _ = script.env("FMI_SIM", program),
@@ -132,7 +126,7 @@ fn peers(workspace: &Workspace) -> Result<()> {
 /// Measure what a run of a study costs, here and by other ways to make many runs, and write the results.
 fn studies(workspace: &Workspace) -> Result<()> {
     let (mut script, _, work) = comparison(workspace, "studies")?;
-    script.arg("--program").arg(env::current_exe()?);
+    script.arg("--program").arg(command::built(workspace, Program::Studies.name())?);
     script.arg("--mechanism").arg(workspace.descriptions().join(DEFAULT_FMU)).arg("--work").arg(work);
     script.arg("--out").arg(workspace.results().join("studies.md"));
     command::run(&mut script, "studies.py")

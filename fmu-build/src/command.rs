@@ -1,17 +1,11 @@
-//! Child processes whose output goes straight to the terminal, and Python's virtual environments, made once and renewed
-//! when the pinned requirements change.
+//! Child processes whose output goes straight to the terminal, and the Python environment of the tests.
 
 use crate::workspace::Workspace;
-use anyhow::{Context, Result, bail};
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use anyhow::Result;
+pub use fmu_cli::python::{cannot_start, demo, environment, run};
+use std::env;
+use std::path::PathBuf;
 use std::process::Command;
-use std::{env, fs};
-
-/// Environment variable that names another interpreter of Python.
-const INTERPRETER: &str = "PYTHON";
-/// File in a virtual environment that says what it was made from.
-const STAMP: &str = "made-from.txt";
 
 /// Cargo, the one that runs this program, in the repository's top folder.
 pub fn cargo(workspace: &Workspace) -> Command {
@@ -20,24 +14,7 @@ pub fn cargo(workspace: &Workspace) -> Command {
     command
 }
 
-/// Run to the end.
-///
-/// # Errors
-/// The program cannot be started, or it ends with anything but success; `task` names it in the message.
-pub fn run(command: &mut Command, task: &str) -> Result<()> {
-    let status = command.status().with_context(|| cannot_start(command, task))?;
-    if !status.success() {
-        bail!("{task} failed ({status}); its own messages stand above");
-    }
-    Ok(())
-}
-
-/// Message for a program that cannot be started.
-pub fn cannot_start(command: &Command, task: &str) -> String {
-    format!("{task}: {} cannot be started; is it installed and on the PATH?", command.get_program().display())
-}
-
-/// Interpreter of the environment of demo and tests, ready to use.
+/// Interpreter of the environment of the tests and the report, ready to use.
 ///
 /// # Errors
 /// As for [`environment`].
@@ -45,31 +22,15 @@ pub fn python(workspace: &Workspace) -> Result<PathBuf> {
     environment(&workspace.target("venv"), &workspace.python_tests().join("requirements.txt"))
 }
 
-/// Interpreter of the environment in `folder` with these requirements, ready to use.
+/// Another program of the workspace, built; its name is that of its package.
 ///
 /// # Errors
-/// There is no interpreter, it has no `venv`, or the requirements cannot be installed.
-pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
-    let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    let pinned = fs::read_to_string(requirements)
-        .with_context(|| format!("{}: cannot be read; restore it from the repository", requirements.display()))?;
-    let interpreter = env::var_os(INTERPRETER)
-        .filter(|name| !name.is_empty())
-        .unwrap_or_else(|| OsString::from(if cfg!(windows) { "python" } else { "python3" }));
-    let wanted = format!("{}\n{pinned}", interpreter.display());
-    let stamp = folder.join(STAMP);
-    if python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted) {
-        return Ok(python);
-    }
-    println!("making the Python environment {}", folder.display());
-    run(Command::new(&interpreter).args(["-m", "venv", "--clear"]).arg(folder), "python -m venv").context(format!(
-        "{}: no virtual environment can be made; install Python 3.11 or later with venv \
-             (Debian: apt-get install python3-venv) or name an interpreter in {INTERPRETER}",
-        interpreter.display()
-    ))?;
-    let mut pip = Command::new(&python);
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement"]).arg(requirements);
-    run(&mut pip, "pip install")?;
-    fs::write(&stamp, wanted).with_context(|| format!("{}: cannot be written", stamp.display()))?;
-    Ok(python)
+/// The build fails.
+pub fn built(workspace: &Workspace, name: &str) -> Result<PathBuf> {
+    // Both packages are named so that dependencies have the features they have for this program, and the engine is not
+    // built again for each of the two in turn.
+    let mut cargo = cargo(workspace);
+    cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", name, "--bin", name]);
+    run(&mut cargo, "cargo build")?;
+    Ok(env::current_exe()?.with_file_name(format!("{name}{}", env::consts::EXE_SUFFIX)))
 }

@@ -1,11 +1,18 @@
-//! `cargo fmu <command>`, built and started by `fmu-build/cli`.
+//! `cargo fmu <command>`, built and started by `fmu-build/cli`: the tasks of a first user. `fmu-studies` has all.
 
+use anyhow::anyhow;
 use clap::Parser;
 use fmu_build::task;
 use fmu_build::workspace::Workspace;
-use fmu_cli::{Cli, words};
+use fmu_cli::{Cli, Task, words};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    task::run(&Workspace::locate(), Cli::parse_from(words::given()))
+    task::run(&Workspace::locate(), Cli::parse_from(words::given()), elsewhere)
+}
+
+/// A task that this program does not have.
+fn elsewhere(_: &Workspace, task: Task) -> ExitCode {
+    let name = task.program().name();
+    task::refused(&anyhow!("{name} does this task: say `cargo fmu`, or `cargo run --release --package {name} --`"))
 }

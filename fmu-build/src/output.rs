@@ -13,21 +13,25 @@ use std::sync::OnceLock;
 static FAILED: OnceLock<String> = OnceLock::new();
 
 /// As std's `print!`, without a panic.
+#[macro_export]
 macro_rules! print {
     ($($text:tt)*) => { $crate::output::out(format_args!($($text)*)) };
 }
 
 /// As std's `println!`, without a panic.
+#[macro_export]
 macro_rules! println {
     ($($text:tt)*) => { $crate::output::out(format_args!("{}\n", format_args!($($text)*))) };
 }
 
 /// As std's `eprint!`, without a panic.
+#[macro_export]
 macro_rules! eprint {
     ($($text:tt)*) => { $crate::output::error(format_args!($($text)*)) };
 }
 
 /// As std's `eprintln!`, without a panic.
+#[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => { $crate::output::error(format_args!("{}\n", format_args!($($text)*))) };
 }

@@ -28,8 +28,8 @@ pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
     };
     let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
     let fmus = package::run(workspace, &package::Arguments { paths, ..package::Arguments::of_fmi_2() })?;
-    let out = arguments.out.clone().unwrap_or_else(|| workspace.target("demo"));
-    let mut demo = Command::new(command::python(workspace)?);
+    let out = arguments.out.clone().unwrap_or_else(|| workspace.output("demo"));
+    let mut demo = Command::new(command::demo(&workspace.target(""), &workspace.python_scripts())?);
     demo.arg(workspace.python_scripts().join(script)).args(fmus).arg("--out").arg(out);
     command::run(&mut demo, script)
 }

@@ -6,6 +6,7 @@ mod reproducible;
 use crate::workspace::Workspace;
 use crate::{command, dist, docs, files, package};
 use anyhow::{Context, Result};
+use fmu_cli::Program;
 pub use fmu_cli::Test as Arguments;
 use std::path::Path;
 use std::process::Command;
@@ -13,7 +14,7 @@ use std::time::Instant;
 
 /// Environment variable with the folder of the FMUs, for the Python tests and those in a browser.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
-/// Environment variable with this program, for the browser tests, which let it write pages.
+/// Environment variable with the program of the studies, for the browser tests, which let it write pages.
 const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
 const SEED: &str = "PROPTEST_RNG_SEED";
@@ -43,6 +44,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         command::run(cargo.args(["test", "--workspace"]), "cargo test")
     })?;
     stage("packaging", || package::run(workspace, &package::Arguments { all: true, ..Default::default() }).map(drop))?;
+    let studies = stage("program of the studies", || command::built(workspace, Program::Studies.name()))?;
     let python = stage("Python environment", || command::python(workspace))?;
     stage("Python style", || style(workspace, &python))?;
     stage("FMPy tests", || {
@@ -62,10 +64,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         command::environment(&workspace.target("venv-browser"), &folder.join("requirements.txt"))
     })?;
     stage("browser tests", || {
-        let program = std::env::current_exe().context("this program has no path")?;
         let mut pytest = Command::new(&python);
         pytest.args(["-m", "pytest", "-q"]).arg(&folder);
-        pytest.env(VIEW, program).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
+        pytest.env(VIEW, &studies).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;
     println!(

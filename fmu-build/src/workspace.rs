@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// Name of a mechanism's file, in a folder of `modelDescription/` and in an FMU.
 pub const MECHANISM: &str = "mechanism.json";
+/// Folder that holds one folder per FMU.
+const DESCRIPTIONS: &str = "modelDescription";
 /// Folder of the FMU that `package` and `demo` take when none is named.
 pub const DEFAULT_FMU: &str = "LandingGearRetraction";
 
@@ -28,7 +30,8 @@ impl Workspace {
     pub fn locate() -> Self {
         let package =
             env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
-        let root = package.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
+        let is_root = |folder: &&Path| folder.join(DESCRIPTIONS).is_dir();
+        let root = package.ancestors().find(is_root).map_or_else(|| PathBuf::from("."), Path::to_path_buf);
         Self { root, is_installed: false }
     }
 
@@ -82,7 +85,7 @@ impl Workspace {
 
     /// Folder that holds one folder per FMU.
     pub fn descriptions(&self) -> PathBuf {
-        self.root.join("modelDescription")
+        self.root.join(DESCRIPTIONS)
     }
 
     /// Every folder of `modelDescription/` that holds a definition file, in the order of their names.
@@ -185,12 +188,14 @@ mod tests {
             let line = ["linkage-fmu"].iter().chain(words);
             workspace.serves(&Cli::try_parse_from(line).unwrap().task).map_err(|error| error.to_string())
         };
-        for name in ["test", "bench", "demo", "report", "dist"] {
-            let message = serves(&installation, &[name]).unwrap_err();
-            assert!(message.contains(&format!("say `cargo fmu {name}` in a checked-out repository")), "{message}");
-            serves(&Workspace::locate(), &[name]).unwrap();
+        for words in [&["test"][..], &["bench"], &["demo", "--gallery"], &["report"], &["dist"]] {
+            let message = serves(&installation, words).unwrap_err();
+            let named = words.join(" ");
+            assert!(message.contains(&format!("say `cargo fmu {named}` in a checked-out repository")), "{message}");
+            serves(&Workspace::locate(), words).unwrap();
         }
         serves(&installation, &["package"]).unwrap();
+        serves(&installation, &["demo"]).unwrap();
         assert_eq!(installation.output("fmu"), Path::new("."));
         assert!(!installation.keeps_descriptions(&installation.descriptions()));
         assert!(!installation.target("venv-cluster").starts_with("/nowhere"));

@@ -2,7 +2,7 @@
 //!
 //! In: the model. Out: the text of each file, the same for the same interface, as none holds a time stamp.
 
-pub mod common;
+pub(crate) mod common;
 pub mod description;
 pub mod fmi2;
 pub mod fmi3;

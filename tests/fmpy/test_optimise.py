@@ -17,7 +17,7 @@ from conftest import CARGO, REPOSITORY
 
 PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
 """The program itself, where it is built already."""
-COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-build", "--"]
+COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-studies", "--"]
 STUDY = REPOSITORY / "docs" / "studies" / "least_force.json"
 TAKEN = ("crank.actuator_x", "follower.actuator_y")
 """Two of the four coordinates, so that few samples are dense."""

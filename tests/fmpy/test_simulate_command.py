@@ -23,7 +23,7 @@ def simulate(tmp_path: Path) -> Command:
     """`cargo fmu simulate` with these arguments, called in a folder of its own."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [*CARGO, "fmu-build", "--", "simulate", *map(str, arguments)]
+        command = [*CARGO, "fmu-studies", "--", "simulate", *map(str, arguments)]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
     return run

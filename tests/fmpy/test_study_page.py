@@ -13,7 +13,7 @@ import pytest
 from conftest import CARGO, NAME, REPOSITORY
 
 PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-build", "--"]
+COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-studies", "--"]
 SAMPLED = {"actuator.force": [28e3, 36e3], "load_factor": [1.0, 3.0], "airspeed": [40.0, 90.0]}
 PNG = b"\x89PNG\r\n\x1a\n"
 

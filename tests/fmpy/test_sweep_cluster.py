@@ -22,7 +22,7 @@ PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
 """The program itself, where it is built already."""
 PYTHON = REPOSITORY / "target" / "venv-cluster" / "bin" / "python"
 """The environment that `--workers` makes."""
-COMMAND = [PROGRAM, "sweep"] if PROGRAM else [*CARGO, "fmu-build", "--", "sweep"]
+COMMAND = [PROGRAM, "sweep"] if PROGRAM else [*CARGO, "fmu-studies", "--", "sweep"]
 
 
 def start(study: Path, out: Path, *options: str) -> subprocess.Popen[str]:

@@ -8,12 +8,12 @@ use clap::{Command, CommandFactory, FromArgMatches};
 pub const PROGRAM: &str = "linkage-fmu";
 
 /// Tasks that work on the source.
-const OF_THE_SOURCE: [&str; 6] = ["demo", "docs", "report", "dist", "test", "bench"];
+const OF_THE_SOURCE: [&str; 5] = ["docs", "report", "dist", "test", "bench"];
 
 /// Name of a task that works on the source; None of all others.
 pub fn needs_source(task: &Task) -> Option<&'static str> {
     match task {
-        Task::Demo(_) => Some("demo"),
+        Task::Demo(demo) if demo.gallery => Some("demo --gallery"),
         Task::Docs(_) => Some("docs"),
         Task::Report(_) => Some("report"),
         Task::Dist(_) => Some("dist"),
@@ -62,6 +62,7 @@ pub fn command() -> Command {
             "glibc",
             "Oldest glibc on which the libraries for Linux are to load; one that needs a newer one is refused",
         ),
+        ("demo", "out", "Folder for what is written [default: this folder]"),
         ("view", "out", "The page [default: <Name>.html in this folder]"),
         (
             "optimise",
@@ -74,6 +75,8 @@ pub fn command() -> Command {
     for (task, argument, help) in helps {
         command = command.mut_subcommand(task, |task| task.mut_arg(argument, |argument| argument.help(help)));
     }
+    // The mechanisms of the gallery are in the source.
+    command = command.mut_subcommand("demo", |task| task.mut_arg("gallery", |argument| argument.hide(true)));
     command.mut_subcommand("package", |task| task.about("Pack mechanisms into <Name>.fmu"))
 }
 
@@ -110,7 +113,11 @@ mod tests {
             let cli = Cli::from_arg_matches(&command.clone().get_matches_from([PROGRAM, name])).unwrap();
             assert_eq!(needs_source(&cli.task), Some(name));
         }
-        let cli = Cli::from_arg_matches(&command.get_matches_from([PROGRAM, "package"])).unwrap();
-        assert_eq!(needs_source(&cli.task), None);
+        for (words, named) in
+            [(&["package"][..], None), (&["demo"], None), (&["demo", "--gallery"], Some("demo --gallery"))]
+        {
+            let matches = command.clone().get_matches_from([&[PROGRAM], words].concat());
+            assert_eq!(needs_source(&Cli::from_arg_matches(&matches).unwrap().task), named);
+        }
     }
 }

@@ -4,10 +4,13 @@
 //! first command of a newcomer asks for help.
 pub mod installed;
 mod libraries;
+mod program;
+pub mod python;
 pub mod words;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 pub use libraries::{Dist, Fmi, Library, Naming, PLATFORMS, Package, Platform, Test, glibc, library};
+pub use program::Program;
 use std::ffi::OsString;
 use std::path::PathBuf;
 

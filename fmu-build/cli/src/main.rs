@@ -1,29 +1,55 @@
-//! `cargo fmu`: help and wrong usage are answered here; a task goes to fmu-build, which cargo builds first.
+//! `cargo fmu`: help and wrong usage are answered here. A task goes to the program that does it, which Cargo builds
+//! first.
+use anyhow::{Context, Result, anyhow};
 use clap::Parser;
-use fmu_cli::{Cli, words};
+use fmu_cli::{Cli, Program, python, words};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
-use std::{env, io};
+use std::{env, thread};
 
 fn main() -> ExitCode {
-    Cli::parse_from(words::given());
-    match run() {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: cargo cannot be started to run fmu-build: {error}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// Run fmu-build with the same words.
-fn run() -> io::Result<ExitCode> {
+    let cli = Cli::parse_from(words::given());
     let package =
         env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
     // This package is in fmu-build, in the root.
     let root = package.ancestors().nth(2).unwrap_or(Path::new("."));
-    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    cargo.args(["run", "--release", "--package", "fmu-build", "--manifest-path"]).arg(root.join("Cargo.toml"));
-    let status = cargo.arg("--").args(env::args_os().skip(1)).status()?;
+    run(&cli, root).unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}
+
+/// Build the program of the task and run it with the same words.
+fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
+    let program = cli.task.program();
+    let path = env::current_exe()?.with_file_name(format!("{}{}", program.name(), env::consts::EXE_SUFFIX));
+    if !path.is_file() {
+        eprintln!("building {}: the first time this takes {} on two cores", program.name(), program.time());
+    }
+    if cli.task.is_demo() {
+        prepare_demo(program, root)?;
+    }
+    let mut cargo = cargo("run", program, root);
+    let status = cargo.arg("--").args(env::args_os().skip(1)).status().context("cargo cannot be started")?;
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+}
+
+/// Build the program and the library of the FMUs, and make Python's environment meanwhile: pip mostly waits for the
+/// network.
+fn prepare_demo(program: Program, root: &Path) -> Result<()> {
+    let [environments, scripts] = [root.join("target"), root.join("fmu-build").join("python")];
+    thread::scope(|scope| {
+        let environment = scope.spawn(|| python::demo(&environments, &scripts));
+        let mut cargo = cargo("build", program, root);
+        python::run(cargo.args(["--package", "linkage-fmu-exports"]), "cargo build")?;
+        environment.join().map_err(|_| anyhow!("the thread of the Python environment panicked"))?
+    })
+    .map(drop)
+}
+
+/// Cargo, told to build or run a program.
+fn cargo(subcommand: &str, program: Program, root: &Path) -> Command {
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args([subcommand, "--release", "--package", program.name(), "--manifest-path"]).arg(root.join("Cargo.toml"));
+    cargo
 }

@@ -31,6 +31,10 @@ struct Installed {
     /// A folder with nothing in it.
     empty: PathBuf,
     home: PathBuf,
+    /// Folder in which Python's environments are kept, from one trial to the next.
+    kept: PathBuf,
+    /// Interpreter of Python.
+    python: PathBuf,
 }
 
 impl Installed {
@@ -53,7 +57,8 @@ impl Installed {
         pip.args(["-m", "pip", "--disable-pip-version-check", "--python"]).arg(scripts.join(format!("python{suffix}")));
         pip.args(["install", "--quiet", "--no-index"]).arg(wheel);
         command::run(&mut pip, "pip install")?;
-        Ok(Self { program: scripts.join(format!("linkage-fmu{suffix}")), here, empty, home })
+        let kept = workspace.target("dist").join("kept");
+        Ok(Self { program: scripts.join(format!("linkage-fmu{suffix}")), here, empty, home, kept, python: tools })
     }
 
     /// Call the program with these words; what it prints, if it ends with this exit code.
@@ -65,7 +70,8 @@ impl Installed {
         for name in told.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
             command.env_remove(name);
         }
-        command.env("PATH", &self.empty).env("HOME", &self.home).env_remove("XDG_CACHE_HOME");
+        command.env("PATH", &self.empty).env("HOME", &self.home).env("XDG_CACHE_HOME", &self.kept);
+        command.env("PYTHON", &self.python);
         let output = command.output().with_context(|| command::cannot_start(&command, "the installed program"))?;
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
         ensure!(output.status.code() == Some(code), "linkage-fmu {}: {}\n{text}", words.join(" "), output.status);
@@ -109,6 +115,9 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     ensure!(installed.made("of the FMU.csv")? == installed.made("of the file.csv")?, "two runs of one model differ");
     let rows = String::from_utf8_lossy(&installed.made("study/runs.csv")?).lines().count();
     ensure!(rows == 4, "study/runs.csv has {rows} lines, and three runs and a head were asked for");
+    let retraction = installed.call(&["demo", "--out", "demo"], 0)?;
+    ensure!(retraction.contains("retraction time       0.132059852"), "linkage-fmu demo: {retraction}");
+    installed.made("demo/retraction.png")?;
     let message = installed.call(&["test"], 1)?;
     ensure!(message.lines().count() == 1 && message.contains("`cargo fmu test`"), "linkage-fmu test: {message}");
     let help = installed.call(&["--help"], 0)?;

@@ -5,7 +5,7 @@
 
 use crate::archive::Entry;
 use crate::documentation::{ANIMATION, PAGE};
-use crate::simulate;
+use crate::run;
 use crate::workspace::Workspace;
 use crate::xml::common::{document, empty, number};
 use anyhow::{Context, Result, bail};
@@ -56,7 +56,7 @@ impl Results {
         let folder = workspace.target("reference");
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));
-        let ran = simulate::default_run(&mut component.clone(), &path);
+        let ran = run::default_run(&mut component.clone(), &path);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()));
         // What is left there is written over by the next run.
         let _ = fs::remove_file(&path);

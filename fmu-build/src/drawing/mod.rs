@@ -8,6 +8,7 @@ mod geometry;
 mod labels;
 mod mechanism;
 mod paint;
+pub mod png;
 mod svg;
 
 pub use cylinder::{Cylinder, cylinder};

@@ -2,7 +2,7 @@
 //!
 //! In: a drawing, its shapes alone. Out: PNG with a transparent ground, the same bytes for the same drawing.
 
-use super::{Drawing, Form, Ink, Shape};
+use super::{Drawing, Form, Ink, Shape, png};
 use anyhow::{Context, Result};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
@@ -31,7 +31,11 @@ pub fn to_png(drawing: &Drawing) -> Result<Vec<u8>> {
             picture.stroke_path(&path, &colour(ink), &stroke, Transform::identity(), None);
         }
     }
-    picture.encode_png().context("the picture cannot be encoded")
+    let straight = picture.pixels().iter().map(|pixel| {
+        let colour = pixel.demultiply();
+        [colour.red(), colour.green(), colour.blue(), colour.alpha()]
+    });
+    png::encode(&straight.collect::<Vec<_>>(), [width, height]).context("the picture cannot be encoded")
 }
 
 fn colour(ink: Ink) -> Paint<'static> {

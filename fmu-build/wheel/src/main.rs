@@ -6,7 +6,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let cli = fmu_cli::installed::parse();
     match Workspace::installed() {
-        Ok(workspace) => task::run(&workspace, cli),
+        Ok(workspace) => task::run(&workspace, cli, fmu_studies::task::run),
         Err(error) => task::refused(&error),
     }
 }

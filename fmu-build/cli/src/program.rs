@@ -1,0 +1,51 @@
+//! The two programs that do the tasks of `cargo fmu`.
+//!
+//! In: a task. Out: the program that does it. The second program has crates that no first command needs, for tables,
+//! plots and samples. It is built when one of its tasks is asked for.
+
+use crate::Task;
+
+/// A program that does tasks; its name is that of its package.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// Checks, packs and shows mechanisms.
+    Packer,
+    /// Runs, imports and studies mechanisms; does the tasks of the packer too.
+    Studies,
+}
+
+impl Program {
+    /// Name of the package and of the program.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Packer => "fmu-build",
+            Self::Studies => "fmu-studies",
+        }
+    }
+
+    /// How long the first build usually takes.
+    pub fn time(self) -> &'static str {
+        match self {
+            Self::Packer => "about two minutes",
+            Self::Studies => "about a minute more than fmu-build",
+        }
+    }
+}
+
+impl Task {
+    /// The program that does this task.
+    pub fn program(&self) -> Program {
+        match self {
+            Self::Simulate(_) | Self::Import(_) | Self::Linearise(_) | Self::Sweep(_) | Self::Optimise(_) => {
+                Program::Studies
+            }
+            Self::Demo(demo) if demo.gallery => Program::Studies,
+            _ => Program::Packer,
+        }
+    }
+
+    /// Whether this task runs an FMU through FMPy for show.
+    pub fn is_demo(&self) -> bool {
+        matches!(self, Self::Demo(demo) if !demo.gallery)
+    }
+}

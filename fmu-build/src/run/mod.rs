@@ -1,0 +1,160 @@
+//! A run of a model: its steps, its input signals, the table of what it records.
+//!
+//! In: a model at its start values, times, signals. Out: a row for each communication point. The run makes the steps that
+//! FMPy makes, so that both have the same bits. It must not know who watches it.
+//! What is done for each row is inline: this crate is not optimised, the studies are.
+
+pub mod csv;
+pub mod file;
+mod missing;
+pub mod signals;
+pub mod table;
+pub mod thinned;
+
+use anyhow::{Context, Result, bail};
+use csv::Csv;
+use file::Writer;
+use linkage_fmu::component::{Component, Stepped};
+use linkage_fmu::format::Experiment;
+use linkage_fmu::numerics::decimal::Decimal;
+use signals::{Signals, is_close};
+use std::path::Path;
+use table::{Table, columns};
+
+/// Steps between two looks of who watches.
+const STEPS_PER_LOOK: u64 = 1024;
+/// Most rows that a run has unless its interval is given.
+const DEFAULT_ROWS: f64 = 1000.0;
+
+/// The times of a run [s].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Time at the start.
+    pub start: f64,
+    /// Time at the end, >= `start`; at `start` the model is initialised only.
+    pub stop: f64,
+    /// From one communication point to the next, > 0.
+    pub interval: f64,
+}
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ended {
+    /// Time reached [s].
+    pub time: f64,
+    /// Steps made.
+    pub steps: u64,
+    /// Whether the user stopped it.
+    pub is_interrupted: bool,
+}
+
+/// Who watches a run.
+pub trait Watch {
+    /// Look how far the run is, from 0 to 1; whether it is to end here.
+    fn look(&mut self, part: f64) -> bool;
+
+    /// Report a warning of the model.
+    fn warn(&mut self, line: &str);
+}
+
+/// Nobody: the run ends at its stop time, and warnings are printed.
+pub struct Nobody;
+
+impl Watch for Nobody {
+    fn look(&mut self, _: f64) -> bool {
+        false
+    }
+
+    fn warn(&mut self, line: &str) {
+        eprintln!("{line}");
+    }
+}
+
+/// Initialise the model and step it from start to stop, as FMPy does: to each multiple of the interval, to jumps of the
+/// inputs and to the stop time. `record` is called at each communication point.
+///
+/// # Errors
+/// The model refuses its start, an input or a step; a step that met `solver.max_steps`; an error of `record`.
+pub fn run(
+    model: &mut Component,
+    span: &Span,
+    signals: &Signals,
+    record: &mut impl FnMut(&mut Component, f64) -> Result<()>,
+    watch: &mut impl Watch,
+) -> Result<Ended> {
+    let start_at = |time: f64| format!("initialisation at {} s", Decimal(time));
+    signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
+    model.initialize().with_context(|| start_at(span.start))?;
+    if let Some(warning) = model.start_warning() {
+        eprintln!("warning: {warning}");
+    }
+    record(model, span.start)?;
+    let mut ended = Ended { time: span.start, steps: 0, is_interrupted: false };
+    // Points of the grid that are behind.
+    let mut points = 0_u64;
+    while ended.time <= span.stop && !is_close(ended.time, span.stop) {
+        if ended.steps.is_multiple_of(STEPS_PER_LOOK)
+            && watch.look((ended.time - span.start) / (span.stop - span.start))
+        {
+            ended.is_interrupted = true;
+            break;
+        }
+        let regular = span.start + (points + 1) as f64 * span.interval;
+        let mut next = regular;
+        for earlier in [signals.next_event(ended.time), span.stop] {
+            if next > earlier && !is_close(next, earlier) {
+                next = earlier;
+            }
+        }
+        signals.apply(model, ended.time, true).with_context(|| format!("inputs at {} s", Decimal(ended.time)))?;
+        match model
+            .step_from(Some(ended.time), next - ended.time)
+            .with_context(|| format!("step at {} s", Decimal(ended.time)))?
+        {
+            Stepped::Whole => {}
+            Stepped::Part(part) => {
+                record(model, ended.time + part.time)?;
+                bail!("the run ends at {} s: {}", Decimal(ended.time + part.time), part.why);
+            }
+            Stepped::Failed(why) => bail!("the run ends at {} s: {why}", Decimal(ended.time)),
+        }
+        if let Some(warning) = model.take_warning() {
+            // A contact that parts tells its time.
+            let when = if warning.contains(" at t = ") { String::new() } else { format!("at {} s: ", Decimal(next)) };
+            watch.warn(&format!("warning: {when}{warning}"));
+        }
+        (ended.time, ended.steps) = (next, ended.steps + 1);
+        if is_close(next, regular) {
+            points += 1;
+        }
+        record(model, next)?;
+    }
+    Ok(ended)
+}
+
+/// Run a model at its start values over its experiment, every output recorded as CSV at this path; the interval of the
+/// rows [s].
+///
+/// # Errors
+/// The start or a step is refused, or the file cannot be written.
+pub fn default_run(model: &mut Component, path: &Path) -> Result<f64> {
+    let experiment = model.experiment();
+    let interval = default_interval(experiment, experiment.stop_time);
+    let span = Span { start: 0.0, stop: experiment.stop_time, interval };
+    let columns = columns(model.interface(), &[])?;
+    let writer = Writer::begin::<Csv>(path, &columns)?;
+    let mut table = Table::new(columns, Some(writer), false);
+    let mut record = |model: &mut Component, time: f64| table.record(model, time);
+    let ended = run(model, &span, &Signals::none(), &mut record, &mut Nobody);
+    table.finish(None)?;
+    ended.map(|_| interval)
+}
+
+/// The experiment's step, doubled until a run of this length has few rows [s].
+pub fn default_interval(experiment: Experiment, length: f64) -> f64 {
+    let mut interval = experiment.step_size;
+    while length / interval > DEFAULT_ROWS {
+        interval *= 2.0;
+    }
+    interval
+}

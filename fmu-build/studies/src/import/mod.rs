@@ -1,0 +1,110 @@
+//! `cargo fmu import`: mechanisms of other programs as definitions.
+//!
+//! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF) or ROS (URDF), or a table of joints. Out: the text
+//! of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
+
+mod defaults;
+mod left_out;
+mod planar;
+mod plus;
+mod pmks;
+mod robot;
+mod spatial;
+mod table;
+
+use anyhow::{Context, Result, bail};
+use fmu_build::files;
+pub use fmu_cli::{Import as Arguments, ImportForm as Form};
+use linkage_fmu::component::Component;
+use std::path::Path;
+
+/// Largest file that is imported [bytes].
+const LARGEST: u64 = 16 << 20;
+
+/// A definition, and what of the file it does not hold or what was added to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Imported {
+    /// Text of the definition.
+    pub definition: String,
+    /// Each in one line.
+    pub notes: Vec<String>,
+}
+
+/// Read a file and write it as a definition.
+///
+/// # Errors
+/// The file cannot be read, or holds no planar mechanism; the definition cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let path = &arguments.path;
+    let shown = path.display();
+    // A link holds the mechanism in itself.
+    let link = path.to_str().filter(|path| path.contains("://"));
+    let text = match link {
+        Some(link) => link.to_owned(),
+        None => {
+            let text = String::from_utf8(files::read(path, LARGEST)?).ok();
+            text.with_context(|| format!("{shown}: is not UTF-8 text; save it as UTF-8"))?
+        }
+    };
+    let form = match arguments.form {
+        Some(form) => form,
+        None => form_of(path, &text).with_context(|| format!("{shown}"))?,
+    };
+    let stem = path.file_stem().filter(|_| link.is_none()).unwrap_or_default().to_string_lossy();
+    let imported = import(form, &stem, &text).with_context(|| format!("{shown}"))?;
+    for note in &imported.notes {
+        eprintln!("note: {note}");
+    }
+    match &arguments.out {
+        Some(out) => {
+            files::replace_named(out, "--out", imported.definition.as_bytes())?;
+            eprintln!("{}", out.display());
+        }
+        None => print!("{}", imported.definition),
+    }
+    // A mechanism with other than one degree of freedom is written too, so that it can be corrected.
+    if let Err(refused) = Component::from_definition(Component::definition_files()[0], &imported.definition) {
+        eprintln!("warning: {refused}; `cargo fmu check` tells more");
+    }
+    Ok(())
+}
+
+/// The form of a file, by its name, and by its first letters where the name does not tell.
+fn form_of(path: &Path, text: &str) -> Result<Form> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    Ok(match (ending.as_str(), bare(text).trim_start()) {
+        (_, text) if plus::is_plus(text) => Form::PmksPlus,
+        (_, text) if text.starts_with('{') && text.contains("\"TypeOfJoint\"") => Form::Pmks,
+        ("urdf", _) => Form::Urdf,
+        ("mjcf", _) => Form::Mjcf,
+        ("csv", _) => Form::Table,
+        (_, text) if text.starts_with("M[") => Form::Pyslvs,
+        (_, text) if text.contains("<mujoco") => Form::Mjcf,
+        (_, text) if text.contains("<robot") => Form::Urdf,
+        ("txt" | "pmks", _) => Form::Pmks,
+        (_, text) if text.contains("mech=") => Form::Pmks,
+        _ => bail!("what form has this file? name it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or table"),
+    })
+}
+
+/// A text without the mark of its encoding, which programs on Windows put before it.
+fn bare(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+/// The definition of a mechanism in a form; `name` is its name unless the file has one.
+///
+/// # Errors
+/// The text is not of this form, or holds what no planar mechanism has; the message says where.
+pub fn import(form: Form, name: &str, text: &str) -> Result<Imported> {
+    let text = bare(text);
+    let linkage = match form {
+        Form::Pmks => table::linkage(name, &pmks::of_pmks(text)?)?,
+        Form::PmksPlus => plus::of_plus(name, text)?,
+        Form::Pyslvs => table::linkage(name, &table::of_pyslvs(text)?)?,
+        Form::Table => table::linkage(name, &table::of_csv(text)?)?,
+        Form::Mjcf => spatial::project(robot::of_mjcf(name, text)?)?,
+        Form::Urdf => spatial::project(robot::of_urdf(name, text)?)?,
+    };
+    Ok(Imported { definition: linkage.definition()?, notes: linkage.notes })
+}

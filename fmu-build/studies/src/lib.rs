@@ -1,0 +1,18 @@
+//! Runs and studies of mechanisms, and what they draw: tasks of `cargo fmu` whose crates take long to build. One file
+//! per task.
+//!
+//! In: the command line. Out: tables, pictures, films, definitions. It must not know how an FMU is packed.
+
+// The packer's macros stand for those of std in all modules below.
+#[macro_use]
+extern crate fmu_build;
+
+mod definition_values;
+pub mod gallery;
+pub mod import;
+pub mod linearise;
+mod parquet_file;
+mod progress;
+pub mod simulate;
+pub mod sweep;
+pub mod task;

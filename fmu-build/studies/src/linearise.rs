@@ -1,0 +1,175 @@
+//! `cargo fmu linearise`: small motions about rest along the travel of a mechanism.
+//!
+//! In: a definition or an FMU, names of a coordinate, inputs and outputs. Out: eigenfrequency, damping ratio and the
+//! matrices of x' = A x + B u, y = C x + D u at each position as CSV and plot; those at the start in words. It must not
+//! know how they are found.
+
+use crate::simulate::plot::{self, Picture};
+use anyhow::{Context, Result, bail};
+use fmu_build::files;
+use fmu_build::run::csv::decimal;
+use fmu_build::source::Definition;
+use fmu_build::start_values::{self, find};
+use fmu_build::workspace::Workspace;
+pub use fmu_cli::Linearise as Arguments;
+use linkage_fmu::component::{Component, Linearisation, Linearised};
+use linkage_fmu::variables::{Interface, Reference, Unit};
+use std::path::Path;
+
+/// What is linearised, with the names of the variables.
+struct Named<'a> {
+    what: Linearisation,
+    interface: &'a Interface,
+}
+
+/// Linearise and write what was asked for.
+///
+/// # Errors
+/// The path leads to no mechanism; a name or a value that the model does not take; a file that cannot be written.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    arguments.plot.as_deref().map_or(Ok(()), plot::check)?;
+    arguments.output_file.as_deref().map_or(Ok(()), check_csv)?;
+    let definition = Definition::read(workspace, &arguments.path)?;
+    let mut model = Component::from_definition(definition.kind, &definition.text)
+        .with_context(|| format!("{}; `cargo fmu check` tells more", definition.shown))?;
+    start_values::apply(&mut model, &arguments.start_values)?;
+    let interface = model.interface().clone();
+    let named = Named { what: what(&model, arguments)?, interface: &interface };
+    let start = model.linearise_here(&named.what)?;
+    print!("{}", named.in_words(&start));
+    if arguments.output_file.is_none() && arguments.plot.is_none() {
+        return Ok(());
+    }
+    let all = model.linearise(&named.what, arguments.count as usize)?;
+    if let Some(path) = &arguments.output_file {
+        files::replace_named(path, "--output-file", named.csv(&all)?.as_slice())?;
+        eprintln!("{}", path.display());
+    }
+    if let Some(path) = &arguments.plot {
+        named.draw(path, &all)?;
+        eprintln!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// Whether a table can have this name.
+fn check_csv(path: &Path) -> Result<()> {
+    match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
+        "csv" => Ok(()),
+        _ => bail!("--output-file: {} must end in .csv", path.display()),
+    }
+}
+
+/// The variables that the arguments name.
+fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
+    let interface = model.interface();
+    let all = |names: &[String], option: &'static str| -> Result<Vec<Reference>> {
+        names.iter().map(|name| find(interface, name).context(option)).collect()
+    };
+    let coordinate = match &arguments.coordinate {
+        Some(name) => find(interface, name).context("--coordinate")?,
+        None => match model.natural_coordinate() {
+            Some(coordinate) => coordinate,
+            None => bail!("{} has no travel: only mechanisms are linearised", model.name()),
+        },
+    };
+    let inputs = match arguments.inputs.as_slice() {
+        [] => acting(interface, coordinate),
+        names => all(names, "--inputs")?,
+    };
+    let outputs = match arguments.outputs.as_slice() {
+        [] => vec![coordinate],
+        names => all(names, "--outputs")?,
+    };
+    let held_by = arguments.held_by.as_ref().map(|name| find(interface, name).context("--held-by")).transpose()?;
+    Ok(Linearisation { coordinate, inputs, outputs, held_by })
+}
+
+/// The continuous inputs on which the acceleration of a coordinate depends.
+fn acting(interface: &Interface, coordinate: Reference) -> Vec<Reference> {
+    let list = interface.list();
+    let name = &list[coordinate as usize].name;
+    let of = name.rsplit_once('.').map_or(name.as_str(), |(of, _)| of);
+    let acceleration = interface.find(&format!("{of}.acceleration")).map(|found| &list[found as usize].dependencies);
+    let all = acceleration.into_iter().flatten().copied();
+    all.filter(|input| list[*input as usize].unit.is_some()).collect()
+}
+
+impl Named<'_> {
+    fn name(&self, reference: Reference) -> &str {
+        &self.interface.list()[reference as usize].name
+    }
+
+    fn unit(&self, reference: Reference) -> Unit {
+        self.interface.list()[reference as usize].unit.unwrap_or(Unit::One)
+    }
+
+    /// Names of the columns.
+    fn columns(&self) -> Vec<String> {
+        let Linearisation { coordinate, inputs, outputs, held_by } = &self.what;
+        let mut names = vec![self.name(*coordinate).to_owned(), "acceleration".to_owned()];
+        names.extend(held_by.map(|input| self.name(input).to_owned()));
+        names.extend(
+            ["eigenfrequency", "damping_ratio", "eigenvalue1.re", "eigenvalue1.im", "eigenvalue2.re", "eigenvalue2.im"]
+                .map(String::from),
+        );
+        names.extend(["A11", "A12", "A21", "A22"].map(String::from));
+        for input in inputs {
+            names.extend(["B1", "B2"].map(|part| format!("{part}({})", self.name(*input))));
+        }
+        for output in outputs {
+            names.extend(["C1", "C2"].map(|part| format!("{part}({})", self.name(*output))));
+            names.extend(inputs.iter().map(|input| format!("D({}; {})", self.name(*output), self.name(*input))));
+        }
+        names
+    }
+
+    /// One line of the table; not a number where a value does not exist.
+    fn row(at: &Linearised) -> Vec<f64> {
+        let mut row = vec![at.coordinate, at.acceleration];
+        row.extend(at.holding);
+        row.extend([at.eigenfrequency(), at.damping_ratio]);
+        row.extend(at.eigenvalues.iter().chain(&at.a).chain(&at.b).flatten());
+        for (c, d) in at.c.iter().zip(&at.d) {
+            row.extend(c.iter().chain(d));
+        }
+        row
+    }
+
+    /// The table as CSV.
+    fn csv(&self, all: &[Linearised]) -> Result<Vec<u8>> {
+        let mut table = csv::WriterBuilder::new().from_writer(Vec::new());
+        table.write_record(self.columns())?;
+        let mut digits = zmij::Buffer::new();
+        for at in all {
+            for value in Self::row(at) {
+                table.write_field(decimal(&mut digits, value))?;
+            }
+            table.write_record(None::<&[u8]>)?;
+        }
+        table.into_inner().context("--output-file")
+    }
+
+    /// Draw eigenfrequency, damping ratio and eigenvalues over the coordinate.
+    fn draw(&self, path: &Path, all: &[Linearised]) -> Result<()> {
+        let row = |at: &Linearised| {
+            let mut row = vec![at.coordinate, at.eigenfrequency(), at.damping_ratio];
+            row.extend(at.eigenvalues.iter().flatten());
+            row
+        };
+        let rows: Vec<Vec<f64>> = all.iter().map(row).collect();
+        let mut lines = vec![("eigenfrequency", Some(Unit::Hertz)), ("damping ratio", Some(Unit::One))];
+        let parts = ["eigenvalue 1, real", "eigenvalue 1, imaginary", "eigenvalue 2, real", "eigenvalue 2, imaginary"];
+        lines.extend(parts.map(|part| (part, Some(Unit::PerSecond))));
+        let (axis, unit) = (self.name(self.what.coordinate), self.unit(self.what.coordinate));
+        plot::write(path, &Picture { axis, unit, lines, rows: &rows })
+    }
+
+    /// The linearisation at the start, a line for each number.
+    fn in_words(&self, at: &Linearised) -> String {
+        let names = self.columns();
+        let width = names.iter().map(String::len).max().unwrap_or_default();
+        let lines = names.iter().zip(Self::row(at)).map(|(name, value)| format!("{name:width$}  {value:?}\n"));
+        lines.collect()
+    }
+}

@@ -1,0 +1,175 @@
+//! `cargo fmu simulate`: a run of a model by the engine itself, with the options that FMPy has.
+//!
+//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV or
+//! Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
+
+mod film;
+mod parquet;
+mod picture;
+pub(crate) mod plot;
+
+use crate::progress::Bar;
+use anyhow::{Context, Result, bail};
+use film::Film;
+use fmu_build::check::FileUnits;
+use fmu_build::run::csv::Csv;
+use fmu_build::run::file::Writer;
+use fmu_build::run::signals::Signals;
+use fmu_build::run::table::{Column, Recorded, Table, columns};
+use fmu_build::run::{self, Ended, Span, default_interval};
+use fmu_build::source::Definition;
+use fmu_build::start_values;
+use fmu_build::workspace::Workspace;
+pub use fmu_cli::Simulate as Arguments;
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::Unit;
+use parquet::Parquet;
+use plot::Picture;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+/// How a run ended, for the exit code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// At the stop time.
+    Complete,
+    /// The user stopped it; what was recorded is written.
+    Interrupted,
+}
+
+/// Run the model and write what was asked for.
+///
+/// # Errors
+/// The path leads to no definition; a name, a value or a signal that the model does not take; a step that cannot be
+/// made, with what was recorded until then written; a file that cannot be written.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+    check(arguments)?;
+    let definition = Definition::read(workspace, &arguments.path)?;
+    let mut model = Component::from_definition(definition.kind, &definition.text)
+        .with_context(|| format!("{}; `{} check` tells more", definition.shown, workspace.program()))?;
+    let units = FileUnits::of(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
+    for finding in model.warnings() {
+        eprintln!("warning: {}", units.told(finding.clone()));
+    }
+    if let Some(tolerance) = arguments.relative_tolerance {
+        model.set_tolerance(tolerance).context("--relative-tolerance")?;
+    }
+    start_values::apply(&mut model, &arguments.start_values)?;
+    let span = span(&model, arguments)?;
+    let signals = match &arguments.input_file {
+        Some(path) => {
+            Signals::read(path, model.interface(), arguments.set_input_derivatives).context("--input-file")?
+        }
+        None => Signals::none(),
+    };
+    if arguments.set_input_derivatives && model.input_order() == 0 {
+        bail!("--set-input-derivatives: the model takes no derivatives of inputs");
+    }
+    let columns = columns(model.interface(), &arguments.output_variables)?;
+    let mut film = arguments.gif.is_some().then(|| Film::new(&model)).transpose()?;
+    let writer = arguments.output_file.as_deref().map(|path| writer(path, &columns)).transpose()?;
+    let mut table = Table::new(columns, writer, arguments.plot.is_some());
+    let mut bar = Bar::new(std::io::stderr().is_terminal());
+    let started = std::time::Instant::now();
+    let mut reached = span.start;
+    let mut record = |model: &mut Component, time: f64| {
+        reached = time;
+        if let Some(film) = &mut film {
+            film.record(model, time);
+        }
+        table.record(model, time)
+    };
+    let ended = run::run(&mut model, &span, &signals, &mut record, &mut bar);
+    bar.end();
+    let elapsed = started.elapsed().as_secs_f64();
+    let recorded = table.finish(ended.is_ok().then_some((&mut model, reached)))?;
+    for line in &recorded.missing {
+        eprintln!("warning: {line}");
+    }
+    if let Some(path) = &arguments.plot {
+        let lines = recorded.columns.iter().map(|column| (&*column.name, column.unit)).collect();
+        plot::write(path, &Picture { axis: "time", unit: Unit::Second, lines, rows: &recorded.plotted })?;
+    }
+    if let (Some(path), Some(film)) = (&arguments.gif, film) {
+        film.write(path, &mut model, reached)?;
+    }
+    let ended = ended?;
+    summarize(arguments, &recorded, &ended, elapsed);
+    Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
+}
+
+/// Check the names of the files to be written, before anything is computed.
+fn check(arguments: &Arguments) -> Result<()> {
+    let Arguments { output_file, plot, gif, .. } = arguments;
+    plot.as_deref().map_or(Ok(()), plot::check)?;
+    gif.as_deref().map_or(Ok(()), film::check)?;
+    output_file.as_deref().map_or(Ok(()), check_table)?;
+    let read = [("the model", Some(&arguments.path)), ("--input-file", arguments.input_file.as_ref())];
+    for path in [output_file, plot, gif].into_iter().flatten() {
+        let is_same = |other: &PathBuf| matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
+            bail!("{}: this is {what}; name another file to be written", path.display());
+        }
+        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
+            bail!("{}: cannot be made: there is no folder {}; make it first", path.display(), folder.display());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a table of this name can be written.
+fn check_table(path: &Path) -> Result<()> {
+    match extension(path).as_str() {
+        "csv" | "parquet" | "" => Ok(()),
+        _ => bail!("--output-file: {} must end in .csv or .parquet", path.display()),
+    }
+}
+
+/// The writer of a table: Parquet if its name ends so, else CSV.
+fn writer(path: &Path, columns: &[Column]) -> Result<Writer> {
+    match extension(path).as_str() {
+        "parquet" => Writer::begin::<Parquet>(path, columns),
+        _ => Writer::begin::<Csv>(path, columns),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
+/// The times of the run.
+fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
+    let experiment = model.experiment();
+    let start = arguments.start_time;
+    let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
+    if !(start.is_finite() && stop.is_finite() && stop >= start) {
+        bail!("a run from {start:?} s to {stop:?} s: the stop time must be finite and not before the start time");
+    }
+    let interval = match arguments.output_interval {
+        Some(interval) if interval > 0.0 && interval.is_finite() => interval,
+        Some(interval) => bail!("--output-interval: {interval:?} s must be finite and > 0"),
+        None => default_interval(experiment, stop - start),
+    };
+    if (stop - start) / interval > MOST_STEPS {
+        bail!("--output-interval: {interval:?} s over {:?} s are more than {MOST_STEPS:e} steps", stop - start);
+    }
+    Ok(Span { start, stop, interval })
+}
+
+/// Most steps of a run.
+const MOST_STEPS: f64 = 1e12;
+
+/// What the run gave, in some lines.
+fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
+    eprintln!("{} steps to {:?} s in {elapsed:.3} s", ended.steps, ended.time);
+    let files = [&arguments.output_file, &arguments.plot, &arguments.gif];
+    for path in files.into_iter().flatten() {
+        eprintln!("{}", path.display());
+    }
+    if files.iter().all(|file| file.is_none()) {
+        // Without a file the last row is the answer.
+        for (column, value) in recorded.columns.iter().zip(&recorded.last) {
+            println!("{}\t{value:?}\t{}", column.name, column.unit.map_or("", |unit| unit.name()));
+        }
+    }
+}

@@ -1,0 +1,364 @@
+//! The design of a study: which values the factors have in each run.
+//!
+//! In: factors, samples, points of a file. Out: the values of any run, the same whichever was asked for before. Every point
+//! of the file is combined with every point of the grid, and these with every sample; runs are in this order, and of the
+//! grid the factor stated last changes first. It must not know how a run is made.
+
+use super::definition::{self, Definition, Normal, Setting};
+use super::points::Points;
+use super::unit_cube::{UnitCube, each, most_dimensions};
+use anyhow::{Context, Result, bail};
+use fmu_build::start_values::{find, most_together, set_reals};
+use linkage_fmu::component::{Component, Refused};
+use linkage_fmu::format::DefinitionError;
+use linkage_fmu::variables::{Causality, Kind, Reference};
+use statrs::distribution::ContinuousCDF;
+use std::path::Path;
+
+/// Most runs of a study: their numbers are exact as doubles.
+const MOST_RUNS: u64 = 1 << 53;
+
+/// Where the values of a factor come from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// A list.
+    List(Vec<f64>),
+    /// Equally spaced values: first, last, number.
+    Range(f64, f64, u64),
+    /// A uniform distribution between two ends, sampled along this dimension.
+    Uniform([f64; 2], usize),
+    /// A normal distribution, sampled along this dimension.
+    Normal(statrs::distribution::Normal, usize),
+    /// A column of the file of points, by its index.
+    Column(usize),
+}
+
+/// A variable that differs from run to run.
+#[derive(Clone, Debug)]
+pub struct Factor {
+    /// Its name.
+    pub name: String,
+    /// Its reference.
+    pub reference: Reference,
+    /// Its kind: Real, Boolean or String.
+    pub kind: Kind,
+    /// The texts of a String, which stand for their indices.
+    pub texts: Vec<String>,
+    source: Source,
+}
+
+/// Factors of one kind that are set in one call.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// Their kind.
+    pub kind: Kind,
+    /// Their indices among all factors.
+    pub factors: Vec<usize>,
+    references: Vec<Reference>,
+}
+
+impl Call {
+    /// Set the values of these factors in a run; a Boolean is 1 for true, a text is told by its index.
+    ///
+    /// # Errors
+    /// The model refuses one of the values, or what follows from them.
+    pub fn apply(
+        &self,
+        model: &mut Component,
+        factors: &[Factor],
+        point: &[f64],
+        scratch: &mut Vec<f64>,
+    ) -> Result<(), Refused> {
+        if self.kind == Kind::Real {
+            scratch.clear();
+            scratch.extend(self.factors.iter().map(|index| point[*index]));
+            return set_reals(model, &self.references, scratch);
+        }
+        self.factors.iter().zip(&self.references).try_for_each(|(index, reference)| {
+            let (factor, value) = (&factors[*index], point[*index]);
+            match self.kind {
+                // Of a file that has changed since it was checked.
+                _ if value.is_nan() => Err(Refused(format!("{} has no value", factor.name))),
+                Kind::Boolean => model.set_boolean(*reference, value != 0.0),
+                _ => model.set_text(*reference, &factor.texts[value as usize]),
+            }
+        })
+    }
+}
+
+/// The calls that set these factors: Reals, then Booleans, then texts.
+pub fn calls(model: &Component, factors: &[Factor]) -> Vec<Call> {
+    let mut calls: Vec<Call> = Vec::new();
+    for kind in [Kind::Real, Kind::Boolean, Kind::Enumeration] {
+        let most = if kind == Kind::Real { most_together(model) } else { usize::MAX };
+        for (index, factor) in (0..).zip(factors).filter(|(_, factor)| factor.kind == kind) {
+            match calls.last_mut().filter(|call| call.kind == kind && call.factors.len() < most) {
+                Some(call) => {
+                    call.factors.push(index);
+                    call.references.push(factor.reference);
+                }
+                None => calls.push(Call { kind, factors: vec![index], references: vec![factor.reference] }),
+            }
+        }
+    }
+    calls
+}
+
+/// The values of the factors in all runs.
+#[derive(Clone, Debug)]
+pub struct Design {
+    factors: Vec<Factor>,
+    points: Option<Points>,
+    cube: Option<UnitCube>,
+    /// Number of points of the file, of points of the grid, of samples.
+    counts: [u64; 3],
+}
+
+impl Design {
+    /// The design that a study in `folder` states for this model.
+    ///
+    /// # Errors
+    /// A name that no parameter or input has; what is wrong with a factor, the samples, or the file of points.
+    pub fn new(study: &Definition, folder: &Path, model: &Component) -> Result<Self> {
+        let (mut factors, mut dimensions) = (Vec::new(), 0);
+        let mut counts = [1, 1, 1];
+        let points = study.points.as_ref().map(|points| Points::read(&folder.join(points), model));
+        let points = points.transpose().context("points")?;
+        if let Some(points) = &points {
+            counts[0] = points.lines();
+            let column = |(factor, index): (&Factor, usize)| Factor { source: Source::Column(index), ..factor.clone() };
+            factors.extend(points.factors().iter().zip(0..).map(column));
+        }
+        for (name, stated) in study.factors.iter() {
+            let key = format!("factors.{name}");
+            let factor = factor(&key, name, stated, model, &mut dimensions)?;
+            if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
+                bail!("{key}: is a column of points too; remove one of the two");
+            }
+            if let Source::List(values) = &factor.source {
+                counts[1] = times(counts[1], values.len() as u64)?;
+            } else if let Source::Range(_, _, count) = factor.source {
+                counts[1] = times(counts[1], count)?;
+            }
+            factors.push(factor);
+        }
+        let cube = match (study.sampling, dimensions) {
+            (Some(_), 0) => bail!("sampling: no factor has a distribution; give one, or leave the key out"),
+            (None, 1..) => bail!("sampling: is missing; say how the factors with a distribution are sampled"),
+            (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
+            (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
+                "sampling.method: {dimensions} factors have a distribution, of this method at most {}",
+                most_dimensions(sampling.method)
+            ),
+            (sampling, _) => sampling.map(|sampling| UnitCube::new(sampling, dimensions)),
+        };
+        if let Some(sampling) = study.sampling {
+            counts[2] = times(sampling.count, each(sampling.method, dimensions))?;
+        }
+        times(times(counts[0], counts[1])?, counts[2])?;
+        Ok(Self { factors, points, cube, counts })
+    }
+
+    /// The factors, in the order of their values.
+    pub fn factors(&self) -> &[Factor] {
+        &self.factors
+    }
+
+    /// Number of runs.
+    pub fn runs(&self) -> u64 {
+        self.counts.iter().product()
+    }
+
+    /// The values of the factors in a run.
+    pub fn point(&mut self, run: u64, values: &mut Vec<f64>) {
+        values.clear();
+        let [_, grid, samples] = self.counts;
+        let (sample, rest) = (run % samples, run / samples);
+        let (mut of_grid, of_file) = (rest % grid, rest / grid);
+        let line = self.points.as_mut().map_or(&[][..], |points| points.line(of_file));
+        values.resize(self.factors.len(), 0.0);
+        // Of the grid the last factor changes first.
+        for (factor, value) in self.factors.iter().zip(values.iter_mut()).rev() {
+            let mut index_of = |count: u64| {
+                let index = of_grid % count;
+                of_grid /= count;
+                index
+            };
+            let mut unit = |dimension| self.cube.as_mut().map_or(0.5, |cube| cube.coordinate(sample, dimension));
+            *value = match &factor.source {
+                Source::List(list) => list[index_of(list.len() as u64) as usize],
+                Source::Range(first, last, count) => match index_of(*count) {
+                    index if index + 1 == *count && *count > 1 => *last,
+                    index => first + (last - first) * (index as f64 / (count - 1).max(1) as f64),
+                },
+                Source::Uniform([first, last], dimension) => first + (last - first) * unit(*dimension),
+                Source::Normal(normal, dimension) => normal.inverse_cdf(unit(*dimension)),
+                Source::Column(column) => line[*column],
+            };
+        }
+    }
+}
+
+/// A product of numbers of runs.
+fn times(a: u64, b: u64) -> Result<u64> {
+    let product = a.checked_mul(b).filter(|product| *product <= MOST_RUNS);
+    product.with_context(|| format!("factors: {a} x {b} runs, at most {MOST_RUNS}; take fewer values"))
+}
+
+/// The factor that a study states under this key.
+fn factor(
+    key: &str,
+    name: &str,
+    stated: &definition::Factor,
+    model: &Component,
+    dimensions: &mut usize,
+) -> Result<Factor> {
+    let mut factor = variable(key, name, model)?;
+    let real = |what: &str| match factor.kind {
+        Kind::Real => Ok(()),
+        _ => bail!("{key}.{what}: {name} is no number; list its values"),
+    };
+    let ends = |what: &str, [first, last]: [f64; 2]| {
+        if !(last - first).is_finite() {
+            bail!("{key}.{what} = [{first:?}, {last:?}]: the difference must be finite");
+        }
+        Ok([first, last])
+    };
+    let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
+    if bounds.is_some() {
+        bail!("{key}.bounds: are searched by `optimise`; a sweep takes values, range, uniform or normal");
+    }
+    if steps.is_some() && range.is_none() {
+        bail!("{key}.steps: belongs to a range; state range, or leave steps out");
+    }
+    factor.source = match (values, range, uniform, normal) {
+        (Some(values), None, None, None) => {
+            if values.is_empty() {
+                bail!("{key}.values: is empty; list at least one value");
+            }
+            let mut list = Vec::new();
+            for (index, value) in values.iter().enumerate() {
+                list.push(coded(value, &mut factor).with_context(|| format!("{key}.values[{index}]"))?);
+            }
+            Source::List(list)
+        }
+        (None, Some(range), None, None) => {
+            real("range")?;
+            let [first, last] = ends("range", *range)?;
+            match steps {
+                Some(count) if *count >= 1 => Source::Range(first, last, *count),
+                Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
+                None => bail!("{key}.steps: is missing; state the number of values of the range"),
+            }
+        }
+        (None, None, Some(uniform), None) => {
+            real("uniform")?;
+            let [first, last] = ends("uniform", *uniform)?;
+            *dimensions += 1;
+            Source::Uniform([first, last], *dimensions - 1)
+        }
+        (None, None, None, Some(Normal { mean, standard_deviation })) => {
+            real("normal")?;
+            let normal = statrs::distribution::Normal::new(*mean, *standard_deviation);
+            let Some(normal) = normal.ok().filter(|_| standard_deviation.is_finite() && mean.is_finite()) else {
+                let [value, mean] = [standard_deviation, mean];
+                bail!(DefinitionError::value(
+                    format!("{key}.normal.standard_deviation"),
+                    value,
+                    format!("finite and > 0, and the mean, {mean}, finite")
+                ));
+            };
+            *dimensions += 1;
+            Source::Normal(normal, *dimensions - 1)
+        }
+        _ => bail!("{key}: state exactly one of values, range, uniform and normal"),
+    };
+    Ok(factor)
+}
+
+/// The factors that an optimisation varies, each with its bounds.
+///
+/// # Errors
+/// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
+pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
+    if study.points.is_some() || study.sampling.is_some() {
+        bail!("points and sampling: belong to `sweep`; an optimisation takes factors with bounds");
+    }
+    let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
+    for (name, stated) in study.factors.iter() {
+        let key = format!("factors.{name}");
+        let factor = variable(&key, name, model)?;
+        let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
+        let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
+        let Some([least, largest]) = bounds.filter(|_| !is_other) else {
+            bail!("{key}: an optimisation varies a factor between its bounds; state bounds = [least, largest] alone");
+        };
+        if factor.kind != Kind::Real {
+            bail!("{key}.bounds: {name} is no number; give it a value in start_values");
+        }
+        if !(largest > least && (largest - least).is_finite()) {
+            bail!("{key}.bounds = [{least:?}, {largest:?}]: the second must be larger, the difference finite");
+        }
+        all.push((factor, [least, largest]));
+    }
+    if all.is_empty() {
+        bail!("factors: an optimisation varies at least one; state its bounds");
+    }
+    Ok(all)
+}
+
+/// A factor without values yet.
+///
+/// # Errors
+/// No parameter or input has this name.
+pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
+    let reference = settable(key, name, "a factor is a parameter or an input", model)?;
+    let kind = model.interface().list()[reference as usize].kind;
+    let source = Source::List(Vec::new());
+    Ok(Factor { name: name.to_owned(), reference, kind, texts: Vec::new(), source })
+}
+
+/// The parameter or input of this name.
+///
+/// # Errors
+/// There is none; with `remedy` for what is never set. What follows from other parameters is refused with their names.
+pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Result<Reference> {
+    let reference = find(model.interface(), name).with_context(|| key.to_owned())?;
+    let causality = model.interface().list()[reference as usize].causality;
+    match causality {
+        Causality::Parameter | Causality::Input => Ok(reference),
+        Causality::CalculatedParameter => {
+            model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
+            bail!("{key}: {name} is calculated; {remedy}")
+        }
+        _ => bail!("{key}: {name} is of causality {}; {remedy}", causality.word().to_lowercase()),
+    }
+}
+
+/// A value as a number; a text that is new is added to those of the factor.
+///
+/// # Errors
+/// The value is of another kind than the variable.
+pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
+    match (factor.kind, value) {
+        (Kind::Real, Setting::Real(value)) => Ok(*value),
+        (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
+        (Kind::Enumeration, Setting::Text(text)) => {
+            let known = factor.texts.iter().position(|known| known == text);
+            Ok(known.unwrap_or_else(|| {
+                factor.texts.push(text.clone());
+                factor.texts.len() - 1
+            }) as f64)
+        }
+        (kind, value) => bail!("{} is a {}; {} is none", factor.name, kind.word(), shown(value)),
+    }
+}
+
+/// A value as JSON has it.
+pub fn shown(value: &Setting) -> String {
+    match value {
+        Setting::Real(value) => value.to_string(),
+        Setting::Boolean(value) => value.to_string(),
+        Setting::Text(text) => format!("\"{}\"", text.escape_debug()),
+    }
+}

@@ -1,0 +1,246 @@
+//! `cargo fmu sweep`: many runs of a mechanism, as a study states them.
+//!
+//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design, whatever
+//! the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
+
+mod bar;
+mod chunk;
+mod cluster;
+mod csv;
+mod definition;
+mod design;
+mod extent;
+mod journal;
+pub mod optimise;
+mod page;
+mod parquet;
+mod plan;
+mod points;
+mod pool;
+mod responses;
+mod results;
+mod run;
+mod scenario;
+mod unit_cube;
+
+use crate::progress::stop_wish;
+use crate::simulate::Outcome;
+use anyhow::{Context, Result, bail};
+use bar::Bar;
+use chunk::Cut;
+use cluster::Workers;
+use definition::Definition;
+use design::{Design, Factor};
+use fmu_build::files;
+use fmu_build::source;
+use fmu_build::workspace::Workspace;
+pub use fmu_cli::Sweep as Arguments;
+use journal::Journal;
+use linkage_fmu::codec::checksum::fnv1a_128;
+use linkage_fmu::component::Component;
+use responses::Responses;
+use run::{Runner, Task};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// The results, in the folder of the output.
+const PARQUET: &str = "runs.parquet";
+const CSV: &str = "runs.csv";
+/// The chunks that are done, while not all are.
+const JOURNAL: &str = "runs.journal";
+/// What was done, once all is.
+const SUMMARY: &str = "study.json";
+
+/// What is told of a study that is complete.
+#[derive(Debug, Deserialize, Serialize)]
+struct Summary {
+    /// What the study and all that it refers to say.
+    identity: String,
+    runs: u64,
+    failed: u64,
+}
+
+/// A study with all that it refers to.
+struct Study {
+    definition: Definition,
+    task: Task,
+    design: Design,
+    cut: Cut,
+    model: source::Definition,
+    /// Where the mechanism is.
+    path: PathBuf,
+    identity: u128,
+}
+
+/// Make the runs of a study and write their results.
+///
+/// # Errors
+/// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no error.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+    let study = Study::read(workspace, &arguments.study)?;
+    let columns = results::columns(&study.task)?;
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| workspace.output("sweep").join(arguments.study.file_stem().unwrap_or_default()));
+    files::make_folder(&out, "--out")?;
+    let identity = format!("{:032x}", study.identity);
+    let draw = || -> Result<()> {
+        if arguments.page {
+            let name = arguments.study.file_stem().unwrap_or_default().to_string_lossy();
+            let columns = (&*columns, study.task.factors.len());
+            page::draw(workspace, (&name, &study.definition), columns, (&out, PARQUET))?;
+            eprintln!("{}", out.join(page::PAGE).display());
+        }
+        Ok(())
+    };
+    if arguments.resume && is_complete(&out, &identity, arguments.csv) {
+        eprintln!("{}: all {} runs are there already", out.join(PARQUET).display(), study.design.runs());
+        draw()?;
+        return Ok(Outcome::Complete);
+    }
+    let component = || Ok(Component::from_definition(study.model.kind, &study.model.text)?);
+    if let Some(warning) = extent::warning(&study.task, &study.design, &study.cut, component)? {
+        eprintln!("warning: {warning}");
+    }
+    let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
+    let (started, before) = (Instant::now(), journal.len());
+    if let Err(error) = make(workspace, &study, arguments, (&mut journal, &out)) {
+        // Nothing to go on from: the next try is a first one.
+        if journal.len() == 0 {
+            journal.remove()?;
+        }
+        return Err(error);
+    }
+    let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
+    let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
+    if chunks < study.cut.chunks() {
+        eprintln!("stopped after about {} of {} runs; --resume goes on", runs_of(chunks), study.design.runs());
+        return Ok(Outcome::Interrupted);
+    }
+    let csv = arguments.csv.then(|| out.join(CSV));
+    let failed = results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref())
+        .with_context(|| format!("{}: has all runs; --resume writes the results", out.join(JOURNAL).display()))?;
+    let summary = Summary { identity, runs: study.design.runs(), failed };
+    files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
+    journal.remove()?;
+    let made = runs_of(chunks) - runs_of(before);
+    eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
+    eprintln!("{}", out.join(PARQUET).display());
+    csv.iter().for_each(|path| eprintln!("{}", path.display()));
+    draw()?;
+    Ok(Outcome::Complete)
+}
+
+/// Make the chunks that are not done.
+fn make(
+    workspace: &Workspace,
+    study: &Study,
+    arguments: &Arguments,
+    (journal, out): (&mut Journal, &Path),
+) -> Result<()> {
+    let Study { task, design, cut, model, path, .. } = study;
+    let runs_of = |chunk: u64| cut.runs_of(chunk).end - cut.runs_of(chunk).start;
+    let missing: Vec<u64> = (0..cut.chunks()).filter(|chunk| !journal.has(*chunk)).collect();
+    let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
+    let workers = match (&arguments.scheduler, arguments.workers) {
+        (Some(address), _) => Some(Workers::Of(address.clone())),
+        (None, count) => count.map(Workers::Local),
+    };
+    let fmu = match workers {
+        Some(_) => Some(cluster::packed(workspace, path, &make_model()?, out)?),
+        None => None,
+    };
+    let done = design.runs() - missing.iter().map(|chunk| runs_of(*chunk)).sum::<u64>();
+    let bar = Bar::new(design.runs(), done, std::io::stderr().is_terminal());
+    let keep = |chunk: u64, bytes: Vec<u8>| {
+        journal.add(chunk, &bytes)?;
+        bar.add(runs_of(chunk));
+        Ok(())
+    };
+    if let (Some(workers), Some(fmu)) = (&workers, &fmu) {
+        let model = make_model()?;
+        let work = cluster::Work { task, design, cut };
+        return cluster::run(workspace, workers, (&work, model.interface()), (fmu, out), &missing, stop_wish(), keep);
+    }
+    let threads = match arguments.threads {
+        Some(threads) => threads as usize,
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    pool::run(threads, (task, design, cut), &make_model, missing.into_iter(), stop_wish(), keep)
+}
+
+/// Whether the folder has the results of this study.
+fn is_complete(out: &Path, identity: &str, with_csv: bool) -> bool {
+    let summary = fs::read(out.join(SUMMARY)).ok().and_then(|text| serde_json::from_slice::<Summary>(&text).ok());
+    let has_files =
+        out.join(PARQUET).is_file() && (!with_csv || out.join(CSV).is_file()) && !out.join(JOURNAL).exists();
+    has_files && summary.is_some_and(|summary| summary.identity == identity)
+}
+
+impl Study {
+    fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
+        let Stated { definition, text, folder, mechanism, model, component } = Stated::read(workspace, path)?;
+        let shown = path.display();
+        if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
+            bail!(
+                "{shown}: objective, constraints and search: belong to `{} optimise`; leave them out",
+                workspace.program()
+            );
+        }
+        let design = Design::new(&definition, &folder, &component).with_context(|| format!("{shown}"))?;
+        let task = task(&definition, &folder, &component, design.factors()).with_context(|| format!("{shown}"))?;
+        // Values that all runs share are refused before the first run.
+        Runner::new(&task, component).with_context(|| format!("{shown}"))?;
+        let cut = Cut::new(design.runs());
+        let mut all = format!("{text}\0{}\0{}\0", model.kind, model.text);
+        for file in [&definition.points, &definition.scenario.input_file].into_iter().flatten() {
+            all.push_str(&format!("{}\0", files::digest(&folder.join(file))?));
+        }
+        let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
+        Ok(Self { definition, task, design, cut, model, path: mechanism, identity })
+    }
+}
+
+/// A study as its file states it, with the model of its mechanism.
+struct Stated {
+    definition: Definition,
+    text: String,
+    folder: PathBuf,
+    /// Where the mechanism is.
+    mechanism: PathBuf,
+    model: source::Definition,
+    component: Component,
+}
+
+impl Stated {
+    fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
+        let (definition, text) = Definition::read(path)?;
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
+        let shown = path.display();
+        let mechanism = folder.join(&definition.mechanism);
+        let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
+        let component = Component::from_definition(model.kind, &model.text).with_context(|| {
+            format!("{shown}: mechanism: {}; `{} check` tells more", model.shown, workspace.program())
+        })?;
+        for finding in component.warnings() {
+            eprintln!("warning: {finding}");
+        }
+        Ok(Self { definition, text, folder, mechanism, model, component })
+    }
+}
+
+/// What all runs of a study share.
+fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
+    let scenario = Scenario::new(definition, folder, component, &responses::instants(definition)?)?;
+    if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
+        bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
+    }
+    let responses = Responses::new(definition, &scenario, component)?;
+    let calls = design::calls(component, factors);
+    Ok(Task { factors: factors.to_vec(), calls, scenario, responses })
+}

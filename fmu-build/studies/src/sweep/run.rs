@@ -1,0 +1,258 @@
+//! One run of a study.
+//!
+//! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then ready
+//! for the next run. Every run begins with an initialisation, so that none depends on those before it.
+
+use super::design::{Call, Factor};
+use super::responses::{Measure, Progress, Responses};
+use super::scenario::{Event, Scenario, Set, Step};
+use anyhow::{Context, Result, bail};
+use fmu_build::start_values::set_reals;
+use linkage_fmu::component::{Component, Snapshot, Stepped};
+use linkage_fmu::numerics::decimal::Decimal;
+
+/// Time after an event at which its state is looked for first, relative to the time: rounding has a step that ends nearer
+/// mostly end before it.
+const JUST_AFTER: f64 = 64.0 * f64::EPSILON;
+/// Most steps that the search for an event takes.
+const MOST_HALVINGS: u32 = 1100;
+
+/// What all runs share.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// The factors.
+    pub factors: Vec<Factor>,
+    /// The calls that set them.
+    pub calls: Vec<Call>,
+    /// The course of every run.
+    pub scenario: Scenario,
+    /// What is told of each.
+    pub responses: Responses,
+}
+
+/// A model with what it needs to be run again and again.
+#[derive(Debug)]
+pub struct Runner<'a> {
+    task: &'a Task,
+    /// The model before its first run.
+    fresh: Component,
+    model: Component,
+    /// State at the beginning of the present step, where it may have to be made again.
+    before: Option<Snapshot>,
+    progress: Progress,
+    scratch: Vec<f64>,
+}
+
+impl<'a> Runner<'a> {
+    /// A runner with the values that all runs share.
+    ///
+    /// # Errors
+    /// The model refuses one of them.
+    pub fn new(task: &'a Task, mut model: Component) -> Result<Self> {
+        set_start(&mut model, &task.scenario)?;
+        Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default(), scratch: Vec::new() })
+    }
+
+    /// Begin anew after a run that left the model in no known state.
+    pub fn renew(&mut self) {
+        (self.model, self.before) = (self.fresh.clone(), None);
+    }
+
+    /// Make the run with these values of the factors; the responses, and a remark or an empty text.
+    ///
+    /// # Errors
+    /// Why the run failed; the responses are NaN then.
+    pub fn run(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
+        self.progress.begin(&self.task.responses, values);
+        let done = self.make(point, values);
+        if done.is_err() {
+            values.fill(f64::NAN);
+        }
+        done
+    }
+
+    fn make(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
+        let Task { factors, calls, scenario, responses } = self.task;
+        if matches!(self.model, Component::Hydraulic(_)) {
+            // Its values are checked against each other, so that those of the run before might count.
+            self.model.reset();
+        }
+        set_start(&mut self.model, scenario)?;
+        for call in calls {
+            call.apply(&mut self.model, factors, point, &mut self.scratch)?;
+        }
+        self.model.initialize().context("initialisation at 0 s")?;
+        let reads = responses.read_states();
+        if reads {
+            self.progress.observe(responses, &mut self.model, 0.0, [true, false], values)?;
+        }
+        let (mut has_stopped, count) = (false, scenario.steps.len());
+        for (index, step) in scenario.steps.iter().enumerate() {
+            for (reference, setting) in &step.settings {
+                setting.apply(&mut self.model, *reference).with_context(|| at("inputs", step.start))?;
+            }
+            if scenario.stop_at.is_some() || !responses.events.is_empty() {
+                match &mut self.before {
+                    Some(before) => self.model.snapshot_into(before),
+                    none => *none = Some(self.model.snapshot()),
+                }
+            }
+            self.step(step, step.end - step.start)?;
+            let stop = scenario.stop_at.map(|event| self.stop(event, step)).transpose()?.flatten();
+            let end = stop.map_or(step.end, |(_, time)| time);
+            has_stopped = stop.is_some();
+            self.find_events(step, stop, end, values)?;
+            if let Some((event, time)) = stop.filter(|_| reads) {
+                self.step_to(event, step, time)?;
+            }
+            if reads {
+                let is_last = has_stopped || index + 1 == count;
+                self.progress.observe(responses, &mut self.model, end, [false, is_last], values)?;
+            }
+            if has_stopped {
+                break;
+            }
+        }
+        Ok(self.remark(has_stopped))
+    }
+
+    /// What is unusual about the run; empty mostly.
+    fn remark(&self, has_stopped: bool) -> String {
+        let name = |reference: u32| &self.model.interface().list()[reference as usize].name;
+        let scenario = &self.task.scenario;
+        let mut remarks = Vec::new();
+        if let Some(event) = scenario.stop_at.filter(|_| !has_stopped) {
+            remarks.push(format!("{} did not come true within {} s", name(event.flag), Decimal(scenario.stop())));
+        }
+        if let Some((reference, time)) = self.progress.undefined {
+            remarks.push(format!("{} has no value {}", name(reference), self.instant(time)));
+        }
+        remarks.join("; ")
+    }
+
+    /// An instant of observation in words.
+    fn instant(&self, time: f64) -> String {
+        let mut ends = self.task.scenario.steps.iter().map(|step| step.end);
+        let is_regular = time == 0.0 || ends.any(|end| end == time);
+        if is_regular { format!("at {} s", Decimal(time)) } else { "at the event".to_owned() }
+    }
+
+    /// A step of this length from the beginning of `step` on.
+    fn step(&mut self, step: &Step, h: f64) -> Result<()> {
+        match self.model.step_from(Some(step.start), h).with_context(|| at("step", step.start))? {
+            Stepped::Whole => Ok(()),
+            Stepped::Part(part) => bail!("{}: {}", at("step", step.start), part.why),
+            Stepped::Failed(why) => bail!("{}: {why}", at("step", step.start)),
+        }
+    }
+
+    /// The number of impacts since the start.
+    fn count(&mut self, event: Event) -> Result<f64> {
+        Ok(self.model.real(event.count)?)
+    }
+
+    /// The event and its time [s], if this step has met it.
+    fn stop(&mut self, event: Event, step: &Step) -> Result<Option<(Event, f64)>> {
+        if self.count(event)? == 0.0 {
+            return Ok(None);
+        }
+        Ok(Some((event, self.time_of(event, step)?)))
+    }
+
+    /// Tell the times of events that this step is the first to meet, until `end` [s]; that of the event that ends the run
+    /// is known.
+    fn find_events(&mut self, step: &Step, stop: Option<(Event, f64)>, end: f64, values: &mut [f64]) -> Result<()> {
+        let responses = &self.task.responses;
+        for (index, event) in responses.events.iter().enumerate() {
+            let known = stop.filter(|(stop, _)| stop == event).map(|(_, time)| time);
+            let mut own = responses.list.iter().filter(|response| response.measure == Measure::Event(index));
+            let time = match known {
+                Some(time) => time,
+                None if own.all(|response| !values[response.column].is_nan()) || self.count(*event)? == 0.0 => continue,
+                None => self.time_of(*event, step)?,
+            };
+            if time > end {
+                continue;
+            }
+            for response in responses.list.iter().filter(|response| response.measure == Measure::Event(index)) {
+                values[response.column] = time;
+            }
+        }
+        Ok(())
+    }
+
+    /// Back to the state at the beginning of the step.
+    fn back(&mut self) -> Result<()> {
+        let Some(before) = &self.before else { bail!("no state before the step is kept") };
+        Ok(self.model.restore(before)?)
+    }
+
+    /// Time of the first impact of an event that this step, which is made, has met [s]. The model tells the time of the last
+    /// one; of several, the step is halved until it has the first one only.
+    fn time_of(&mut self, event: Event, step: &Step) -> Result<f64> {
+        if self.count(event)? == 1.0 {
+            return Ok(self.model.real(event.time)?);
+        }
+        let (mut without, mut with) = (0.0, step.end - step.start);
+        let mut time = step.start + with;
+        for _ in 0..MOST_HALVINGS {
+            let h = 0.5 * (without + with);
+            if h <= without || h >= with {
+                time = step.start + with;
+                break;
+            }
+            self.back()?;
+            self.step(step, h)?;
+            match self.count(event)? {
+                0.0 => without = h,
+                1.0 => {
+                    time = self.model.real(event.time)?;
+                    break;
+                }
+                _ => with = h,
+            }
+        }
+        self.back()?;
+        self.step(step, step.end - step.start)?;
+        Ok(time)
+    }
+
+    /// Put the model into the state just after an event of this step, which is made and met it at `time` [s].
+    fn step_to(&mut self, event: Event, step: &Step, time: f64) -> Result<()> {
+        let whole = step.end - step.start;
+        let mut later = JUST_AFTER * time.abs().max(f64::MIN_POSITIVE);
+        loop {
+            let h = (time + later) - step.start;
+            self.back()?;
+            if h >= whole {
+                return self.step(step, whole);
+            }
+            self.step(step, h)?;
+            if self.count(event)? > 0.0 {
+                return Ok(());
+            }
+            later *= 2.0;
+        }
+    }
+}
+
+/// Set what all runs share.
+fn set_start(model: &mut Component, scenario: &Scenario) -> Result<()> {
+    let (reals, others) = &scenario.start;
+    for (references, values) in reals {
+        set_reals(model, references, values).context("start values")?;
+    }
+    for (reference, set) in others {
+        let done = match set {
+            Set::Input(setting) => setting.apply(model, *reference),
+            Set::Text(text) => model.set_text(*reference, text),
+        };
+        done.with_context(|| format!("start value of {}", model.interface().list()[*reference as usize].name))?;
+    }
+    Ok(())
+}
+
+/// Where a run failed.
+fn at(what: &str, time: f64) -> String {
+    format!("{what} at {} s", Decimal(time))
+}

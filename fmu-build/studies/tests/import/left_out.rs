@@ -1,0 +1,91 @@
+//! What is told of a file that a definition has no place for, and ranges whose ends stand the wrong way round.
+
+use super::{MJCF, URDF, assert_says, refusal};
+use fmu_studies::import::{Form, import};
+use serde_json::Value;
+
+fn notes(form: Form, text: &str) -> String {
+    import(form, "Imported", text).unwrap().notes.join("\n")
+}
+
+fn replaced(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}");
+    text.replacen(from, to, 1)
+}
+
+#[test]
+fn gears_and_bounds_of_drives() {
+    assert!(!notes(Form::Mjcf, MJCF).contains("gear"));
+    let drive = r#"<motor name="m" joint="bearing" gear="50 0 0 0 0 0" ctrlrange="-1 1" forcerange="-9 9"/>"#;
+    let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, drive);
+    assert_says(
+        &notes(Form::Mjcf, &text),
+        &["line 20: <motor \"m\">: left out: gear 50 (", ", ctrlrange -1 1, forcerange -9 9"],
+    );
+    let same = replaced(MJCF, r#"<motor joint="bearing"/>"#, r#"<motor joint="bearing" gear="1"/>"#);
+    assert!(!notes(Form::Mjcf, &same).contains("gear"));
+    let by_default = r#"<default><default class="strong"><motor ctrlrange="-2 2"/></default></default><option"#;
+    assert_says(&notes(Form::Mjcf, &replaced(MJCF, "<option", by_default)), &["<motor>: left out: ctrlrange -2 2"]);
+    let joint = replaced(MJCF, r#"name="pin""#, r#"name="pin" actuatorfrcrange="-1 1""#);
+    assert_says(&notes(Form::Mjcf, &joint), &["<joint \"pin\">: actuatorfrcrange is left out"]);
+}
+
+#[test]
+fn medium_softness_and_second_drives() {
+    assert!(!notes(Form::Mjcf, MJCF).contains("density"));
+    let text = replaced(MJCF, "<option", r#"<option density="1.2" wind="1 0 0""#);
+    assert_says(&notes(Form::Mjcf, &text), &["<option>: left out: density, wind"]);
+    let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
+    assert_says(&notes(Form::Mjcf, &text), &["<joint \"pin\">: left out: margin, solreflimit"]);
+    let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
+    let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
+    assert_says(
+        &notes(Form::Mjcf, &text),
+        &["<motor \"second\">: acts on bearing as another does: the two are one drive"],
+    );
+}
+
+#[test]
+fn contact_between_geoms() {
+    let said = "contact between geoms, such as line 10: <geom> and line 15: <geom>, is left out";
+    assert_says(&notes(Form::Mjcf, MJCF), &[said]);
+    // None of geoms that touch nothing, stated or by default.
+    let one = replaced(MJCF, r#"type="box""#, r#"type="box" contype="0" conaffinity="0""#);
+    assert!(!notes(Form::Mjcf, &one).contains("contact"));
+    let none = replaced(MJCF, "<option", r#"<default><geom contype="0" conaffinity="0"/></default><option"#);
+    assert!(!notes(Form::Mjcf, &none).contains("contact"));
+}
+
+#[test]
+fn limits_of_urdf() {
+    let told = notes(Form::Urdf, URDF);
+    assert_says(&told, &["the limit effort of swing is left out", "the limit velocity of swing"]);
+    assert!(!told.contains("collision"));
+    let bare = replaced(URDF, r#" effort="1" velocity="1""#, "");
+    assert!(!notes(Form::Urdf, &bare).contains("limit"));
+    let shapes = URDF.replace("<inertial>", "<collision/><inertial>");
+    assert_says(&notes(Form::Urdf, &shapes), &["<collision> of arm, bob is left out"]);
+    let safe = URDF.replacen("<limit ", r#"<safety_controller k_velocity="1"/><limit "#, 1);
+    assert_says(&notes(Form::Urdf, &safe), &["<safety_controller> of", "is left out"]);
+}
+
+#[test]
+fn ranges_the_wrong_way_round_are_refused() {
+    let ranged = |range: &str| replaced(MJCF, r#"name="guide""#, &format!(r#"name="guide" {range}"#));
+    let said = ["line 14: <joint \"guide\">: range: the lower end 0.3 is above the upper end -0.1; exchange them"];
+    assert_says(&refusal(Form::Mjcf, &ranged(r#"range="0.3 -0.1""#)), &said);
+    let stops = |text: &str| -> usize {
+        let definition: Value =
+            serde_json::from_str(&import(Form::Mjcf, "Imported", text).unwrap().definition).unwrap();
+        definition["stops"].as_object().map_or(0, |stops| stops.len())
+    };
+    assert_eq!(stops(&ranged(r#"range="-0.1 0.3""#)), 2);
+    // What is no limit is not judged; nor is a range without width one.
+    assert_eq!(stops(&ranged(r#"range="0.3 -0.1" limited="false""#)), 0);
+    assert_eq!(stops(&ranged(r#"range="0 0""#)), 0);
+    let turned = replaced(URDF, r#"lower="-1" upper="2""#, r#"lower="2" upper="-1""#);
+    assert_says(
+        &refusal(Form::Urdf, &turned),
+        &["<joint \"swing\">: <limit>: the lower end 2.0 is above the upper end -1.0"],
+    );
+}

@@ -1,0 +1,247 @@
+//! `cargo fmu import`: each form in its program's own words, beside the same mechanism written by hand.
+#![allow(clippy::unwrap_used)]
+
+mod left_out;
+mod written;
+
+use fmu_studies::import::{Form, import};
+use linkage_fmu::component::{Component, Linearisation};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+
+/// Difference of two runs at the tolerance 1e-9, whose steps are others, as the bodies' frames are.
+const SAME: f64 = 1e-7;
+
+/// Slider-crank with a crank of 0.1 m, by joints at its first position.
+const PMKS: &str =
+    "ground,input,R,0,0\ninput coupler,R,0.08,0.06\ncoupler,slider,R,0.36,0\nground,slider,P,0.36,0.00,0.00\n";
+
+fn slider_crank() -> Value {
+    let rod = f64::hypot(0.28, 0.06);
+    json!({
+        "name": "ByHand",
+        "bodies": {
+            "ground": {},
+            "crank": { "length": 0.1, "mass": 1, "center": [0.05, 0], "inertia": 0.0025 },
+            "rod": { "length": rod, "mass": 1, "center": [0.5 * rod, 0], "inertia": 0.25 * rod * rod },
+            "slider": { "mass": 1 }
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
+            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
+            "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
+        },
+        "actuators": { "motor": { "joint": "bearing", "torque": 0 } },
+        "start": { "body": "crank", "angle": f64::atan2(0.06, 0.08) },
+        "guess": { "crank": f64::atan2(0.06, 0.08), "rod": f64::atan2(-0.06, 0.28), "guide": 0.36 }
+    })
+}
+
+/// Values of variables of a definition after some motion under an input.
+fn values(definition: &str, input: (&str, f64), names: &[&str]) -> Vec<f64> {
+    let mut simulation = Simulation::open(definition).unwrap_or_else(|error| panic!("{error} in\n{definition}"));
+    simulation.set(input.0, input.1).unwrap();
+    simulation.initialize().unwrap();
+    (0..50).for_each(|_| simulation.step(4e-3).unwrap());
+    names.iter().map(|name| simulation.get(name).unwrap()).collect()
+}
+
+/// Compare variables of an imported definition with those of one by hand; each pair may have an offset.
+fn compare(form: Form, text: &str, hand: &Value, inputs: [(&str, f64); 2], pairs: &[(&str, &str, f64)]) -> Vec<String> {
+    let imported = import(form, "Imported", text).unwrap();
+    let names: Vec<&str> = pairs.iter().map(|(name, ..)| *name).collect();
+    let own = values(&imported.definition, inputs[0], &names);
+    let names: Vec<&str> = pairs.iter().map(|(_, name, _)| *name).collect();
+    let expected = values(&hand.to_string(), inputs[1], &names);
+    for ((own, expected), (name, _, offset)) in own.iter().zip(expected).zip(pairs) {
+        assert!(
+            (own + offset - expected).abs() <= SAME * (1.0 + expected.abs()),
+            "{name}: {own} + {offset}, {expected}"
+        );
+        assert!(expected.abs() > 1e-3, "{name} tells nothing");
+    }
+    imported.notes
+}
+
+fn refusal(form: Form, text: &str) -> String {
+    format!("{:#}", import(form, "Imported", text).unwrap_err())
+}
+
+fn assert_says(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "`{text}` lacks `{word}`");
+    }
+}
+
+#[test]
+fn pmks() {
+    let pairs = [
+        ("input.speed", "crank.speed", 0.0),
+        ("coupler.speed", "rod.speed", 0.0),
+        ("input.angle", "crank.angle", f64::atan2(0.06, 0.08)),
+        ("joint_4.position", "guide.position", 0.36),
+    ];
+    let notes = compare(Form::Pmks, PMKS, &slider_crank(), [("drive.torque", 2.0), ("motor.torque", 2.0)], &pairs);
+    assert_says(&notes.join("\n"), &["no masses", "no unit", "no drive"]);
+    assert_says(&refusal(Form::Pmks, "ground,a,G,0,0\n"), &["line 1", "gear"]);
+    let notes = import(Form::Pmks, "Imported", "ground,a,R,0,0\na,c,P,1,2\n").unwrap().notes;
+    assert_says(&notes.join("\n"), &["a c P 1 2", "no angle"]);
+    assert_says(&refusal(Form::Pmks, "a,b,R,0,0\n"), &["ground"]);
+}
+
+/// A quick return with a pin in a slot, and a table of the same joints.
+#[test]
+fn pyslvs_and_a_table() {
+    let hand = json!({
+        "name": "ByHand",
+        "bodies": {
+            "ground": { "points": { "pivot": [0.5, 0] } },
+            "crank": { "length": 0.2, "mass": 1, "center": [0.1, 0], "inertia": 0.01 },
+            "lever": { "mass": 1, "points": { "tip": [0.9, 0] }, "center": [0.4, 0], "inertia": 0.14 },
+            "block": {}
+        },
+        "joints": {
+            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
+            "pivot": { "type": "revolute", "first": "ground.pivot", "second": "lever.origin" },
+            "slot": { "type": "prismatic", "first": "lever.origin", "second": "block.origin" },
+            "pin": { "type": "revolute", "first": "crank.end", "second": "block.origin" }
+        },
+        "actuators": { "motor": { "joint": "bearing", "torque": 0 } },
+        "markers": { "tip": { "at": "lever.tip" } },
+        "start": { "body": "crank", "angle": 0 },
+        "guess": { "crank": 0, "lever": std::f64::consts::PI, "slot": 0.3 }
+    });
+    let pyslvs = "M[J[R, color[Green], P[0.0, 0.0], L[ground, link_1]], J[RP, A[0.0], color[(1, 2, 3)], P[0.2, 0.0], \
+                  L[link_2, link_1]], # the slot\nJ[R, P[0.5, 0.0], L[ground, link_2]], J[R, P[-0.4, 0.0], L[link_2]]]";
+    let pairs = [
+        ("link_1.speed", "crank.speed", 0.0),
+        ("link_2.speed", "lever.speed", 0.0),
+        ("point_4.x", "tip.x", 0.0),
+        ("point_4.y", "tip.y", 0.0),
+    ];
+    // Three points of the lever at 0, 0.3 and 0.9 m: centre 0.4 m, square 0.14 m2.
+    let inputs = [("drive.torque", 1.5), ("motor.torque", 1.5)];
+    compare(Form::Pyslvs, pyslvs, &hand, inputs, &pairs);
+    let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground link_2,\n\
+                 R,-0.4,0,,link_2,\n";
+    let notes = compare(Form::Table, table, &hand, inputs, &pairs);
+    assert!(!notes.join("\n").contains("no drive"));
+    assert_says(&refusal(Form::Pyslvs, "M[J[R, P[0, 0], L[ground, a]]"), &["not closed"]);
+    assert_says(&refusal(Form::Pyslvs, "M[J[Q, P[0, 0], L[ground, a]]]"), &["joint 1", "R, P or RP"]);
+    assert_says(&refusal(Form::Table, "type,x,y\nR,0,0\n"), &["no column \"links\""]);
+    assert_says(&refusal(Form::Table, "type,x,y,links\nR,0,b,ground a\n"), &["line 2", "\"b\" is no number"]);
+    let far = table.replace("-0.4,0", "-1e308,1e308");
+    assert_says(&refusal(Form::Table, &far), &["bodies.link_2.", "is not finite", "choose larger units"]);
+}
+
+/// The slider-crank upright in the plane of x and z, its rod a capsule, its slider on a damped slide with a spring.
+const MJCF: &str = r#"<mujoco model="crank">
+  <compiler angle="radian"/>
+  <option gravity="0 0 -9.81"/>
+  <worldbody>
+    <body name="crank" pos="0 0 0">
+      <joint name="bearing" type="hinge" axis="0 -1 0"/>
+      <inertial pos="0.04 0 0.03" mass="1.5" diaginertia="0.001 0.002 0.001"/>
+      <body name="rod" pos="0.08 0 0.06">
+        <joint name="pin" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 0.28 0 -0.06" size="0.01" density="2000"/>
+      </body>
+    </body>
+    <body name="slider" pos="0.36 0 0">
+      <joint name="guide" type="slide" axis="1 0 0" damping="3" stiffness="40" springref="0.02"/>
+      <geom type="box" size="0.02 0.02 0.02" mass="0.7"/>
+      <site name="mark"/>
+    </body>
+  </worldbody>
+  <equality><connect body1="rod" body2="slider" anchor="0.28 0 -0.06"/></equality>
+  <actuator><motor joint="bearing"/></actuator>
+</mujoco>"#;
+
+#[test]
+fn mjcf() {
+    let mut hand = slider_crank();
+    let (h, r) = (f64::hypot(0.28, 0.06), 0.01f64);
+    let pi = std::f64::consts::PI;
+    let (cylinder, balls) = (2000.0 * pi * r * r * h, 2000.0 * 4.0 / 3.0 * pi * r * r * r);
+    // Half a ball has its centre 3/8 r off its flat side, and 83/320 m r^2 about it.
+    let half = 0.5 * balls;
+    let of_half = half * (83.0 / 320.0 * r * r + (0.5 * h + 0.375 * r).powi(2));
+    let inertia = cylinder * (h * h / 12.0 + r * r / 4.0) + 2.0 * of_half;
+    hand["gravity"] = json!({ "acceleration": 9.81, "up_angle": 0.5 * pi });
+    hand["bodies"]["crank"] = json!({ "length": 0.1, "mass": 1.5, "center": [0.05, 0], "inertia": 0.002 });
+    hand["bodies"]["rod"] =
+        json!({ "length": h, "mass": cylinder + balls, "center": [0.5 * h, 0], "inertia": inertia });
+    hand["bodies"]["slider"] = json!({ "mass": 0.7 });
+    hand["springs"] = json!({ "spring": { "joint": "guide", "stiffness": 40, "damping": 3, "free_length": 0.38 } });
+    let pairs = [
+        ("crank.speed", "crank.speed", 0.0),
+        ("rod.speed", "rod.speed", 0.0),
+        ("guide.position", "guide.position", 0.36),
+    ];
+    let inputs = [("bearing_drive.torque", 0.8), ("motor.torque", 0.8)];
+    let notes = compare(Form::Mjcf, MJCF, &hand, inputs, &pairs);
+    assert_says(&notes.join("\n"), &["sites"]);
+    for (from, to, words) in [
+        ("axis=\"0 1 0\"", "axis=\"1 1 0\"", &["pin", "planar"][..]),
+        ("type=\"slide\"", "type=\"ball\"", &["ball", "line 14", "guide"]),
+        ("<option", "<include file=\"a.xml\"/><option", &["include"]),
+        ("body2=\"slider\"", "body2=\"slyder\"", &["slyder", "no such body"]),
+        ("mass=\"0.7\"", "mass=\"x\"", &["mass", "no number"]),
+    ] {
+        assert_says(&refusal(Form::Mjcf, &MJCF.replace(from, to)), words);
+    }
+    assert_says(&refusal(Form::Mjcf, "<mujoco"), &["no XML"]);
+    for (geom, told) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
+        let text = format!(
+            "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" {geom}/></body></worldbody></mujoco>"
+        );
+        assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be below 0"]);
+    }
+    let (open, close) = ("<body>".repeat(20_000), "</body>".repeat(20_000));
+    let deep = format!("<mujoco><worldbody>{open}{close}</worldbody></mujoco>");
+    assert_says(&refusal(Form::Mjcf, &deep), &["at most 1000 are taken"]);
+}
+
+/// A pendulum with a bob fixed to it, turned by its origins.
+const URDF: &str = r#"<robot name="pendulum">
+  <link name="base"/>
+  <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/><inertia ixx="0.01" iyy="0.02" izz="0.001"/></inertial></link>
+  <link name="bob"><inertial><mass value="2"/><inertia ixx="0.003" iyy="0.003" izz="0.003"/></inertial></link>
+  <joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0.1 0 1" rpy="0 0.4 0"/>
+    <axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="1" velocity="1"/><dynamics damping="0.05"/></joint>
+  <joint name="weld" type="fixed"><parent link="arm"/><child link="bob"/><origin xyz="0 0 -0.4" rpy="1.5708 0 0"/></joint>
+</robot>"#;
+
+#[test]
+fn urdf() {
+    let imported = import(Form::Urdf, "Imported", URDF).unwrap();
+    assert_says(&imported.notes.join("\n"), &["base", "gravity"]);
+    let mut definition: Value = serde_json::from_str(&imported.definition).unwrap();
+    definition["start"]["equilibrium"] = json!(true);
+    let mut model = Component::from_definition("mechanism.json", &definition.to_string()).unwrap();
+    let find = |name: &str| model.interface().find(name).unwrap();
+    let (coordinate, held_by) = (find("arm.angle"), None);
+    let what = Linearisation { coordinate, inputs: vec![find("swing_drive.torque")], outputs: Vec::new(), held_by };
+    let at = model.linearise_here(&what).unwrap();
+    // About the joint: the arm's own 0.02 with 0.5 kg at 0.2 m, the bob's 0.003 with 2 kg at 0.4 m.
+    let inertia: f64 = 0.02 + 0.5 * 0.04 + 0.003 + 2.0 * 0.16;
+    let omega = (9.81 * (0.5 * 0.2 + 2.0 * 0.4) / inertia).sqrt();
+    assert!((at.omega - omega).abs() < 1e-6, "{} {omega}", at.omega);
+    assert!((at.damping_ratio - 0.05 / (2.0 * inertia * omega)).abs() < 1e-9);
+    assert!((at.b[0][1].abs() - 1.0 / inertia).abs() < 1e-6);
+    // It hangs 0.4 rad from where it is drawn, and its stops lie 1 and 2 rad from there.
+    assert!((at.coordinate.abs() - 0.4).abs() < 1e-9, "{}", at.coordinate);
+    let mut angles: Vec<f64> =
+        definition["stops"].as_object().unwrap().values().map(|s| s["angle"].as_f64().unwrap()).collect();
+    angles.sort_by(f64::total_cmp);
+    let expected = if at.coordinate > 0.0 { [-2.0, 1.0] } else { [-1.0, 2.0] };
+    assert_eq!(angles, expected);
+    let copied = URDF.replace("<dynamics", "<mimic joint=\"weld\"/><dynamics");
+    assert_says(&refusal(Form::Urdf, &copied), &["mimic", "swing"]);
+    assert_says(&refusal(Form::Urdf, &URDF.replace("revolute", "floating")), &["floating", "swing"]);
+    assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["URDF begins with <robot>"]);
+    let negative = URDF.replacen("<mass value=\"", "<mass value=\"-", 1);
+    assert_ne!(negative, URDF);
+    assert_says(&refusal(Form::Urdf, &negative), &["<mass>", "must not be below 0"]);
+}

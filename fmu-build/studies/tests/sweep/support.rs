@@ -1,0 +1,108 @@
+//! Studies of the landing gear in folders of their own, and their rows.
+
+use fmu_build::workspace::Workspace;
+use fmu_studies::simulate;
+use fmu_studies::sweep::{self, Arguments};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::{env, fs, process};
+
+/// A folder that is removed with all that is in it.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    pub fn new(test: &str) -> Self {
+        let path = env::temp_dir().join(format!("fmu-build-sweep-{}-{test}", process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// A study of the landing gear with these sections besides.
+    pub fn study(&self, name: &str, mut study: Value) -> PathBuf {
+        let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
+        study.as_object_mut().unwrap().entry("mechanism").or_insert(json!(gear));
+        let path = self.0.join(name);
+        fs::write(&path, study.to_string()).unwrap();
+        path
+    }
+
+    /// Make the study; its rows.
+    pub fn rows(&self, study: Value) -> Rows {
+        let study = self.study("study.json", study);
+        let out = self.0.join("out");
+        let _ = fs::remove_dir_all(&out);
+        sweep(&study, &out, 2).unwrap();
+        Rows::read(&out.join("runs.csv"))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Make a study with so many threads.
+pub fn sweep(study: &Path, out: &Path, threads: u16) -> anyhow::Result<simulate::Outcome> {
+    let (study, out) = (study.to_path_buf(), Some(out.to_path_buf()));
+    let arguments = Arguments { study, out, csv: true, threads: Some(threads), ..Default::default() };
+    sweep::run(&Workspace::locate(), &arguments)
+}
+
+/// A table.
+pub struct Rows {
+    pub names: HashMap<String, usize>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Rows {
+    pub fn read(path: &Path) -> Self {
+        let mut reader = csv::Reader::from_path(path).unwrap();
+        let names = reader.headers().unwrap().iter().map(String::from).zip(0..).collect();
+        let rows = reader.records().map(|row| row.unwrap().iter().map(String::from).collect()).collect();
+        Self { names, rows }
+    }
+
+    pub fn text(&self, row: usize, name: &str) -> &str {
+        &self.rows[row][self.names[name]]
+    }
+
+    pub fn number(&self, row: usize, name: &str) -> f64 {
+        self.text(row, name).parse().unwrap()
+    }
+
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        (0..self.rows.len()).map(|row| self.number(row, name)).collect()
+    }
+}
+
+/// The rows of `cargo fmu simulate` with these start values.
+pub fn simulated(folder: &Folder, values: &[String], stop: f64, interval: f64, inputs: Option<PathBuf>) -> Rows {
+    let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
+    simulated_of(folder, &gear, values, (stop, interval), inputs)
+}
+
+/// The rows of `cargo fmu simulate` of this mechanism.
+pub fn simulated_of(
+    folder: &Folder,
+    mechanism: &Path,
+    values: &[String],
+    (stop, interval): (f64, f64),
+    inputs: Option<PathBuf>,
+) -> Rows {
+    let file = folder.0.join("simulated.csv");
+    let arguments = simulate::Arguments {
+        path: mechanism.to_path_buf(),
+        stop_time: Some(stop),
+        output_interval: Some(interval),
+        start_values: values.to_vec(),
+        set_input_derivatives: inputs.is_some(),
+        input_file: inputs,
+        output_file: Some(file.clone()),
+        ..Default::default()
+    };
+    simulate::run(&Workspace::locate(), &arguments).unwrap();
+    Rows::read(&file)
+}
