@@ -3,8 +3,9 @@
 //! In: the text of a definition file, values by reference, steps. Out: what describes the model, values, saved states,
 //! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
-//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS` and `INSPECTORS`, and one arm in
-//! each `match` of this module. Its model has methods of the same names, whose errors convert to [`Refused`].
+//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS` and `INSPECTORS`,
+//! and one arm in each `match` of this module. Its model has methods of the same names, whose errors convert to
+//! [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {
@@ -166,8 +167,8 @@ impl Component {
         }
     }
 
-    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on
-    /// this stop and the time of the last one [s]. None for any other variable.
+    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts
+    /// on this stop and the time of the last one [s]. None for any other variable.
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         match self {
             Self::Mechanism(model) => model.impacts_of(flag),
@@ -236,12 +237,12 @@ impl Component {
         fn check_text(self: &Self, reference: Reference, value: &str) -> ();
         /// Set an Enumeration by the name of an item, as [`Self::set_real`] does. Refused also: none of the names.
         fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
-        /// Give tunable parameters new values between two steps; each is one that [`Self::check_real`] accepts, all that
-        /// [`Self::check_together`] accepts, and other variables are passed over. Refused: the values give no law.
+        /// Give tunable parameters new values between two steps; each is one that [`Self::check_real`] accepts, all
+        /// that [`Self::check_together`] accepts, and other variables are passed over. Refused: the values give no law.
         fn tune(self: &mut Self, references: &[Reference], values: &[f64]) -> ();
 
-        /// Time derivative of this order of a continuous output; NaN where there is none in this state. Refused: no such
-        /// output, or the order is too high.
+        /// Time derivative of this order of a continuous output; NaN where there is none in this state. Refused: no
+        /// such output, or the order is too high.
         fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;
         /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
         fn check_input_derivative(self: &Self, reference: Reference, order: i32, value: f64) -> ();

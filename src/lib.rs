@@ -4,9 +4,10 @@
 //! parametrised by its length sigma in the kinetic metric, T = sigma_dot^2 / 2; influences of loads, coordinates and
 //! reactions are tabulated along it; a step integrates sigma_ddot = sum of load sizes times influences.
 //!
-//! From low to high, each layer knowing those before it only: [`numerics`], [`codec`], [`variables`], [`format`], [`inspection`],
-//! [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model; [`simulation`], its
-//! variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0; [`fmi3`], FMI 3.0.
+//! From low to high, each layer knowing those before it only: [`numerics`], [`codec`], [`variables`], [`format`],
+//! [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model;
+//! [`simulation`], its variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0;
+//! [`fmi3`], FMI 3.0.
 //!
 //! # Notation
 //! SI units; angles in rad, anticlockwise positive; the mechanism frame is fixed to the ground. theta, omega, alpha: an

@@ -53,7 +53,8 @@ impl fmt::Display for SimulationError {
             Self::Span { span, step } => {
                 write!(
                     f,
-                    "a run of {span} s in steps of {step} s: both must be finite and > 0, with at most {MOST_STEPS:e} steps"
+                    "a run of {span} s in steps of {step} s: both must be finite and > 0, with at most {MOST_STEPS:e} \
+                     steps"
                 )
             }
             Self::Model(error) => error.fmt(f),
@@ -188,8 +189,8 @@ impl Simulation {
         Ok(self.model.variables().get(reference).map_or("", |variable| variable.details.items[item]))
     }
 
-    /// Set an input or a parameter. Within a run, a tunable parameter changes the laws from now on; any other ends the run:
-    /// outputs are then those at the start, and the next step needs [`Self::initialize`].
+    /// Set an input or a parameter. Within a run, a tunable parameter changes the laws from now on; any other ends the
+    /// run: outputs are then those at the start, and the next step needs [`Self::initialize`].
     ///
     /// # Errors
     /// No variable has this name, it is of another kind or an output, or the value is out of range.

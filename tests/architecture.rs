@@ -151,3 +151,24 @@ fn trees_of_imports_are_expanded() {
     let all: Vec<_> = imports("x::y::z", code).into_iter().collect();
     assert_eq!(all, ["a::B", "a::c::E", "a::c::d", "i::j", "x::f::G"]);
 }
+
+/// Lines of Rust have at most 120 columns: rustfmt leaves comments, texts and macros as they are.
+#[test]
+fn lines_have_at_most_120_columns() {
+    let mut found = Vec::new();
+    for folder in ["src", "fmu-build", "tests", "validation", "examples"] {
+        let mut folders = vec![root().join(folder)];
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+                if entry.is_dir() {
+                    folders.push(entry);
+                } else if entry.extension().is_some_and(|ending| ending == "rs") {
+                    let text = fs::read_to_string(&entry).unwrap();
+                    let wide = text.lines().zip(1..).filter(|(line, _)| line.chars().count() > 120);
+                    found.extend(wide.map(|(_, number)| format!("{}:{number}", entry.display())));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "lines over 120 columns:\n{}", found.join("\n"));
+}

@@ -24,8 +24,8 @@ pub struct Entry {
     pub content: Vec<u8>,
 }
 
-/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all. Any number of programs may do so
-/// at the same time.
+/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all. Any number of programs may do
+/// so at the same time.
 ///
 /// # Errors
 /// Two entries have one name or names that differ by case only, a name is none on some system, or the folder or the

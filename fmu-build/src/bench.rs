@@ -93,7 +93,8 @@ fn delayed(workspace: &Workspace) -> Result<PathBuf> {
     Ok(out.join(NAME).with_extension("fmu"))
 }
 
-/// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built again.
+/// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built
+/// again.
 fn fmi_sim(workspace: &Workspace) -> Result<PathBuf> {
     const CRATE: &str = "fmi-sim@0.7.0";
     let root = workspace.target("importers").join("fmi-sim");

@@ -132,8 +132,8 @@ impl Binary {
         self.folder
     }
 
-    /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that the
-    /// file holds; none of FMI 3.0 if the library has not its functions.
+    /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that
+    /// the file holds; none of FMI 3.0 if the library has not its functions.
     pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
         let Platform { tuples, architectures, .. } = self.platform;
         let holds = |architecture: &'static Architecture| {

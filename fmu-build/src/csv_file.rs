@@ -1,7 +1,7 @@
 //! CSV files that a user writes: inputs over time, points of a study.
 //!
-//! In: a path. Out: the names of the columns and the lines, without blanks around and without an editor's byte order mark.
-//! It must not know what a column means.
+//! In: a path. Out: the names of the columns and the lines, without blanks around and without an editor's byte order
+//! mark. It must not know what a column means.
 
 use anyhow::{Context, Result, bail};
 use std::fs::File;
@@ -25,7 +25,8 @@ pub fn open(path: &Path) -> Result<(csv::Reader<File>, Vec<String>)> {
     let names: Vec<String> = header.iter().map(name).collect();
     if let Some(separator) = names.first().and_then(|first| first.chars().find(|c| SEPARATORS.contains(*c))) {
         bail!(
-            "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a point"
+            "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a \
+             point"
         );
     }
     Ok((reader, names))

@@ -15,8 +15,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const BLOCK: u64 = 1 << 20;
 /// End of the name of a file that is being written.
 const PARTIAL: &str = ".partial";
-/// Most names that are tried for a file that is being written; one is taken by each run of the same number that was killed
-/// on a file system without locks.
+/// Most names that are tried for a file that is being written; one is taken by each run of the same number that was
+/// killed on a file system without locks.
 const ATTEMPTS: usize = 1000;
 /// Number of the next file that this program writes: no two have one name.
 static NEXT: AtomicUsize = AtomicUsize::new(0);
@@ -83,7 +83,8 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     fs::read(path).with_context(|| format!("{shown}: cannot be read"))
 }
 
-/// Copy a file, or a folder with all that is in it but for what programs make there: `target` of Cargo, `__pycache__` of Python.
+/// Copy a file, or a folder with all that is in it but for what programs make there: `target` of Cargo, `__pycache__`
+/// of Python.
 ///
 /// # Errors
 /// Something cannot be read or written.

@@ -1,5 +1,5 @@
-//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each entry has a header of its
-//! own too: readers that unpack while they receive see the second, all others the first.
+//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each entry has a header of
+//! its own too: readers that unpack while they receive see the second, all others the first.
 //!
 //! In: the bytes of a zip. Out: entries that stand twice, and those whose two headers differ.
 
@@ -49,7 +49,8 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
         let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
         if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {
             faults.push(format!(
-                "{shown}: its {what} in the list of the archive is not that of its own header, so that hosts read different \
+                "{shown}: its {what} in the list of the archive is not that of its own header, so that hosts read \
+                 different \
                  files; pack the FMU again"
             ));
         }

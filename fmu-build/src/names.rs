@@ -24,7 +24,8 @@ const NUMBERED_DEVICES: [&str; 2] = ["COM", "LPT"];
 pub fn check(path: &str) -> Result<()> {
     if path.starts_with('/') || path.split('/').any(|name| name == "..") {
         bail!(
-            "{}: the path leads out of the folder into which the FMU is unpacked, and could overwrite other files there; \
+            "{}: the path leads out of the folder into which the FMU is unpacked, and could overwrite other files \
+             there; \
              remove this entry",
             path.escape_debug()
         );

@@ -1,4 +1,5 @@
-//! What a library of an FMU needs of the machine that loads it: on Linux a version of glibc, on Windows other libraries.
+//! What a library of an FMU needs of the machine that loads it: on Linux a version of glibc, on Windows other
+//! libraries.
 //!
 //! In: the bytes of a library. Out: the newest version of glibc that it asks for with the functions that do so, or the
 //! libraries that Windows does not bring along.

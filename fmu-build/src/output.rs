@@ -1,8 +1,8 @@
 //! What the commands print, through `print!` and its like, which stand here in the place of those of std.
 //!
-//! In: texts. Out: standard output and standard error. A closed pipe takes no more text and is no fault, so that a task is
-//! done whole whoever reads of it; a full disk fails the command at its end. Control characters, which could move the
-//! cursor of a terminal, are printed as escapes.
+//! In: texts. Out: standard output and standard error. A closed pipe takes no more text and is no fault, so that a task
+//! is done whole whoever reads of it; a full disk fails the command at its end. Control characters, which could move
+//! the cursor of a terminal, are printed as escapes.
 
 use anyhow::{Result, bail};
 use std::fmt::{Arguments, Write as _};

@@ -1,5 +1,5 @@
-//! The platforms whose libraries are built here, and what is missing on this machine for the others. An installation takes
-//! those that came with it.
+//! The platforms whose libraries are built here, and what is missing on this machine for the others. An installation
+//! takes those that came with it.
 //!
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
@@ -124,11 +124,12 @@ enum Way {
     Taken(PathBuf),
 }
 
-/// Build a library for each platform asked for, or take the one that came with the program; with `--available` for those that can be built here.
+/// Build a library for each platform asked for, or take the one that came with the program; with `--available` for
+/// those that can be built here.
 ///
 /// # Errors
-/// A platform cannot be built here or did not come with the program, told for all of them before anything is built; a build
-/// fails.
+/// A platform cannot be built here or did not come with the program, told for all of them before anything is built; a
+/// build fails.
 pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
     let mut wanted = wanted(arguments);
     if wanted.is_empty() {

@@ -128,7 +128,8 @@ mod tests {
             "Stands at `springs.<name>.gas`.",
             "Stands at `couplings.<name>.segments[i]`.",
             "Stands at `actuators.<name>.hydraulics.fluid`.",
-            "| `stiffness` | number | N/m or N.m/rad | a finite number >= 0 | `0.0` | fixed | Stiffness [N/m or N.m/rad], >= 0. |",
+            "| `stiffness` | number | N/m or N.m/rad | a finite number >= 0 | `0.0` | fixed | Stiffness [N/m or \
+             N.m/rad], >= 0. |",
             "| `restitution` | number | 1 | a number from 0 to 1 | `0.0` | tunable |",
             "| `type` | `revolute`, `prismatic` |  |  | must be given |  | Kind of joint.",
             "| `start` | `equilibrium`, or [start](#start) |",

@@ -1,8 +1,8 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
 //! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
-//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed: `report.md`,
-//! `report.html` and `figures/`, in `validation/` by default.
+//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed:
+//! `report.md`, `report.html` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, ssp, view};

@@ -1,7 +1,8 @@
-//! Parameters that several definitions share: the contents of the file that a definition names take the place of its path.
+//! Parameters that several definitions share: the contents of the file that a definition names take the place of its
+//! path.
 //!
-//! In: the text of a definition and its path. Out: a text that needs no other file, in which all else keeps its line. It must
-//! not know what the parameters mean.
+//! In: the text of a definition and its path. Out: a text that needs no other file, in which all else keeps its line.
+//! It must not know what the parameters mean.
 
 use crate::files;
 use anyhow::{Context, Result, bail};

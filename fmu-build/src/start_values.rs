@@ -9,8 +9,8 @@ use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
 /// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
 ///
 /// # Errors
-/// A name without a value, one that no variable has or that stands twice; a value that is none of its kind, or in another
-/// unit.
+/// A name without a value, one that no variable has or that stands twice; a value that is none of its kind, or in
+/// another unit.
 pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, Value)>> {
     let mut values: Vec<(Reference, Value)> = Vec::new();
     for (name, text) in pairs(words)? {
@@ -58,8 +58,9 @@ pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// Most Reals that are set in one call. Those of a mechanism are set together, as a number by an expression may follow from
-/// several; those of a hydraulic actuator one after the other, as what one is checked against may depend on one before.
+/// Most Reals that are set in one call. Those of a mechanism are set together, as a number by an expression may follow
+/// from several; those of a hydraulic actuator one after the other, as what one is checked against may depend on one
+/// before.
 pub fn most_together(model: &Component) -> usize {
     match model {
         Component::Mechanism(_) => usize::MAX,

@@ -1,5 +1,5 @@
-//! A task of the command line. Exit codes: 0 done, 1 refused with one line or with what `check` has found, 2 wrong usage,
-//! 130 stopped by Ctrl-C.
+//! A task of the command line. Exit codes: 0 done, 1 refused with one line or with what `check` has found, 2 wrong
+//! usage, 130 stopped by Ctrl-C.
 
 use crate::workspace::Workspace;
 use crate::{bench, chain, check, dist, docs, info, output, package, report, test, validate, view};

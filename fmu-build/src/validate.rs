@@ -223,7 +223,8 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
     if let Some(first) = starts.first() {
         let more = if starts.len() > 1 { format!(" and {} more", starts.len() - 1) } else { String::new() };
         found.warnings.push(format!(
-            "{shown}: the start value of {first}{more} differs between description and definition; hosts show the first, and \
+            "{shown}: the start value of {first}{more} differs between description and definition; hosts show the \
+             first, and \
              the FMU starts from the second; pack it again"
         ));
     }

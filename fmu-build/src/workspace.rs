@@ -1,5 +1,5 @@
-//! Where things are. The only part that knows the layout of the repository, and that of an installation, which has the parts of
-//! the repository that tasks read in the same places, with libraries that are built.
+//! Where things are. The only part that knows the layout of the repository, and that of an installation, which has the
+//! parts of the repository that tasks read in the same places, with libraries that are built.
 
 use crate::binary;
 use anyhow::{Context, Result, bail};
@@ -103,8 +103,8 @@ impl Workspace {
         Ok(folders)
     }
 
-    /// Whether this folder is where the descriptions of FMUs are kept beside their definitions: `modelDescription/` of the
-    /// repository.
+    /// Whether this folder is where the descriptions of FMUs are kept beside their definitions: `modelDescription/` of
+    /// the repository.
     pub fn keeps_descriptions(&self, folder: &Path) -> bool {
         !self.is_installed && self.descriptions().canonicalize().is_ok_and(|own| own == folder)
     }
@@ -114,14 +114,14 @@ impl Workspace {
         self.output("fmu")
     }
 
-    /// Where results of this kind are written when no other folder is named: in `target/` of the repository; for an installed
-    /// program here.
+    /// Where results of this kind are written when no other folder is named: in `target/` of the repository; for an
+    /// installed program here.
     pub fn output(&self, kind: &str) -> PathBuf {
         if self.is_installed { PathBuf::from(".") } else { self.target(kind) }
     }
 
-    /// A folder of what is made on the way: Python's virtual environments, what benchmarks keep. An installed program has it
-    /// in the user's folder for such things.
+    /// A folder of what is made on the way: Python's virtual environments, what benchmarks keep. An installed program
+    /// has it in the user's folder for such things.
     pub fn target(&self, name: &str) -> PathBuf {
         let folder = match self.is_installed {
             true => dirs::cache_dir().unwrap_or_else(env::temp_dir).join(installed::PROGRAM),

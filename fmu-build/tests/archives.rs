@@ -10,7 +10,8 @@ use zip::write::SimpleFileOptions;
 
 /// An FMU of another program, which a host builds of its source; its name would colour a terminal.
 const DESCRIPTION: &str = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"\u{1b}[31mBall\" \
-    guid=\"{1}\" generationTool=\"Another\"><ModelExchange modelIdentifier=\"ball\"/><ModelVariables/></fmiModelDescription>";
+    guid=\"{1}\" generationTool=\"Another\"><ModelExchange \
+    modelIdentifier=\"ball\"/><ModelVariables/></fmiModelDescription>";
 
 fn zip(path: &Path, entries: &[(&str, &str)]) {
     let mut zip = ZipWriter::new(fs::File::create(path).unwrap());

@@ -269,7 +269,8 @@ fn the_icon_of_a_flat_start_shows_another_position() {
     // The gear's crank, coupler and follower on one line have no height.
     let flat = json!({
         "name": "Flat",
-        "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 1.0, "shape": "uniform_rod" }, "slider": { "mass": 1.0 },
+        "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 1.0, "shape": "uniform_rod" }, "slider": {
+            "mass": 1.0 },
                     "crank": { "length": 0.5, "mass": 1.0, "shape": "uniform_rod" } },
         "joints": {
             "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },

@@ -1,7 +1,7 @@
 //! A file of named sections of bytes, each read when it is asked for.
 //!
-//! In: names and bytes, and a key that tells what they were made of. Out: the bytes of a file; or the sections of such a
-//! file again, each with its check sum. It must not know what the sections mean.
+//! In: names and bytes, and a key that tells what they were made of. Out: the bytes of a file; or the sections of such
+//! a file again, each with its check sum. It must not know what the sections mean.
 //!
 //! Little-endian layout: magic (8 bytes), key (16), number of sections (8), check sum of all these and of the directory
 //! (8); the directory, for each section the hash of its name, its offset, its length, its check sum (8 each); sections.

@@ -1,13 +1,14 @@
-//! Directional derivatives of a component: by inputs in a state of motion, by parameters too before the initialisation ends.
+//! Directional derivatives of a component: by inputs in a state of motion, by parameters too before the initialisation
+//! ends.
 //!
-//! In: unknowns, knowns, seeds. Out: derivatives: exact along inputs, by differences of whole models along parameters, 0 of
-//! and along what does not change a little. It must not know any law.
+//! In: unknowns, knowns, seeds. Out: derivatives: exact along inputs, by differences of whole models along parameters,
+//! 0 of and along what does not change a little. It must not know any law.
 use super::{Component, Refused};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Causality, Kind, Reference, Unit, Variable};
 
-/// First change of a known for a difference, relative to its value. Differences at h and h / 2 are extrapolated, so that the
-/// error is about h^4 of what the fifth derivative gives, and rounding over h.
+/// First change of a known for a difference, relative to its value. Differences at h and h / 2 are extrapolated, so
+/// that the error is about h^4 of what the fifth derivative gives, and rounding over h.
 const STEP: f64 = 1e-3;
 /// How often the change is made four times smaller where a changed model has no start.
 const TRIALS: usize = 6;
@@ -16,9 +17,9 @@ const TRIALS: usize = 6;
 type Values = Vec<f64>;
 
 impl Component {
-    /// For each unknown the sum over the knowns of the partial derivative times the seed, at the present state; `report` is
-    /// called once for each unknown, with its index, and with NaN where there is no derivative. `is_initial`:
-    /// initialization mode has not ended, so that parameters are knowns too.
+    /// For each unknown the sum over the knowns of the partial derivative times the seed, at the present state;
+    /// `report` is called once for each unknown, with its index, and with NaN where there is no derivative.
+    /// `is_initial`: initialization mode has not ended, so that parameters are knowns too.
     ///
     /// Booleans and Enumerations do not change a little: the derivative of and along one is 0.
     ///
@@ -56,8 +57,8 @@ impl Component {
         each!(self, model => Ok(model.directional_derivative(unknowns, knowns, seeds, report)?))
     }
 
-    /// Whether a derivative of initial values follows from differences: one by a parameter, of a calculated parameter or of a
-    /// state, or by inputs that decide the start.
+    /// Whether a derivative of initial values follows from differences: one by a parameter, of a calculated parameter
+    /// or of a state, or by inputs that decide the start.
     fn takes_differences(&self, unknowns: &[Reference], knowns: &[Reference]) -> bool {
         let of = |reference: &Reference| self.interface().get(*reference);
         let states = self.continuous_time().map_or_else(Vec::new, |all| [all.states, all.derivatives].concat());

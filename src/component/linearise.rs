@@ -1,7 +1,7 @@
 //! Linearisation of a component along its travel.
 //!
-//! In: a component, a coordinate, inputs, outputs. Out: matrices, eigenfrequencies, equilibria. It must not know how they
-//! are found.
+//! In: a component, a coordinate, inputs, outputs. Out: matrices, eigenfrequencies, equilibria. It must not know how
+//! they are found.
 use super::{Component, Refused};
 pub use crate::mechanism::{Linearisation, Linearised};
 
@@ -28,8 +28,8 @@ impl Component {
         }
     }
 
-    /// The coordinate that states the start or else the first: the output whose value and rate are the natural state of a
-    /// linearisation. None without a travel.
+    /// The coordinate that states the start or else the first: the output whose value and rate are the natural state of
+    /// a linearisation. None without a travel.
     pub fn natural_coordinate(&self) -> Option<crate::variables::Reference> {
         let variables = match self {
             Self::Mechanism(model) => model.variables(),

@@ -86,7 +86,8 @@ impl Component {
         self.step_from(None, h)
     }
 
-    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as `solver.max_steps` allows.
+    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as
+    /// `solver.max_steps` allows.
     ///
     /// # Errors
     /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads

@@ -1,7 +1,7 @@
 //! Tables kept beside a definition, so that an instance need not make them.
 //!
-//! In: a component and the text of its definition; or a file of tables. Out: the file's bytes; or the component. The file is
-//! of one text and one version: any other is told and made anew, and none is needed.
+//! In: a component and the text of its definition; or a file of tables. Out: the file's bytes; or the component. The
+//! file is of one text and one version: any other is told and made anew, and none is needed.
 use super::{Component, Refused};
 use crate::codec::checksum::fnv1a_128;
 use crate::codec::sections::{self, Sections};
@@ -20,8 +20,9 @@ fn key(text: &str) -> u128 {
 }
 
 impl Component {
-    /// The component that the definition file of this name and text describes, with the tables in `folder`, if there are
-    /// any of this definition; and a remark if there are others. What it answers is the same with tables and without.
+    /// The component that the definition file of this name and text describes, with the tables in `folder`, if there
+    /// are any of this definition; and a remark if there are others. What it answers is the same with tables and
+    /// without.
     ///
     /// # Errors
     /// As [`Component::from_definition`].
@@ -30,7 +31,8 @@ impl Component {
             Ok(sections) => Ok((Self::construct(file, text, sections.map(Arc::new))?, None)),
             Err(why) => {
                 let remark = format!(
-                    "'{}' {why}: its tables are made anew, which takes longer; package the model again, or remove the file",
+                    "'{}' {why}: its tables are made anew, which takes longer; package the model again, or remove the \
+                     file",
                     folder.join(TABLES).display()
                 );
                 Ok((Self::from_definition(file, text)?, Some(remark)))

@@ -37,7 +37,8 @@ impl Clock {
     /// Clock of an experiment from `start` [s], of any sign, to `stop` [s], if the stop time is defined.
     ///
     /// # Errors
-    /// `start` or `stop` is not finite, or `stop` is before `start`. At `stop` = `start` an instance is initialised only.
+    /// `start` or `stop` is not finite, or `stop` is before `start`. At `stop` = `start` an instance is initialised
+    /// only.
     pub fn new(start: f64, stop: Option<f64>) -> Result<Self, Refusal> {
         if !start.is_finite() {
             return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));

@@ -12,8 +12,8 @@ use crate::variables::{Kind, Reference};
 use std::mem::MaybeUninit;
 
 impl Instance {
-    /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives the
-    /// component tells why.
+    /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives
+    /// the component tells why.
     fn must_exist<'a>(&self, mut references: impl Iterator<Item = &'a Reference>) -> Result<(), Refusal> {
         let interface = self.component.interface();
         let missing = references.find(|&&reference| interface.get(reference).is_none());
@@ -45,8 +45,8 @@ impl Instance {
         }
     }
 
-    /// For each known the sum over the unknowns of the seed times the partial derivative; NaN, with a warning, where one
-    /// of these has none in this state, or where the sum is beyond the largest number. A seed must be finite.
+    /// For each known the sum over the unknowns of the seed times the partial derivative; NaN, with a warning, where
+    /// one of these has none in this state, or where the sum is beyond the largest number. A seed must be finite.
     pub fn adjoint_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -84,8 +84,8 @@ impl Instance {
         }
     }
 
-    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part. NaN, with a warning,
-    /// where an output has none in this state.
+    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part. NaN, with a
+    /// warning, where an output has none in this state.
     pub fn output_derivatives(
         &mut self,
         references: &[Reference],

@@ -1,8 +1,8 @@
-//! Event mode of an instance: what the host makes use of, and the way from step mode or continuous-time mode to event mode
-//! and back.
+//! Event mode of an instance: what the host makes use of, and the way from step mode or continuous-time mode to event
+//! mode and back.
 //!
-//! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know what
-//! an event is.
+//! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know
+//! what an event is.
 
 use super::instance::Instance;
 use super::phase::Phase;

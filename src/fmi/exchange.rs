@@ -1,7 +1,7 @@
 //! Model exchange of an instance: time, states and derivatives for the host's own solver.
 //!
-//! In: checked slices and plain numbers, in their phases. Out: values, or a refusal that leaves the instance unchanged. It
-//! must not know what a state is.
+//! In: checked slices and plain numbers, in their phases. Out: values, or a refusal that leaves the instance unchanged.
+//! It must not know what a state is.
 
 use super::event_mode::Usage;
 use super::instance::Instance;

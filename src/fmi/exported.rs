@@ -1,8 +1,8 @@
-//! How a version of FMI writes its exported functions: in 1 to 4 lines each over an instance. Those of model exchange, which
-//! FMI 2.0 and 3.0 have alike but for some names, are written here.
+//! How a version of FMI writes its exported functions: in 1 to 4 lines each over an instance. Those of model exchange,
+//! which FMI 2.0 and 3.0 have alike but for some names, are written here.
 //!
-//! In: names, arguments, phases, work. Out: functions of the C interface, and their table. It must not know any function
-//! whose arguments or meaning differ between versions.
+//! In: names, arguments, phases, work. Out: functions of the C interface, and their table. It must not know any
+//! function whose arguments or meaning differ between versions.
 
 /// Exported functions that take an instance: name, further arguments, phases in which the call is legal, and the work
 /// on the instance `i`. The work is done in an unsafe block: a comment states what it relies on beyond a valid
@@ -15,7 +15,8 @@ macro_rules! exported {
             #[allow(missing_docs)]
             pub unsafe extern "C" fn $name(c: Component $(, $argument: $type)*) -> Status {
                 const FUNCTION: Function = Function::new(stringify!($name), $legal);
-                // SAFETY: the instance is valid (FMI 2.0.5, 2.1.5; FMI 3.0.2, 2.2.1); for the other arguments see the function.
+                // SAFETY: the instance is valid (FMI 2.0.5, 2.1.5; FMI 3.0.2, 2.2.1); for the other arguments see the
+                // function.
                 unsafe { handle::call(c, &FUNCTION, |$i| $work) }.into()
             }
         )*
@@ -25,8 +26,8 @@ macro_rules! exported {
     };
 }
 
-/// Exported functions of model exchange (FMI 2.0.5, 3.2; FMI 3.0.2, 3.2) under the names that a version gives them, and the
-/// version's own functions after these. The type `Boolean` too is that of the version in scope.
+/// Exported functions of model exchange (FMI 2.0.5, 3.2; FMI 3.0.2, 3.2) under the names that a version gives them, and
+/// the version's own functions after these. The type `Boolean` too is that of the version in scope.
 macro_rules! exported_exchange {
     (
         $enter:ident, $completed:ident, $time:ident, $set:ident, $derivatives:ident, $indicators:ident, $states:ident,
@@ -51,8 +52,8 @@ macro_rules! exported_exchange {
             /// The time at which values are asked for [s].
             fn $time(time: f64) in $crate::fmi::phase::EVENT | $crate::fmi::phase::CONTINUOUS => |i| i.set_time(time);
 
-            /// Take the states that the solver tries. Discarded where the mechanism has no such position: a shorter step
-            /// avoids it; nothing has changed.
+            /// Take the states that the solver tries. Discarded where the mechanism has no such position: a shorter
+            /// step avoids it; nothing has changed.
             // SAFETY: the array has `count` elements (3.2.1).
             fn $set(states: *const f64, count: usize) in $crate::fmi::phase::CONTINUOUS => |i|
                 i.set_continuous_states(input("continuousStates", states, count)?);
@@ -83,8 +84,8 @@ macro_rules! exported_exchange {
     };
 }
 
-/// The calls of a host for these functions, on an instance that `self.instance()` gives: safe, as arrays have the lengths
-/// that are passed.
+/// The calls of a host for these functions, on an instance that `self.instance()` gives: safe, as arrays have the
+/// lengths that are passed.
 macro_rules! exchange_calls {
     (
         $enter:ident, $completed:ident, $time:ident, $set:ident, $derivatives:ident, $indicators:ident, $states:ident,

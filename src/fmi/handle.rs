@@ -33,8 +33,8 @@ struct Handle {
     instance: UnsafeCell<Instance>,
 }
 
-/// Make an instance of what `load` gives; NULL, with a message, if that fails. `version` is that of the exported function
-/// of the name `function`, `name` that of the instance, `usage` what the host makes use of.
+/// Make an instance of what `load` gives; NULL, with a message, if that fails. `version` is that of the exported
+/// function of the name `function`, `name` that of the instance, `usage` what the host makes use of.
 pub fn instantiate(
     version: Version,
     function: &str,
@@ -83,8 +83,8 @@ pub unsafe fn call(
         return Verdict::Error;
     }
     handle.word.store(BUSY, Ordering::Relaxed);
-    // SAFETY: the word was neither BUSY nor FREED, so that no call is at work on the instance further up this stack; the caller promises
-    // that none is on another thread.
+    // SAFETY: the word was neither BUSY nor FREED, so that no call is at work on the instance further up this stack;
+    // the caller promises that none is on another thread.
     let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
     handle.word.store(word, Ordering::Relaxed);
     verdict
@@ -156,7 +156,8 @@ fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
         Phase::Fatal => "the instance is lost; it and its states can only be freed".to_owned(),
         Phase::Interrupted => format!(
-            "not allowed after a step that met solver.max_steps, at t = {} s; restore a state saved before, or reset and \
+            "not allowed after a step that met solver.max_steps, at t = {} s; restore a state saved before, or reset \
+             and \
              take shorter communication steps or raise solver.max_steps; allowed in: {}",
             instance.clock.time,
             function.legal_phases()

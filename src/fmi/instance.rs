@@ -16,8 +16,8 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::{Reference, Vector};
 use std::rc::Rc;
 
-/// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step to
-/// end, if it asks for that [s].
+/// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step
+/// to end, if it asks for that [s].
 pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 
 /// One instance of the FMU.
@@ -162,8 +162,8 @@ impl Instance {
     /// state is that of the last communication point; after one that met the bound on its work, that at the time
     /// reached. A warning comes after a step that is done.
     ///
-    /// With [`Usage::intermediate_update`], `pauses_left` counts the internal steps after which the step pauses, with its
-    /// phase `Intermediate`: it goes on when this is called again with the rest of the step.
+    /// With [`Usage::intermediate_update`], `pauses_left` counts the internal steps after which the step pauses, with
+    /// its phase `Intermediate`: it goes on when this is called again with the rest of the step.
     pub fn do_step(&mut self, point: f64, h: f64, pauses_left: &mut u64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());

@@ -1,8 +1,8 @@
 //! The phases of an instance: which function may be called, and which variable may be read or set, in which phase
 //! (FMI 2.0.5, 4.2.4, with the causalities of 2.2.7).
 //!
-//! In: the instance, a value reference and the kind that the called function handles. Out: permission, or a refusal that
-//! names the variable. Each version has a table of its functions. This file must not know how a value is found.
+//! In: the instance, a value reference and the kind that the called function handles. Out: permission, or a refusal
+//! that names the variable. Each version has a table of its functions. This file must not know how a value is found.
 use super::instance::Instance;
 use super::refusal::Refusal;
 use crate::variables::{Causality, Kind, Reference, Variability, Variable};
@@ -159,8 +159,8 @@ pub enum Way {
     Tuned,
 }
 
-/// Permission to set: inputs always, parameters until initialization mode ends, tunable ones also between steps and in event
-/// mode, what is computed never.
+/// Permission to set: inputs always, parameters until initialization mode ends, tunable ones also between steps and in
+/// event mode, what is computed never.
 ///
 /// # Errors
 /// An unknown reference, another type, or a variable that is not the host's to set now.

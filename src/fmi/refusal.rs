@@ -21,8 +21,8 @@ pub enum Verdict {
     Fatal,
 }
 
-/// Why a call was refused; the instance is unchanged, unless a step was made in part. With the verdict `Warning`: what is
-/// unusual about a call that was done.
+/// Why a call was refused; the instance is unchanged, unless a step was made in part. With the verdict `Warning`: what
+/// is unusual about a call that was done.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
     /// Answer to the host.

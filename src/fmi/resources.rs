@@ -104,9 +104,9 @@ enum System {
 
 /// Path that a URI or a plain path names.
 ///
-/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path. On Windows a path begins with
-/// a drive (`file:///C:/p`, also `file://C:/p` and `file:///C|/p`) or names another machine's share, which Windows opens
-/// by its UNC path: `file://server/share/p` and `file:////server/share/p` are `//server/share/p`.
+/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path. On Windows a path begins
+/// with a drive (`file:///C:/p`, also `file://C:/p` and `file:///C|/p`) or names another machine's share, which Windows
+/// opens by its UNC path: `file://server/share/p` and `file:////server/share/p` are `//server/share/p`.
 ///
 /// # Errors
 /// Why the path cannot be read: a scheme other than `file`, or, on Unix, another machine.
@@ -215,8 +215,8 @@ fn library_path() -> Option<PathBuf> {
 
     let mut module = std::ptr::null_mut();
     let mut name = vec![0_u16; LONGEST];
-    // SAFETY: with these flags any address may be asked for; `module` is set if the call answers with non-zero, and stays
-    // loaded during this call, as its code runs; at most `LONGEST` characters are written to `name`.
+    // SAFETY: with these flags any address may be asked for; `module` is set if the call answers with non-zero, and
+    // stays loaded during this call, as its code runs; at most `LONGEST` characters are written to `name`.
     let length = unsafe {
         if GetModuleHandleExW(OF_ADDRESS, library_path as *const c_void, &raw mut module) == 0 {
             return None;

@@ -1,7 +1,7 @@
 //! The one line of the log for a call that reads values, some of which do not exist.
 //!
-//! In: the variables of the call and why each has no value. Out: a warning that names the first of them with the reason.
-//! It must not know how a value is found.
+//! In: the variables of the call and why each has no value. Out: a warning that names the first of them with the
+//! reason. It must not know how a value is found.
 use super::refusal::Refusal;
 use std::fmt::Write;
 

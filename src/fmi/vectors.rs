@@ -9,7 +9,8 @@ use crate::component::Component;
 use crate::variables::{Kind, Reference, Vector};
 use std::mem::{MaybeUninit, take};
 
-/// Dependencies of an unknown: the element of it that depends on a known, from 1, or 0 of a scalar; the known's reference.
+/// Dependencies of an unknown: the element of it that depends on a known, from 1, or 0 of a scalar; the known's
+/// reference.
 pub type Dependencies = Vec<(usize, Reference)>;
 
 impl Instance {
@@ -41,8 +42,8 @@ impl Instance {
         references.len() == values && references.iter().all(|&reference| reference < time)
     }
 
-    /// Do `work` with the scalars that these references lead to, one for each value; the time is one of them. `values` is
-    /// the number of values that the host has passed.
+    /// Do `work` with the scalars that these references lead to, one for each value; the time is one of them. `values`
+    /// is the number of values that the host has passed.
     ///
     /// # Errors
     /// Another number of values than of scalars; those of the work.

@@ -1,4 +1,5 @@
-//! The exported functions of FMI 2.0.5 for model exchange (3.2). The contract of the pointers is that of the module `fmi2`.
+//! The exported functions of FMI 2.0.5 for model exchange (3.2). The contract of the pointers is that of the module
+//! `fmi2`.
 
 use super::types::{Boolean, Component, EventInfo, Status};
 use crate::fmi::array::{input, output};
@@ -12,8 +13,8 @@ exported_exchange! {
     /// From continuous-time mode to event mode.
     fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
 
-    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough; no event is known
-    /// before its time.
+    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough; no event is
+    /// known before its time.
     // SAFETY: `info` leads to memory for the struct (3.2.2).
     fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
         let info = output("eventInfo", info, 1)?;

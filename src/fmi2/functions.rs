@@ -183,8 +183,8 @@ exported! {
     // SAFETY: `state` is NULL or leads to a state (2.1.8).
     fn fmi2SetFMUstate(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
 
-    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal fault,
-    /// as the host must give back what it holds.
+    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal
+    /// fault, as the host must give back what it holds.
     // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.1.8).
     fn fmi2FreeFMUstate(state: *mut FmuState) in ALIVE | FATAL => |i| state_handle::free(i, state);
 
@@ -242,8 +242,8 @@ exported! {
     /// with the derivatives set for the next step. After a step and before an input is set: with the derivatives at the
     /// step's end.
     ///
-    /// What has no derivative in this state is NaN, with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On an
-    /// error the array may be filled in part.
+    /// What has no derivative in this state is NaN, with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On
+    /// an error the array may be filled in part.
     // SAFETY: all arrays have `count` elements (4.2.1).
     fn fmi2GetRealOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const Integer, value: *mut Real

@@ -3,8 +3,8 @@
 //! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal: the state
 //! machine of FMI 2.0.5, 4.2.4. `types` has the C types. It must not know any kind of model.
 //!
-//! Co-simulation and model exchange are complete but for what the XML does not declare. A function of the one refuses an
-//! instance that was made for the other.
+//! Co-simulation and model exchange are complete but for what the XML does not declare. A function of the one refuses
+//! an instance that was made for the other.
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not

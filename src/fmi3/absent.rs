@@ -66,7 +66,8 @@ macro_rules! absent_types {
                 };
                 /// Set variables of a type that none has: only the empty list.
                 // SAFETY: both arrays have as many elements as said (2.2.6).
-                fn $set(vr: *const ValueReference, count: usize, value: *const $type, values: usize) in SETTABLE => |i| {
+                fn $set(vr: *const ValueReference, count: usize, value: *const $type,
+                    values: usize) in SETTABLE => |i| {
                     input("values", value, values)?;
                     same_length(count, values)?;
                     none_of_type(i, input("valueReferences", vr, count)?, $name)
@@ -100,7 +101,8 @@ exported! {
     fn fmi3SetBinary(
         _vr: *const ValueReference, count: usize, _sizes: *const usize, _values: *const Binary, _value_count: usize
     ) in SETTABLE => |_i| none(count, "binary variable");
-    fn fmi3GetClock(_vr: *const ValueReference, count: usize, _values: *mut Clock) in ALIVE => |_i| none(count, "clock");
+    fn fmi3GetClock(_vr: *const ValueReference, count: usize, _values: *mut Clock) in ALIVE => |_i| none(count,
+        "clock");
     fn fmi3SetClock(_vr: *const ValueReference, count: usize, _values: *const Clock) in SETTABLE => |_i|
         none(count, "clock");
     fn fmi3GetIntervalDecimal(

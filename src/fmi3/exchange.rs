@@ -1,4 +1,5 @@
-//! The exported functions of FMI 3.0.2 for model exchange (3.2). The contract of the pointers is that of the module `fmi3`.
+//! The exported functions of FMI 3.0.2 for model exchange (3.2). The contract of the pointers is that of the module
+//! `fmi3`.
 
 use super::VERSION;
 use super::functions::sink;
@@ -10,8 +11,8 @@ use crate::fmi::logger::Logger;
 use crate::fmi::phase::{ALIVE, Function};
 use crate::fmi::{exported_exchange, handle, resources};
 
-/// New instance for model exchange, from the definition file in the folder of resources; NULL, with a message, if anything
-/// is amiss, and where the XML does not declare model exchange. The path is that of
+/// New instance for model exchange, from the definition file in the folder of resources; NULL, with a message, if
+/// anything is amiss, and where the XML does not declare model exchange. The path is that of
 /// [`super::fmi3InstantiateCoSimulation`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateModelExchange(
@@ -36,7 +37,8 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 
 exported_exchange! {
     fmi3EnterContinuousTimeMode, fmi3CompletedIntegratorStep, fmi3SetTime, fmi3SetContinuousStates,
-    fmi3GetContinuousStateDerivatives, fmi3GetEventIndicators, fmi3GetContinuousStates, fmi3GetNominalsOfContinuousStates;
+    fmi3GetContinuousStateDerivatives, fmi3GetEventIndicators, fmi3GetContinuousStates,
+        fmi3GetNominalsOfContinuousStates;
 
     /// Number of event indicators.
     // SAFETY: the pointer leads to memory for one value (3.2.2).

@@ -1,5 +1,5 @@
-//! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives, steps
-//! (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
+//! The exported functions of FMI 3.0.2 that serve co-simulation: life cycle, logging, values, states, derivatives,
+//! steps (2.2, 2.3, 4.2). The contract of the pointers is that of the module `fmi3`.
 
 use super::VERSION;
 use super::step::{intermediate_update, set_update};
@@ -30,8 +30,8 @@ pub extern "C" fn fmi3GetVersion() -> Text {
 ///
 /// A NULL or empty path means the folder `resources` of the FMU that this library lies in. With event mode and early
 /// return a step ends where a stop is met or lets go. Event mode is refused where the XML does not declare it, as no
-/// stop does. After each internal step the callback is called if there is one; it may read any variable, so that the list
-/// of those required has no meaning here, nor has `visible`.
+/// stop does. After each internal step the callback is called if there is one; it may read any variable, so that the
+/// list of those required has no meaning here, nor has `visible`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
     name: Text,
@@ -61,7 +61,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             let loaded = resources::load("instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
-                    "eventModeUsed is true; this FMU has no stop and thus no event mode (hasEventMode is false), pass false",
+                    "eventModeUsed is true; this FMU has no stop and thus no event mode (hasEventMode is false), pass \
+                     false",
                 ));
             }
             Ok(loaded)
@@ -98,8 +99,8 @@ exported! {
         i.logger.set_debug_logging(on != FALSE, categories.iter().map(|&name| text(name)))
     };
 
-    /// Tolerance, start time and stop time. From here on outputs have values; they are computed when one is read, or when
-    /// the mode ends.
+    /// Tolerance, start time and stop time. From here on outputs have values; they are computed when one is read, or
+    /// when the mode ends.
     fn fmi3EnterInitializationMode(
         tolerance_defined: Boolean, tolerance: f64, start: f64, stop_defined: Boolean, stop: f64
     ) in INSTANTIATED => |i| {
@@ -109,7 +110,8 @@ exported! {
         Ok(())
     };
 
-    /// Close the loops and start; step mode follows, or event mode if the host makes use of it. After a refusal, initialization mode goes on.
+    /// Close the loops and start; step mode follows, or event mode if the host makes use of it. After a refusal,
+    /// initialization mode goes on.
     fn fmi3ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
 
     /// End of the simulation; values can still be read.
@@ -124,10 +126,11 @@ exported! {
         Ok(())
     };
 
-    /// Read Float64 variables, the time, and vectors, element after element. An output that does not exist in this state is NaN, all others are told, and
-    /// the answer is `fmi3Warning`. On an error the array may be filled in part.
+    /// Read Float64 variables, the time, and vectors, element after element. An output that does not exist in this
+    /// state is NaN, all others are told, and the answer is `fmi3Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64, values: usize) in ALIVE | INTERMEDIATE => |i| {
+    fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64,
+        values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         if i.are_scalars(vr, values) {
             return i.get_real(vr, value);
@@ -137,16 +140,18 @@ exported! {
 
     /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean, values: usize) in ALIVE | INTERMEDIATE => |i| {
+    fn fmi3GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean,
+        values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_boolean(vr, value)
     };
 
-    /// Read Enumerations, each as the number of its item; there are no Int64 variables. On an error the array may be filled
-    /// in part.
+    /// Read Enumerations, each as the number of its item; there are no Int64 variables. On an error the array may be
+    /// filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetInt64(vr: *const ValueReference, count: usize, value: *mut i64, values: usize) in ALIVE | INTERMEDIATE => |i| {
+    fn fmi3GetInt64(vr: *const ValueReference, count: usize, value: *mut i64,
+        values: usize) in ALIVE | INTERMEDIATE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         same_length(count, values)?;
         i.get_enumeration(vr, value)
@@ -154,7 +159,8 @@ exported! {
 
     /// Read Strings: there are none, so that only the empty list can be read.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text, values: usize) in ALIVE | INTERMEDIATE => |i| {
+    fn fmi3GetString(vr: *const ValueReference, count: usize, value: *mut Text,
+        values: usize) in ALIVE | INTERMEDIATE => |i| {
         output("values", value, values)?;
         same_length(count, values)?;
         none_of_type(i, input("valueReferences", vr, count)?, "String")
@@ -173,7 +179,8 @@ exported! {
 
     /// Set Boolean inputs and parameters, all or none.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3SetBoolean(vr: *const ValueReference, count: usize, value: *const Boolean, values: usize) in SETTABLE => |i| {
+    fn fmi3SetBoolean(vr: *const ValueReference, count: usize, value: *const Boolean,
+        values: usize) in SETTABLE => |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
         same_length(count, values)?;
         i.set_boolean(vr, value.iter().map(|&value| value != FALSE))
@@ -203,8 +210,8 @@ exported! {
     // SAFETY: `state` is NULL or leads to a state (2.2.10).
     fn fmi3SetFMUState(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
 
-    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal fault,
-    /// as the host must give back what it holds.
+    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal
+    /// fault, as the host must give back what it holds.
     // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.2.10).
     fn fmi3FreeFMUState(state: *mut FmuState) in ALIVE | FATAL => |i| state_handle::free(i, state);
 
@@ -262,8 +269,8 @@ exported! {
 
     /// First time derivatives of continuous outputs at the present communication point, exact.
     ///
-    /// What has no derivative in this state is NaN, with `fmi3Warning`. Refused with `solver.method` = "rigid_fem". On an
-    /// error the array may be filled in part.
+    /// What has no derivative in this state is NaN, with `fmi3Warning`. Refused with `solver.method` = "rigid_fem". On
+    /// an error the array may be filled in part.
     // SAFETY: all arrays have as many elements as said (4.2.4).
     fn fmi3GetOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const i32, value: *mut f64, values: usize
@@ -296,7 +303,8 @@ exported! {
         let dependencies = i.dependencies(dependent)?;
         if dependencies.len() != count {
             let needed = dependencies.len();
-            return Err(Refusal::error(format!("nDependencies is {count}; the variable has {needed}, pass memory for these")));
+            return Err(Refusal::error(format!("nDependencies is {count}; the variable has {needed}, pass memory for \
+                these")));
         }
         for (index, (element, known)) in dependencies.into_iter().enumerate() {
             elements[index].write(element);

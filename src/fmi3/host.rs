@@ -1,8 +1,8 @@
 //! A host of the exported functions of FMI 3.0: an importer's side of the interface, for tests and attacks.
 //!
-//! In: a description. Out: instances driven through the C functions; statuses, values, saved states, messages. It must not
-//! know how a call is answered. Each method is one call, and is safe to use: arrays have the lengths that are passed,
-//! states come from this library, and what is spoiled on purpose is refused before it is read.
+//! In: a description. Out: instances driven through the C functions; statuses, values, saved states, messages. It must
+//! not know how a call is answered. Each method is one call, and is safe to use: arrays have the lengths that are
+//! passed, states come from this library, and what is spoiled on purpose is refused before it is read.
 
 use super::types::{Boolean, Environment, FALSE, FmuState, Instance, Status, TRUE, Text, ValueReference};
 use super::*;
@@ -13,8 +13,8 @@ use std::ffi::c_int;
 use std::ptr::{NonNull, null, null_mut};
 use std::sync::Arc;
 
-/// What the host's callback does after an internal step: it may read the instance, and asks for the end of the step at a
-/// time [s] if it returns one.
+/// What the host's callback does after an internal step: it may read the instance, and asks for the end of the step at
+/// a time [s] if it returns one.
 pub type Update = dyn Fn(&Calls, f64) -> Option<f64>;
 
 /// What an instance is made for.
@@ -342,8 +342,8 @@ impl Calls {
         let zeros = [0_u64; 16];
         let mut foreign: FmuState = zeros.as_ptr().cast_mut().cast();
         let (n, mut byte, mut count) = (null_mut::<Boolean>(), 0, 0);
-        // SAFETY: what cannot be read is refused before it is: NULL, misaligned pointers, huge counts; what is no state is
-        // readable memory.
+        // SAFETY: what cannot be read is refused before it is: NULL, misaligned pointers, huge counts; what is no state
+        // is readable memory.
         unsafe {
             match index {
                 0 => ("fmi3GetFloat64", fmi3GetFloat64(c, null(), 1, one, 1)),

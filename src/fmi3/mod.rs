@@ -3,15 +3,16 @@
 //! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal: the state
 //! machine of FMI 3.0.2, 4.2.1. `types` has the C types. It must not know any kind of model.
 //!
-//! Model exchange, and co-simulation with event mode, early return and intermediate update, without clocks, which the XML does not
-//! declare. Functions of scheduled execution, of clocks and of types that no variable has are exported because hosts look
-//! them up; they log why they cannot serve, and return `fmi3Error`.
+//! Model exchange, and co-simulation with event mode, early return and intermediate update, without clocks, which the
+//! XML does not declare. Functions of scheduled execution, of clocks and of types that no variable has are exported
+//! because hosts look them up; they log why they cannot serve, and return `fmi3Error`.
 //!
 //! # Safety
 //! All functions share one contract, the standard's own. An instance is NULL or comes from
-//! [`fmi3InstantiateCoSimulation`] or [`fmi3InstantiateModelExchange`], has not been freed, and is used by one thread at a time (2.2.1); so is a state while
-//! it is written or freed (2.2.10). An array argument has as many elements as its count says, and a string ends with a
-//! zero byte (2.2.4, 2.2.6). A NULL is answered with `fmi3Error`, wherever it stands, except as an empty array.
+//! [`fmi3InstantiateCoSimulation`] or [`fmi3InstantiateModelExchange`], has not been freed, and is used by one thread
+//! at a time (2.2.1); so is a state while it is written or freed (2.2.10). An array argument has as many elements as
+//! its count says, and a string ends with a zero byte (2.2.4, 2.2.6). A NULL is answered with `fmi3Error`, wherever it
+//! stands, except as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 mod absent;

@@ -1,5 +1,5 @@
-//! The step of co-simulation (4.2), in parts between which the host's callback for intermediate updates reads values. The
-//! contract of the pointers is that of the module `fmi3`.
+//! The step of co-simulation (4.2), in parts between which the host's callback for intermediate updates reads values.
+//! The contract of the pointers is that of the module `fmi3`.
 
 use super::types::{Boolean, Environment, FALSE, Instance as Component, IntermediateUpdateCallback, Status, TRUE};
 use crate::fmi::array::output;
@@ -12,18 +12,18 @@ use std::rc::Rc;
 /// Most internal steps of one step that are told, so that a step ends.
 const MOST_UPDATES: u64 = 100_000;
 
-/// Advance by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached; the end of the
-/// simulation is never asked for.
+/// Advance by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached; the end of
+/// the simulation is never asked for.
 ///
-/// With event mode and early return the step ends where a stop is met or lets go, if that comes first: then `*event_needed`
-/// is true, the state is that before the impact, and the next call is [`fmi3EnterEventMode`].
+/// With event mode and early return the step ends where a stop is met or lets go, if that comes first: then
+/// `*event_needed` is true, the state is that before the impact, and the next call is [`fmi3EnterEventMode`].
 ///
-/// With a callback for intermediate updates the step tells each of its internal steps within it, after which values can be
-/// read and none set, and ends where the callback asks for it, if early return is allowed. Steps that are read from a
-/// longer one have no internal steps. After a failure the state is then that of the last internal step.
+/// With a callback for intermediate updates the step tells each of its internal steps within it, after which values can
+/// be read and none set, and ends where the callback asks for it, if early return is allowed. Steps that are read from
+/// a longer one have no internal steps. After a failure the state is then that of the last internal step.
 ///
-/// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's own, and
-/// for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state can be
+/// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's own,
+/// and for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state can be
 /// restored.
 ///
 /// `fmi3Discard`: the step met `solver.max_steps` after a part of it. The state is that at `*last`, where values can be
@@ -174,8 +174,8 @@ pub(super) fn intermediate_update(
 ) -> Rc<IntermediateUpdate> {
     Rc::new(move |time| {
         let (mut is_asked, mut stop) = (FALSE, time);
-        // SAFETY: FMI 3.0.2, 4.2.2: the callback may be called within fmi3DoStep, with its own environment. Both pointers
-        // lead to memory for one value.
+        // SAFETY: FMI 3.0.2, 4.2.2: the callback may be called within fmi3DoStep, with its own environment. Both
+        // pointers lead to memory for one value.
         unsafe {
             callback(environment, time, FALSE, TRUE, TRUE, early_return.into(), &mut is_asked, &mut stop);
         }

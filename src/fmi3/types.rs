@@ -67,8 +67,8 @@ pub type LogMessage =
     unsafe extern "C-unwind" fn(environment: Environment, status: Status, category: Text, message: Text);
 
 /// `fmi3IntermediateUpdateCallback`. It returns: an exception that leaves it ends the process, with Rust's message of a
-/// panic in a function that cannot unwind. After a `longjmp` out of it the instance can only be read: each other call on
-/// the instance returns an error, and its memory stays allocated.
+/// panic in a function that cannot unwind. After a `longjmp` out of it the instance can only be read: each other call
+/// on the instance returns an error, and its memory stays allocated.
 pub type IntermediateUpdateCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     time: f64,

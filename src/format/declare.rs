@@ -1,10 +1,10 @@
 //! How a definition's keys and words are declared.
 //!
-//! In: a struct with a row for each key, an enum with a word for each choice. Out: the types with their tables. It must not
-//! know what a key means.
+//! In: a struct with a row for each key, an enum with a word for each choice. Out: the types with their tables. It must
+//! not know what a key means.
 
-/// Structs of a definition: each with its keys, and each key with its words, its type, its value where it is absent, and
-/// its row.
+/// Structs of a definition: each with its keys, and each key with its words, its type, its value where it is absent,
+/// and its row.
 ///
 /// `field as "name": Type = default => row;` where the name in the file, the default and the row may be left out.
 /// `pub struct Name: Copy` also makes the struct `Copy`; `pub struct Name or (Short)` says what may stand in its place.

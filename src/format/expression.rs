@@ -1,7 +1,7 @@
 //! Expressions in the place of numbers: arithmetic of names, numbers and functions.
 //!
-//! In: the text of an expression, then values of its names. Out: its value. Operators have the usual precedence, read by
-//! precedence climbing: -x^2 is -(x^2), of equal operators the left one comes first. It must not know what the names
+//! In: the text of an expression, then values of its names. Out: its value. Operators have the usual precedence, read
+//! by precedence climbing: -x^2 is -(x^2), of equal operators the left one comes first. It must not know what the names
 //! mean.
 use std::f64::consts::{E, PI};
 
@@ -231,7 +231,8 @@ impl<'t> Reader<'t> {
             Token::Symbol(sign @ ('+' | '-')) => {
                 if let Some(Token::Symbol(second @ ('+' | '-'))) = self.peek() {
                     return Err(format!(
-                        "`{second}` after a sign: write one sign for the two, or put what the first one changes in parentheses"
+                        "`{second}` after a sign: write one sign for the two, or put what the first one changes in \
+                         parentheses"
                     ));
                 }
                 self.terms(POWER)?;

@@ -415,7 +415,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_read_as_others_read_it(text in "([\\[\\]{},:\"\\\\eE0-9.+ \n-]|true|null|\"a\"|\"a\":|\\\\u[0-9a-f]{3,4}|é){0,24}") {
+        fn any_text_is_read_as_others_read_it(
+            text in "([\\[\\]{},:\"\\\\eE0-9.+ \n-]|true|null|\"a\"|\"a\":|\\\\u[0-9a-f]{3,4}|é){0,24}",
+        ) {
             agrees(&text);
         }
 

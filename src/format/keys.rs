@@ -1,8 +1,8 @@
-//! Tables of keys: each key of a definition is declared once, and reading, writing, parameters, the schema and the pages
-//! of reference follow from its row.
+//! Tables of keys: each key of a definition is declared once, and reading, writing, parameters, the schema and the
+//! pages of reference follow from its row.
 //!
-//! In: the declarations of [`keys!`](super::keys!) and [`words!`](super::words!). Out: for each struct its table, and its
-//! values by the rows of that table. It must not know what a key means to a model.
+//! In: the declarations of [`keys!`](super::keys!) and [`words!`](super::words!). Out: for each struct its table, and
+//! its values by the rows of that table. It must not know what a key means to a model.
 use super::json::Node;
 use super::named::Named;
 use super::parameter::{Range, Role};
@@ -282,8 +282,8 @@ impl Element {
         Self { name, table: T::TABLE, about: T::ABOUT, docs: T::DOCS, make: || Box::new(T::default()) }
     }
 
-    /// The default of a key as JSON: that of its row or of the struct; None of a key that must be given, and of one without a
-    /// value where it is absent.
+    /// The default of a key as JSON: that of its row or of the struct; None of a key that must be given, and of one
+    /// without a value where it is absent.
     pub fn default_of(&self, index: usize) -> Option<String> {
         let (key, mut element) = (&self.table.keys[index], (self.make)());
         let is_value = !matches!(element.slot(index), Slot::Maybe(_) | Slot::Object(_) | Slot::Own(_));

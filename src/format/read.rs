@@ -16,8 +16,8 @@ const SHOWN: usize = 40;
 /// Most faults that are kept of one text.
 const MOST: usize = 100;
 
-/// Read a definition of a `kind`, a word of the message where the text as a whole is at fault. What is at fault keeps the
-/// value that it has.
+/// Read a definition of a `kind`, a word of the message where the text as a whole is at fault. What is at fault keeps
+/// the value that it has.
 pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed) -> Faults {
     let mut faults = Faults::default();
     if text.len() as u64 > LARGEST_DEFINITION {

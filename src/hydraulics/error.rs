@@ -80,7 +80,8 @@ impl fmt::Display for HydraulicsError {
             Self::NotInitialised => f.write_str("not initialised: initialise before the first step"),
             Self::Travel { length, lengths: [least, most] } => write!(
                 f,
-                "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m (cylinder.closed_length \
+                "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m \
+                 (cylinder.closed_length \
                  + cylinder.stroke); lengthen the stroke, or stop the mechanism before",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
@@ -98,19 +99,22 @@ impl fmt::Display for HydraulicsError {
             ),
             Self::Vacuum { chamber, time } => write!(
                 f,
-                "the absolute pressure of {chamber} came to 0 {} s after the beginning of the step: oil without air has \
+                "the absolute pressure of {chamber} came to 0 {} s after the beginning of the step: oil without air \
+                 has \
                  none below; give fluid.air_fraction a value > 0, or raise anticavitation.conductance",
                 Decimal::rounded(*time)
             ),
             Self::Stuck { time, what } => write!(
                 f,
-                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at {what}; check \
+                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at {what}; \
+                 check \
                  the inputs, or raise solver.tolerance",
                 Decimal::rounded(*time)
             ),
             Self::Overflow { time } => write!(
                 f,
-                "an energy of the circuit is beyond the largest number, 1.8e308 J, {} s after the beginning of the step: \
+                "an energy of the circuit is beyond the largest number, 1.8e308 J, {} s after the beginning of the \
+                 step: \
                  check the sizes of pressures, flows, conductances and friction",
                 Decimal::rounded(*time)
             ),

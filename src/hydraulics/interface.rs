@@ -289,8 +289,8 @@ pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
 }
 
 /// The variables that make up the connection with what the actuator moves: force and motion as a drive of a mechanism
-/// names them, then the terms of the one element. The force is the mean over the next step, which suits a host that holds
-/// it as an input of the mechanism.
+/// names them, then the terms of the one element. The force is the mean over the next step, which suits a host that
+/// holds it as an input of the mechanism.
 pub fn terminals<Q: Copy>(variables: &Variables<Q>) -> Vec<Terminal> {
     let list = variables.list();
     let force = variables.find("preview.force_mean").map(|variable| Member { name: "force".to_owned(), variable });

@@ -303,8 +303,8 @@ impl Model {
         }
     }
 
-    /// Give tunable parameters these values, which [`Self::check_real`] accepts, and leave the motion as it is. Only numbers of
-    /// the integration are tunable.
+    /// Give tunable parameters these values, which [`Self::check_real`] accepts, and leave the motion as it is. Only
+    /// numbers of the integration are tunable.
     ///
     /// # Errors
     /// None.

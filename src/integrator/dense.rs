@@ -14,8 +14,8 @@ pub struct Dense<const N: usize> {
     pub(super) start: [f64; N],
     pub(super) end: [f64; N],
     pub(super) terms: [[f64; N]; TERMS],
-    /// How far each component of the motion may be off it: of DOP853 and RKN8(6) by stages within the step, of the others by
-    /// the error estimate of the step.
+    /// How far each component of the motion may be off it: of DOP853 and RKN8(6) by stages within the step, of the
+    /// others by the error estimate of the step.
     pub(super) off: [f64; N],
 }
 

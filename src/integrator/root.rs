@@ -36,9 +36,9 @@ impl<const N: usize> Dense<N> {
     /// that does not pass is no passage; an end exactly on the level is one, as the polynomial does not tell what
     /// follows.
     ///
-    /// With `leaving` the step starts on the level, up to rounding, or beyond it, and that is no passage: neither with a
-    /// speed away from it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of the
-    /// exact states, so no passage is lost between one step and the next.
+    /// With `leaving` the step starts on the level, up to rounding, or beyond it, and that is no passage: neither with
+    /// a speed away from it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of
+    /// the exact states, so no passage is lost between one step and the next.
     pub fn first_passage(&self, component: usize, level: f64, direction: Direction, leaving: bool) -> Option<f64> {
         let sign = match direction {
             Direction::Rising => 1.0,

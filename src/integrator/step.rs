@@ -104,8 +104,8 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => Path::<N>::interpolates(stages))
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations, and after RKN8(6), for four; of order 4
-    /// after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// Interpolant over this step: of order 7 after DOP853, for three evaluations, and after RKN8(6), for four; of
+    /// order 4 after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         on_stages!(self, stages => stages.dense(system, self.t, self.h, [&self.start, &self.end]))
     }

@@ -32,8 +32,8 @@ pub struct Designs {
 /// Range and role of each numeric parameter.
 type Ranges = [(Range, Role)];
 
-/// Whether parameters with this role decide a reduced model. `is_part`: whether the start decides which part of the curve
-/// it is on.
+/// Whether parameters with this role decide a reduced model. `is_part`: whether the start decides which part of the
+/// curve it is on.
 pub fn decides_reduced(role: Role, is_part: bool) -> bool {
     match role {
         Role::Geometry | Role::Inertia | Role::Load | Role::Law | Role::Scale | Role::Circuit => true,

@@ -70,8 +70,8 @@ pub enum ModelError {
     Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
     /// The absolute pressure of a chamber has come to 0.
     Vacuum { chamber: &'static str },
-    /// A prescribed motion that the mechanism cannot make: the quantity of its drive, the value asked for, the time from
-    /// the beginning of the step [s], and why not, with limit and remedy.
+    /// A prescribed motion that the mechanism cannot make: the quantity of its drive, the value asked for, the time
+    /// from the beginning of the step [s], and why not, with limit and remedy.
     Prescribed { name: String, value: f64, time: f64, why: String },
     /// An input so large that its load or its work overflows: its name and largest size in the step.
     LoadOverflow { name: String, value: f64 },
@@ -190,7 +190,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Overflow { name } => write!(
                 f,
-                "{name} is beyond the largest number, 1.8e308, under the present inputs and parameters: check their sizes"
+                "{name} is beyond the largest number, 1.8e308, under the present inputs and parameters: check their \
+                 sizes"
             ),
             Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
@@ -202,7 +203,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Locked { position, joint } => write!(
                 f,
-                "friction locks the mechanism near {position}, most of it in {joint}: the coefficients or pin radii ask for \
+                "friction locks the mechanism near {position}, most of it in {joint}: the coefficients or pin radii \
+                 ask for \
                  more friction than the reactions can cause; reduce them, or let stops end the travel before"
             ),
             Self::BeyondStop { name, value, start } => write!(
@@ -238,7 +240,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Vacuum { chamber } => write!(
                 f,
-                "the absolute pressure of {chamber} came to 0: oil without air has none below; give fluid.air_fraction a \
+                "the absolute pressure of {chamber} came to 0: oil without air has none below; give fluid.air_fraction \
+                 a \
                  value > 0, or raise anticavitation.conductance"
             ),
             Self::Stuck { error: IntegrationError::StepTooSmall { t, step }, circuit } => write!(
@@ -249,7 +252,8 @@ impl fmt::Display for ModelError {
             ),
             Self::LoadOverflow { name, value } => write!(
                 f,
-                "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller value",
+                "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller \
+                 value",
                 Decimal(*value),
                 f64::MAX
             ),

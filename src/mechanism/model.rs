@@ -231,8 +231,8 @@ impl Model {
         self.step_from(None, h)
     }
 
-    /// [`Self::step`] from the time `point` [s] of the host on, which times of impacts count from; without it they count
-    /// from the start.
+    /// [`Self::step`] from the time `point` [s] of the host on, which times of impacts count from; without it they
+    /// count from the start.
     ///
     /// # Errors
     /// As [`Self::step`].

@@ -39,8 +39,8 @@ impl ParameterValues {
         &self.mechanism
     }
 
-    /// A value has changed. Values are written into the mechanism all at once when it is next needed: a host may set each
-    /// of many.
+    /// A value has changed. Values are written into the mechanism all at once when it is next needed: a host may set
+    /// each of many.
     pub fn changed(&mut self) {
         self.is_stale = true;
     }
@@ -51,8 +51,8 @@ impl ParameterValues {
         &self.expressions
     }
 
-    /// Give a parameter this value, and those that follow from it theirs; `changed` is called with the index of each that
-    /// has changed.
+    /// Give a parameter this value, and those that follow from it theirs; `changed` is called with the index of each
+    /// that has changed.
     pub fn set(&mut self, index: usize, value: f64, mut changed: impl FnMut(usize)) {
         self.parameters[index] = value;
         changed(index);

@@ -1,7 +1,7 @@
 //! The quantity of each variable of a mechanism.
 
-/// What stops do to a mechanism: nothing; a bumper pushes; it rests on a rigid stop or a lock holds it there; it has come to a
-/// stop, whose impact is still to follow.
+/// What stops do to a mechanism: nothing; a bumper pushes; it rests on a rigid stop or a lock holds it there; it has
+/// come to a stop, whose impact is still to follow.
 pub const CONTACT_MODES: [&str; 5] = ["free", "pushed", "resting", "locked", "arrived"];
 
 /// Quantity of a variable.
@@ -29,8 +29,8 @@ pub enum Quantity {
     Contact,
     /// Computed from the state.
     Output(Output),
-    /// sigma, counted on over whole revolutions, or its time derivative of this order: 0 and 1 are the continuous states
-    /// of model exchange.
+    /// sigma, counted on over whole revolutions, or its time derivative of this order: 0 and 1 are the continuous
+    /// states of model exchange.
     State(usize),
     /// Event indicator of model exchange.
     Indicator(Indicator),
@@ -50,7 +50,8 @@ pub enum Indicator {
     Reversal,
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
-    /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the loss.
+    /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the
+    /// loss.
     DriveSign(usize),
     /// The normal force of a prismatic joint with friction, by its index among the joints with friction: its magnitude
     /// decides on the friction.
@@ -90,8 +91,8 @@ pub enum Output {
     PressureAngle { coupling: usize },
     /// A term of the mechanism reduced to a drive, which has the index of its load.
     OneElement { drive: usize, term: OneElement },
-    /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its prescribed
-    /// motion takes.
+    /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its
+    /// prescribed motion takes.
     ActingForce { drive: usize },
     /// Force or torque of a spring and damper.
     SpringForce { spring: usize },

@@ -83,7 +83,8 @@ fn record_rest(
     parting.record(record)
 }
 
-/// The parameters of the last step, where they are others, with the energy that the balance referred to, written or read.
+/// The parameters of the last step, where they are others, with the energy that the balance referred to, written or
+/// read.
 fn record_untuned(record: &mut Record, untuned: &mut Option<(Vec<f64>, f64)>, count: usize) -> Result<(), Damaged> {
     let blank = || (vec![0.0; count], 0.0);
     record.option("parameters have changed", untuned, blank, |record, (parameters, reference)| {

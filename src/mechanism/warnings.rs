@@ -68,7 +68,8 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
             let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
             if (radius - other).abs() > SAME * radius {
                 let message = format!(
-                    "makes the wheel of {} with {teeth} teeth one with a pitch radius of {} m, and couplings.{at} with {} m",
+                    "makes the wheel of {} with {teeth} teeth one with a pitch radius of {} m, and couplings.{at} with \
+                     {} m",
                     linkage.bodies[body].name,
                     Decimal::rounded(radius),
                     Decimal::rounded(other)
@@ -179,7 +180,8 @@ pub fn remarks(reduced: &Reduced, snap: f64) -> Vec<String> {
         .iter()
         .map(|(position, miss)| {
             format!(
-                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}: less than \
+                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}: \
+                 less than \
                  snap = {}, so that the branches are taken to cross and the motion goes straight on",
                 Decimal(snap)
             )

@@ -2,8 +2,8 @@
 //!
 //! In: the places, ascending. Out: the function, with the slope 1 or -1 at each place. It must not know what is there.
 
-/// (x - a) (b - x) / (b - a) between two neighbouring places a < b, with a sign that changes at each; beyond the first and
-/// the last the distance from it. Positive before the first place; 1 without places.
+/// (x - a) (b - x) / (b - a) between two neighbouring places a < b, with a sign that changes at each; beyond the first
+/// and the last the distance from it. Positive before the first place; 1 without places.
 pub fn alternating(places: &[f64], x: f64) -> f64 {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return 1.0 };
     let passed = places.partition_point(|place| *place <= x);

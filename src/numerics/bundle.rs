@@ -191,7 +191,8 @@ mod tests {
     proptest! {
         /// Functions of a row that are read at x of their own have the bits that they have at one x.
         #[test]
-        fn each_function_has_its_own_x(x in proptest::array::uniform4(-1.0..1.0f64), c in proptest::array::uniform16(-1.0..1.0f64)) {
+        fn each_function_has_its_own_x(x in proptest::array::uniform4(-1.0..1.0f64),
+            c in proptest::array::uniform16(-1.0..1.0f64)) {
             let rows = [Row::of([&c, &c.map(|c| -c), &[1.0; NODES], &c])];
             let x: [Dual<1>; ROW] = std::array::from_fn(|k| Dual::variable(x[k], 0));
             let zero = [[Dual::<1>::constant(0.0); ROW]];

@@ -1,8 +1,8 @@
 //! Quadrature with an estimate of its error.
 //!
-//! In: values of a function at seven nodes of an interval. Out: its integral by Kronrod's rule of degree 11, and that by
-//! the rule of Gauss of degree 5 at three of the nodes. Source: Kronrod, Nodes and Weights of Quadrature Formulas (1965).
-//! It must not know what the function means.
+//! In: values of a function at seven nodes of an interval. Out: its integral by Kronrod's rule of degree 11, and that
+//! by the rule of Gauss of degree 5 at three of the nodes. Source: Kronrod, Nodes and Weights of Quadrature Formulas
+//! (1965). It must not know what the function means.
 
 /// Nodes of the interval from 0 to 1, ascending.
 pub const NODES: [f64; 7] = [

@@ -2,17 +2,19 @@
 //!
 //! In: points of a function. Out: the function between and beyond them. It must not know what the function means.
 //!
-//! The function is monotone wherever the points are: the slope of a quintic is a quartic whose Bernstein coefficients are
+//! The function is monotone wherever the points are: the slope of a quintic is a quartic whose Bernstein coefficients
+//! are
 //!
 //! ```text
 //! b0 = y0', b1 = y0' + h y0'' / 4, b2 = 5 s - b0 - b1 - b3 - b4, b3 = y1' - h y1'' / 4, b4 = y1'
 //! ```
 //!
-//! with the width h of the interval and its secant s, and a polynomial whose Bernstein coefficients have one sign has that
-//! sign (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471).
+//! with the width h of the interval and its secant s, and a polynomial whose Bernstein coefficients have one sign has
+//! that sign (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471).
 use super::piecewise::{Piecewise, secants};
 
-/// Largest slope at a point over the smaller secant beside it: with curvature 0 all five coefficients then have one sign.
+/// Largest slope at a point over the smaller secant beside it: with curvature 0 all five coefficients then have one
+/// sign.
 const STEEPEST: f64 = 1.25;
 
 /// The function through at least two points [x, y] whose x ascend, monotone wherever they are; None for other points.
@@ -51,8 +53,8 @@ fn end_slope([h0, h1]: [f64; 2], [s0, s1]: [f64; 2]) -> f64 {
     s0 + (s0 - s1) * h0 / (h0 + h1)
 }
 
-/// Curvature at point k: the second divided difference, as far as both quintics beside the point stay monotone; 0 at the
-/// ends.
+/// Curvature at point k: the second divided difference, as far as both quintics beside the point stay monotone; 0 at
+/// the ends.
 fn curvature(widths: &[f64], secants: &[f64], slopes: &[f64], k: usize) -> f64 {
     if k == 0 || k == secants.len() {
         return 0.0;
@@ -165,7 +167,8 @@ mod tests {
                 let bounds = f.bounds(Interval { low, high: low + width });
                 let at = f.at(low + part * width);
                 for (bounds, value) in bounds.iter().zip(at) {
-                    prop_assert!(bounds.low - 1e-9 * size <= value && value <= bounds.high + 1e-9 * size, "{bounds:?} {at:?}");
+                    prop_assert!(bounds.low - 1e-9 * size <= value && value <= bounds.high + 1e-9 * size, "{bounds:?} \
+                        {at:?}");
                 }
                 if width < 1e-5 {
                     prop_assert!(bounds[1].high - bounds[1].low < 1e-2 * size, "{bounds:?}");

@@ -31,11 +31,11 @@ where
     L: FnMut(&mut dyn FnMut(f64) -> f64, Sample, Sample) -> f64,
 {
     /// The first point of (0, 1] where the function passes from <= 0 to > 0; `start`: its value at 0, as far as it is
-    /// not rounding. Roots are located where the bounds say that the function rises, else between points of a grid of so
-    /// many equal parts.
+    /// not rounding. Roots are located where the bounds say that the function rises, else between points of a grid of
+    /// so many equal parts.
     ///
-    /// An interval is left out where the bounds have one sign, or where the function falls; it is halved where they tell
-    /// neither. So a passage and its return are missed only if they are closer than 2^-24 of a part, where bounds
+    /// An interval is left out where the bounds have one sign, or where the function falls; it is halved where they
+    /// tell neither. So a passage and its return are missed only if they are closer than 2^-24 of a part, where bounds
     /// cannot tell them from a touch, or after [`MOST_INTERVALS`] intervals, where the function is wild.
     pub fn first_rise(&mut self, start: f64, grid: usize) -> Option<f64> {
         let last = (1.0, (self.f)(1.0));

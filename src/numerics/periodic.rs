@@ -40,8 +40,8 @@ enum Parts {
 }
 
 impl Periodic {
-    /// Segments whose lengths add up to 2 pi and whose distances to 0, but for rounding; the function is 0 at 0. None for
-    /// no segments.
+    /// Segments whose lengths add up to 2 pi and whose distances to 0, but for rounding; the function is 0 at 0. None
+    /// for no segments.
     pub fn of_segments(segments: &[Segment]) -> Option<Self> {
         let (mut start, mut value) = (0.0, 0.0);
         let (mut knots, mut parts) = (Vec::new(), Vec::new());
@@ -65,8 +65,8 @@ impl Periodic {
         Self::of_curve(points, BEYOND, monotone)
     }
 
-    /// The curve that `through` puts through one period, from a point to the same of the next period, and so many points
-    /// around.
+    /// The curve that `through` puts through one period, from a point to the same of the next period, and so many
+    /// points around.
     fn of_curve(
         points: &[[f64; 2]],
         beyond: usize,

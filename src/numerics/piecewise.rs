@@ -142,7 +142,8 @@ impl Piecewise {
     /// Bounds of the values and of the slopes on an interval of x.
     pub fn bounds(&self, x: Interval) -> [Interval; 2] {
         let last = self.knots.len() - 1;
-        // Between two abscissae the function is one polynomial; the first and the last one are the lines beyond the ends.
+        // Between two abscissae the function is one polynomial; the first and the last one are the lines beyond the
+        // ends.
         let first = self.knots.partition_point(|knot| *knot <= x.low);
         let mut all: Option<[Interval; 2]> = None;
         for part in first..=last + 1 {

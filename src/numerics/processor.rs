@@ -1,8 +1,8 @@
 //! What the present processor can do beyond the least of its family: fused multiply-add, four numbers at once.
 //!
-//! In: a task that is generic over its arithmetic. Out: its result, by the fastest code that this processor runs. Results
-//! are the same bits on all processors with fused multiply-add, and differ by rounding from those of the others. It must
-//! not know what is computed.
+//! In: a task that is generic over its arithmetic. Out: its result, by the fastest code that this processor runs.
+//! Results are the same bits on all processors with fused multiply-add, and differ by rounding from those of the
+//! others. It must not know what is computed.
 #![allow(unsafe_code)]
 
 /// How a b + c is rounded.
@@ -31,8 +31,8 @@ impl Arithmetic for Separate {
     }
 }
 
-/// A task worth code of its own for each kind of processor. [`Task::run`] and what it calls are to be inlined: code that
-/// is not is compiled for the least processor, and a fused operation there is a call of a library.
+/// A task worth code of its own for each kind of processor. [`Task::run`] and what it calls are to be inlined: code
+/// that is not is compiled for the least processor, and a fused operation there is a call of a library.
 pub trait Task {
     /// Result of the task.
     type Result;

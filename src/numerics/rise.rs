@@ -30,8 +30,8 @@ pub enum Rise {
 
 impl Rise {
     /// s and its first, second and third derivative at t from 0 to the length, > 0; before that at rest at 0, beyond at
-    /// rest at the distance. In its second half a rise is what its first half is backwards, so that derivatives near the end
-    /// are differences of nothing large.
+    /// rest at the distance. In its second half a rise is what its first half is backwards, so that derivatives near
+    /// the end are differences of nothing large.
     pub fn at(self, t: f64, distance: f64, length: f64) -> [f64; 4] {
         match t {
             t if t < 0.0 => [0.0; 4],

@@ -1,21 +1,22 @@
 //! Quintic splines: the curve of four continuous derivatives through points.
 //!
-//! In: points of a function, of one period or between two ends. Out: slope and curvature at each point. It must not know
-//! what the function means.
+//! In: points of a function, of one period or between two ends. Out: slope and curvature at each point. It must not
+//! know what the function means.
 //!
 //! Among all functions through the points the spline has the least integral of y'''^2, so that its second derivative
 //! is as calm as it can be, and it tends to that of a smooth function with the fourth power of the spacing. Between two
 //! points it is a quintic; with the width h of the interval, the secant d, slopes s and curvatures c at both ends
 //!
 //! ```text
-//! y'''  = (60 d - 36 s0 - 24 s1) / h^2 + (3 c1 - 9 c0) / h at the first end, (60 d - 24 s0 - 36 s1) / h^2 + (9 c1 - 3 c0) / h at the second
-//! y'''' = (192 s0 + 168 s1 - 360 d) / h^3 + (36 c0 - 24 c1) / h^2, (360 d - 168 s0 - 192 s1) / h^3 + (36 c1 - 24 c0) / h^2
+//! y'''  = (60 d - 36 s0 - 24 s1) / h^2 + (3 c1 - 9 c0) / h at the first end, (60 d - 24 s0 - 36 s1) / h^2 + (9 c1 - 3
+//! c0) / h at the second y'''' = (192 s0 + 168 s1 - 360 d) / h^3 + (36 c0 - 24 c1) / h^2, (360 d - 168 s0 - 192 s1) /
+//! h^3 + (36 c1 - 24 c0) / h^2
 //! ```
 //!
 //! Both are continuous at each point: two equations for its slope and curvature, together a symmetric positive definite
-//! block tridiagonal system (Schoenberg 1946; de Boor, A Practical Guide to Splines). Three or more points of one value in a
-//! row are a rest: there slope and curvature are 0. At an end the curvature and the fourth derivative are 0, or the
-//! function rests, if the two points there have one value.
+//! block tridiagonal system (Schoenberg 1946; de Boor, A Practical Guide to Splines). Three or more points of one value
+//! in a row are a rest: there slope and curvature are 0. At an end the curvature and the fourth derivative are 0, or
+//! the function rests, if the two points there have one value.
 use super::piecewise::{Piecewise, secants};
 use nalgebra::{Matrix2, Vector2};
 
@@ -90,8 +91,8 @@ pub fn periodic_spline(points: &[[f64; 2]]) -> Option<Piecewise> {
     Some(Piecewise::new(points, &from(&secants, seam)))
 }
 
-/// What slope and curvature of a point add to the jumps of the fourth and the third derivative there, through the interval
-/// at its left or at its right.
+/// What slope and curvature of a point add to the jumps of the fourth and the third derivative there, through the
+/// interval at its left or at its right.
 fn own_part(h: f64, left: bool) -> Matrix2<f64> {
     let cross = if left { -36.0 } else { 36.0 } / (h * h);
     Matrix2::new(192.0 / (h * h * h), cross, cross, 9.0 / h)
@@ -109,8 +110,8 @@ fn right_side(h: f64, secant: f64, left: bool) -> Hermite {
     Hermite::new(360.0 / h, third) * (secant / (h * h))
 }
 
-/// Slope and curvature at each point, for which the jumps of the fourth and the third derivative are 0 where they are not
-/// known: elimination from the first point to the last, and back.
+/// Slope and curvature at each point, for which the jumps of the fourth and the third derivative are 0 where they are
+/// not known: elimination from the first point to the last, and back.
 fn hermite(widths: &[f64], secants: &[f64], known: &[Point]) -> Vec<[f64; 2]> {
     let last = known.len() - 1;
     // Inverse of what is left of the own part, coupling to the next point, right side.

@@ -148,8 +148,8 @@ pub struct Variable {
     pub unit: Option<Unit>,
     /// Start value: of every parameter and input, of nothing that is computed.
     pub start: Option<Value>,
-    /// Of an output: the inputs on which its present value depends, ascending. Of a calculated parameter: the parameters
-    /// that decide it, ascending. Else empty.
+    /// Of an output: the inputs on which its present value depends, ascending. Of a calculated parameter: the
+    /// parameters that decide it, ascending. Else empty.
     pub dependencies: Vec<Reference>,
     /// What is known of its values.
     pub details: Details,

@@ -2,7 +2,8 @@
 use super::{Reference, Variable};
 
 /// Variables that make up one connection, such as the force and the motion of one drive. Two terminals of one kind
-/// connect their members of the same names, as far as both have them: each pair is an output and an input of one quantity.
+/// connect their members of the same names, as far as both have them: each pair is an output and an input of one
+/// quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Terminal {
     /// Name of the connection, the part of its variables' names before the dot.

@@ -77,37 +77,38 @@ impl Unit {
     /// Name, and exponents of kg, m, s and rad.
     const fn row(self) -> (&'static str, [i8; 4]) {
         match self {
-            Self::One => ("1", [0, 0, 0, 0]),                                   // dimensionless
-            Self::Radian => ("rad", [0, 0, 0, 1]),                              // angle
-            Self::RadianPerSecond => ("rad/s", [0, 0, -1, 1]),                  // angular speed
-            Self::RadianPerSecondSquared => ("rad/s2", [0, 0, -2, 1]),          // angular acceleration
-            Self::Second => ("s", [0, 0, 1, 0]),                                // time
-            Self::Metre => ("m", [0, 1, 0, 0]),                                 // length
-            Self::SquareMetre => ("m2", [0, 2, 0, 0]),                          // area
-            Self::MetrePerSecond => ("m/s", [0, 1, -1, 0]),                     // speed
-            Self::MetrePerSecondSquared => ("m/s2", [0, 1, -2, 0]),             // acceleration
-            Self::Kilogram => ("kg", [1, 0, 0, 0]),                             // mass
-            Self::KilogramSquareMetre => ("kg.m2", [1, 2, 0, 0]),               // moment of inertia
-            Self::KilogramPerCubicMetre => ("kg/m3", [1, -3, 0, 0]),            // mass density
-            Self::Newton => ("N", [1, 1, -2, 0]),                               // force
-            Self::NewtonMetre => ("N.m", [1, 2, -2, 0]),                        // torque
-            Self::Joule => ("J", [1, 2, -2, 0]),                                // energy
-            Self::NewtonPerMetre => ("N/m", [1, 0, -2, 0]),                     // stiffness
-            Self::NewtonSecondPerMetre => ("N.s/m", [1, 0, -1, 0]),             // damping
-            Self::NewtonMetrePerRadian => ("N.m/rad", [1, 2, -2, -1]),          // torsional stiffness
-            Self::NewtonMetreSecondPerRadian => ("N.m.s/rad", [1, 2, -1, -1]),  // torsional damping
-            Self::KilogramPerMetre => ("kg/m", [1, -1, 0, 0]),                  // change of mass with length
-            Self::KilogramSquareMetrePerRadian => ("kg.m2/rad", [1, 2, 0, -1]), // change of moment of inertia with angle
-            Self::PerSecond => ("1/s", [0, 0, -1, 0]),                          // rate of a ratio
-            Self::Hertz => ("Hz", [0, 0, -1, 0]),                               // frequency
-            Self::Pascal => ("Pa", [1, -1, -2, 0]),                             // pressure
-            Self::CubicMetre => ("m3", [0, 3, 0, 0]),                           // volume
-            Self::CubicMetrePerSecond => ("m3/s", [0, 3, -1, 0]),               // flow
-            Self::CubicMetrePerSecondPascal => ("m3/(s.Pa)", [-1, 4, 1, 0]),    // flow per pressure
-            Self::Watt => ("W", [1, 2, -3, 0]),                                 // power
-            Self::NewtonPerSecond => ("N/s", [1, 1, -3, 0]),                    // rate of a force
-            Self::NewtonSecond => ("N.s", [1, 1, -1, 0]),                       // impulse
-            Self::KilogramSquareMetrePerSecond => ("kg.m2/s", [1, 2, -1, 0]),   // angular impulse
+            Self::One => ("1", [0, 0, 0, 0]),                                  // dimensionless
+            Self::Radian => ("rad", [0, 0, 0, 1]),                             // angle
+            Self::RadianPerSecond => ("rad/s", [0, 0, -1, 1]),                 // angular speed
+            Self::RadianPerSecondSquared => ("rad/s2", [0, 0, -2, 1]),         // angular acceleration
+            Self::Second => ("s", [0, 0, 1, 0]),                               // time
+            Self::Metre => ("m", [0, 1, 0, 0]),                                // length
+            Self::SquareMetre => ("m2", [0, 2, 0, 0]),                         // area
+            Self::MetrePerSecond => ("m/s", [0, 1, -1, 0]),                    // speed
+            Self::MetrePerSecondSquared => ("m/s2", [0, 1, -2, 0]),            // acceleration
+            Self::Kilogram => ("kg", [1, 0, 0, 0]),                            // mass
+            Self::KilogramSquareMetre => ("kg.m2", [1, 2, 0, 0]),              // moment of inertia
+            Self::KilogramPerCubicMetre => ("kg/m3", [1, -3, 0, 0]),           // mass density
+            Self::Newton => ("N", [1, 1, -2, 0]),                              // force
+            Self::NewtonMetre => ("N.m", [1, 2, -2, 0]),                       // torque
+            Self::Joule => ("J", [1, 2, -2, 0]),                               // energy
+            Self::NewtonPerMetre => ("N/m", [1, 0, -2, 0]),                    // stiffness
+            Self::NewtonSecondPerMetre => ("N.s/m", [1, 0, -1, 0]),            // damping
+            Self::NewtonMetrePerRadian => ("N.m/rad", [1, 2, -2, -1]),         // torsional stiffness
+            Self::NewtonMetreSecondPerRadian => ("N.m.s/rad", [1, 2, -1, -1]), // torsional damping
+            Self::KilogramPerMetre => ("kg/m", [1, -1, 0, 0]),                 // change of mass with length
+            // change of moment of inertia with angle
+            Self::KilogramSquareMetrePerRadian => ("kg.m2/rad", [1, 2, 0, -1]),
+            Self::PerSecond => ("1/s", [0, 0, -1, 0]), // rate of a ratio
+            Self::Hertz => ("Hz", [0, 0, -1, 0]),      // frequency
+            Self::Pascal => ("Pa", [1, -1, -2, 0]),    // pressure
+            Self::CubicMetre => ("m3", [0, 3, 0, 0]),  // volume
+            Self::CubicMetrePerSecond => ("m3/s", [0, 3, -1, 0]), // flow
+            Self::CubicMetrePerSecondPascal => ("m3/(s.Pa)", [-1, 4, 1, 0]), // flow per pressure
+            Self::Watt => ("W", [1, 2, -3, 0]),        // power
+            Self::NewtonPerSecond => ("N/s", [1, 1, -3, 0]), // rate of a force
+            Self::NewtonSecond => ("N.s", [1, 1, -1, 0]), // impulse
+            Self::KilogramSquareMetrePerSecond => ("kg.m2/s", [1, 2, -1, 0]), // angular impulse
         }
     }
 

@@ -7,7 +7,8 @@ use linkage_fmu::fmi3::host::Host;
 use linkage_fmu::fmi3::types::Status;
 use std::path::Path;
 
-/// A run of Euler's method, through the up stop: what it reads, and how often it was in event mode after the first time.
+/// A run of Euler's method, through the up stop: what it reads, and how often it was in event mode after the first
+/// time.
 macro_rules! run {
     ($host:expr, $description:expr, $status:ident) => {{
         let (host, h) = (&$host, 2e-4);

@@ -243,8 +243,8 @@ fn exchange_allocates_nothing(method: &str) {
     assert_allocates_nothing(&gear, exchange, method);
 }
 
-/// Nothing is allocated from the tenth round on of a run that was made before: tables are built when an output first asks
-/// for them, those of reactions panel by panel. `rewind` brings the run back to its begin.
+/// Nothing is allocated from the tenth round on of a run that was made before: tables are built when an output first
+/// asks for them, those of reactions panel by panel. `rewind` brings the run back to its begin.
 fn assert_allocates_nothing_again(rewind: impl FnOnce(), mut round: impl FnMut(i32), what: &str) {
     (0..200).for_each(&mut round);
     rewind();

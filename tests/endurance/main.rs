@@ -108,7 +108,8 @@ fn memory_is_constant_over_random_calls() {
     }
     let (first, last) = (seen[0], seen[seen.len() - 1]);
     println!(
-        "{calls} calls, {accepted} accepted, in {:.1} s; live memory {} bytes after the first round, {} after the last; \
+        "{calls} calls, {accepted} accepted, in {:.1} s; live memory {} bytes after the first round, {} after the \
+         last; \
          resident {:?} and {:?} bytes",
         start.elapsed().as_secs_f64(),
         first.0,

@@ -134,13 +134,16 @@ fn names_that_nothing_carries() {
 #[test]
 fn linkages_that_cannot_move_as_one() {
     // Two degrees of freedom, none, and a body that hangs on nothing.
-    let without = ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\", \"pin_radius\": 0.015 }";
+    let without = ",\n    \"joint4\": \
+        { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\", \"pin_radius\": 0.015 }";
     check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
-    let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" },\n    \"joint0\":";
+    let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" \
+        },\n    \"joint0\":";
     let text = changed(r#""length": 0.217"#, r#""length": 0.317"#).replace(r#""joint1":"#, more);
     check(&text, &["cannot close", "on coupler are 0.317 m apart", "reach over 0.1755 m"]);
     check(&changed(r#""coupler": {"#, r#""loose": {}, "coupler": {"#), &["bodies.loose", "ground", "add a joint"]);
-    let fixed = "\"joint5\": { \"type\": \"revolute\", \"first\": \"ground.rest\", \"second\": \"crank.rest\" },\n    \"joint1\":";
+    let fixed = "\"joint5\": { \"type\": \"revolute\", \"first\": \"ground.rest\", \"second\": \"crank.rest\" \
+        },\n    \"joint1\":";
     let text = changed(r#""joint1":"#, fixed)
         .replace(
             r#""ground": { "length": 0.5729 }"#,
@@ -375,7 +378,8 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
         json!({
             "name": "Triangle",
             "bodies": {
-                "ground": { "length": 0.4 }, "left": { "length": 0.3, "mass": 1.0 }, "right": { "length": 0.3, "mass": 1.0 },
+                "ground": { "length": 0.4 }, "left": { "length": 0.3, "mass": 1.0 }, "right": { "length": 0.3,
+                    "mass": 1.0 },
                 "spinner": { "length": 0.1, "mass": 1.0, "inertia": 0.01 }
             },
             "joints": {
@@ -400,7 +404,8 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
             "second_teeth": 24 })
     };
     let planetary = json!({ "name": "Planetary",
-        "bodies": { "ground": {}, "sun": { "inertia": 0.01 }, "arm": { "length": 0.1, "mass": 1 }, "planet": { "mass": 1 } },
+        "bodies": { "ground": {}, "sun": { "inertia": 0.01 }, "arm": { "length": 0.1, "mass": 1 }, "planet": {
+            "mass": 1 } },
         "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "sun.origin" },
             "b": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" },
             "c": { "type": "revolute", "first": "arm.end", "second": "planet.origin" } },

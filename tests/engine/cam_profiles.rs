@@ -1,4 +1,5 @@
-//! Profiles of cams and pitch curves of elliptic gears: their curvature by differences, what is drawn, what is warned of.
+//! Profiles of cams and pitch curves of elliptic gears: their curvature by differences, what is drawn, what is warned
+//! of.
 
 use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
 use crate::support::{Run, assert_says, changed};
@@ -78,7 +79,8 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
     let scene = Scene::new(&mechanism, &Linkage::new(&mechanism).unwrap()).unwrap();
     assert_eq!(scene.outlines.len(), 2);
     for (wheel, outline) in scene.outlines.iter().enumerate() {
-        // 1 / r = (1 + e cos(psi - vertex)) / p of an ellipse about a focus, with p = a (1 - e^2), is linear in the direction.
+        // 1 / r = (1 + e cos(psi - vertex)) / p of an ellipse about a focus, with p = a (1 - e^2), is linear in the
+        // direction.
         let rows: Vec<Vector3<f64>> =
             outline.points.iter().map(|[x, y]| Vector3::new(1.0, x / x.hypot(*y), y / x.hypot(*y))).collect();
         let inverse: Vec<f64> = outline.points.iter().map(|[x, y]| 1.0 / x.hypot(*y)).collect();
@@ -130,7 +132,8 @@ fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
     }
     for crossed in [false, true] {
         let text = changed(winch, |m| {
-            m["couplings"]["second_stage"] = json!({ "type": "belt", "first": "layshaft.origin", "second": "drum.origin",
+            m["couplings"]["second_stage"] = json!({ "type": "belt", "first": "layshaft.origin",
+                "second": "drum.origin",
                 "first_radius": 0.04, "second_radius": 0.06, "crossed": crossed });
         });
         let all = named(&text, "second_stage");

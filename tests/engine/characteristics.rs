@@ -13,7 +13,8 @@ fn carriage(spring: Value, start: f64) -> String {
     json!({
         "name": "Carriage",
         "bodies": { "ground": {}, "carriage": { "mass": MASS } },
-        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin", "axis_angle": 0 } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin",
+            "axis_angle": 0 } },
         "springs": { "strut": spring },
         "start": { "joint": "rail", "position": start },
         "guess": { "rail": start },
@@ -197,8 +198,8 @@ fn a_gas_without_volume_is_refused() {
     assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
 }
 
-/// A detent that is narrow and weak beside the motion is not passed over within a step: the speed in the middle of it is that
-/// of the energy left.
+/// A detent that is narrow and weak beside the motion is not passed over within a step: the speed in the middle of it
+/// is that of the energy left.
 #[test]
 fn a_narrow_detent_is_seen_in_long_steps() {
     // 2 kg at 1 m/s; the pull of up to 3 mN over 4 mm takes 6e-6 J and gives it back.
@@ -223,11 +224,12 @@ fn a_narrow_detent_is_seen_in_long_steps() {
 
 #[test]
 fn the_position_is_told_where_a_gas_has_no_volume_left() {
-    // The strut from (0.5, 0) to the end of a rod of 0.3 m has 0.3 m where cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3), and
-    // shortens before the rod is back at x; there its gas, 0.2 m longer at its free length, has no volume left.
+    // The strut from (0.5, 0) to the end of a rod of 0.3 m has 0.3 m where cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3),
+    // and shortens before the rod is back at x; there its gas, 0.2 m longer at its free length, has no volume left.
     let text = json!({
         "name": "Rod",
-        "bodies": { "ground": { "points": { "eye": [0.5, 0] } }, "rod": { "length": 0.3, "mass": 1, "shape": "uniform_rod" } },
+        "bodies": { "ground": { "points": { "eye": [0.5, 0] } }, "rod": { "length": 0.3, "mass": 1,
+            "shape": "uniform_rod" } },
         "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
         "springs": { "strut": { "first": "ground.eye", "second": "rod.end", "free_length": 0.5,
                                 "gas": { "pressure": 1e6, "area": 1e-3, "volume": 2e-4, "exponent": 1.2 } } },
@@ -237,8 +239,8 @@ fn the_position_is_told_where_a_gas_has_no_volume_left() {
     assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "down to 0.3 m"]);
 }
 
-/// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the curve, and
-/// by an angle that goes on over whole turns.
+/// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the
+/// curve, and by an angle that goes on over whole turns.
 #[test]
 fn a_barrier_between_parts_without_force_is_met() {
     let slide = json!({

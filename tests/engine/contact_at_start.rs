@@ -24,7 +24,8 @@ fn belt(keys: Value) -> String {
             "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" }
         },
         "couplings": {
-            "loop": { "type": "belt", "first": "one.origin", "second": "two.origin", "first_radius": 0.05, "second_radius": 0.08 }
+            "loop": { "type": "belt", "first": "one.origin", "second": "two.origin", "first_radius": 0.05,
+                "second_radius": 0.08 }
         },
         "torques": { "motor": { "on": "one", "torque": 3 }, "load": { "on": "two", "torque": -1 } },
         "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 }
@@ -38,7 +39,8 @@ fn belt(keys: Value) -> String {
 #[test]
 fn a_belt_whose_span_is_slack_at_the_start() {
     for crossed in [false, true] {
-        // The first shaft has J1 + i^2 J2 = 0.02 + 0.625^2 0.5, so that J2 alpha2 = 0.08 m x force - 1 N.m on the second.
+        // The first shaft has J1 + i^2 J2 = 0.02 + 0.625^2 0.5, so that J2 alpha2 = 0.08 m x force - 1 N.m on the
+        // second.
         let ratio = if crossed { -0.05 / 0.08 } else { 0.05 / 0.08 };
         let transmitted: f64 = (0.5 * ratio * (3.0 - ratio) / (0.02 + ratio * ratio * 0.5) + 1.0) / 0.08;
         let (half, number) = (0.5 * transmitted.abs(), |value: f64| value.to_string()[..6].to_owned());

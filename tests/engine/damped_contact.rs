@@ -1,5 +1,5 @@
-//! Strong damping next to events: a block on a slide that leaves a stop, a lock, a bumper, stiction or a drive's losses, and
-//! one that is thrown towards a stop, in steps far longer than the decay, against closed forms.
+//! Strong damping next to events: a block on a slide that leaves a stop, a lock, a bumper, stiction or a drive's
+//! losses, and one that is thrown towards a stop, in steps far longer than the decay, against closed forms.
 use crate::support::{Run, TAILGATE, cases};
 use serde_json::{Value, json};
 
@@ -187,8 +187,8 @@ fn damped_motions_leave_and_reach_what_holds_them() {
             }
         }
     }
-    // The tolerance is relative to a motion of 1 m and to the speed that the force gives over it. Of travels of millimetres
-    // that shows in one run of ten thousand.
+    // The tolerance is relative to a motion of 1 m and to the speed that the force gives over it. Of travels of
+    // millimetres that shows in one run of ten thousand.
     let runs = KINDS.len() * 16 * count as usize;
     assert!(wrong.len() <= runs / 10_000, "{} runs: {}", wrong.len(), wrong.join("\n"));
 }

@@ -35,7 +35,8 @@ const OF_GEAR: [Setting; 17] = [
     Flag("solver.tables", false),
 ];
 
-/// An arm with a cylinder whose ends coincide at 0 and one whose ends coincide at pi / 2: the start decides on which part of the circle it is.
+/// An arm with a cylinder whose ends coincide at 0 and one whose ends coincide at pi / 2: the start decides on which
+/// part of the circle it is.
 const ARM: &str = r#"{ "name": "Arm",
   "bodies": { "ground": { "points": { "east": [1, 0], "north": [0, 1] } },
     "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" } },

@@ -158,7 +158,8 @@ fn drag_takes_its_power() {
     }
 }
 
-/// A plate on a crank that the wind turns: I omega^2 / 2 + 1/2 rho c S v^2 r G(theta) is constant, where G is the integral of
+/// A plate on a crank that the wind turns: I omega^2 / 2 + 1/2 rho c S v^2 r G(theta) is constant, where G is the
+/// integral of
 /// |sin| sin, so also where the plate is edge-on to the wind and its drag has a kink, twice in each revolution.
 #[test]
 fn a_plate_passes_edge_on_within_the_tolerance() {

@@ -150,7 +150,8 @@ fn triangle() -> Value {
         "units": { "angle": "deg", "length": "mm" },
         "bodies": {
             "ground": { "points": { "rail": [0, 40] } },
-            "crank": { "mass": 1, "drawn": { "origin": [0, 0], "end": [30, 40], "points": { "eye": [26, 43] }, "center": [15, 20] } },
+            "crank": { "mass": 1, "drawn": { "origin": [0, 0], "end": [30, 40], "points": { "eye": [26, 43] },
+                "center": [15, 20] } },
             "rod": { "drawn": { "origin": [30, 40], "end": [110, 40] } },
             "slider": { "mass": 1, "drawn": { "origin": [110, 40], "angle": 90 } },
             "flag": { "fixed_to": "rod.end", "drawn": { "origin": [110, 40], "end": [110, 50] } }

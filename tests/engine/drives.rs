@@ -181,7 +181,8 @@ proptest! {
             for k in 0..3 {
                 prop_assert!((reported[k] - again[k]).abs() < slack, "{} {} {}", names[k], reported[k], again[k]);
             }
-            prop_assert!(reported[0] < reported[1] + slack && reported[1] < reported[2] + slack, "{} {reported:?}", drive.0);
+            prop_assert!(reported[0] < reported[1] + slack && reported[1] < reported[2] + slack, "{} {reported:?}",
+                drive.0);
             run.set(&of(drive, "force"), reported[1]);
             let given = run.get(&of(drive, "acceleration"));
             let mass = run.get(&of(drive, "reduced_mass"));
@@ -228,7 +229,8 @@ fn below_the_breakaway_torque_the_mechanism_creeps() {
         let mut definition = definition(0);
         definition["actuators"]["ram"]["efficiency"] = json!(0.5);
         definition["friction"] = json!({
-            "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.08, "static_speed": STATIC, "kinetic_speed": 0.1,
+            "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.08, "static_speed": STATIC,
+                "kinetic_speed": 0.1,
         });
         Run::new(&definition.to_string()).with(&[("servo.torque", torque)]).started()
     };

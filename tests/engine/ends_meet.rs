@@ -111,7 +111,8 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
     // From the other side too, and with losses, friction and a damper.
     for further in [
         json!({ "springs": { "damper": { "joint": "pivot", "damping": 0.01 } } }),
-        json!({ "springs": { "coil": { "first": "ground.east", "second": "arm.end", "stiffness": 1, "damping": 0.1 } } }),
+        json!({ "springs": { "coil": { "first": "ground.east", "second": "arm.end", "stiffness": 1,
+            "damping": 0.1 } } }),
     ] {
         for speed in [-9.0, 9.0] {
             let mut run = Run::new(&arm(&further)).with(&[("arm.start_speed", speed)]).started();
@@ -221,8 +222,10 @@ fn the_check_tells_where_the_motion_ends() {
 #[test]
 fn ends_that_keep_their_distance_have_no_effect() {
     let bars = json!({ "name": "Bars",
-        "bodies": { "ground": { "length": 0.4 }, "crank": { "length": 0.1, "mass": 1 }, "rocker": { "length": 0.25, "mass": 1 },
-            "rod": { "length": 0.4, "mass": 2 }, "twin": { "length": 0.4, "mass": 1, "points": { "eye": [0.2, 0.1] } } },
+        "bodies": { "ground": { "length": 0.4 }, "crank": { "length": 0.1, "mass": 1 }, "rocker": { "length": 0.25,
+            "mass": 1 },
+            "rod": { "length": 0.4, "mass": 2 }, "twin": { "length": 0.4, "mass": 1, "points": { "eye": [0.2,
+                0.1] } } },
         "joints": {
             "a": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
             "b": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
@@ -230,7 +233,8 @@ fn ends_that_keep_their_distance_have_no_effect() {
             "c": { "type": "revolute", "first": "rod.end", "second": "rocker.end" },
             "c2": { "type": "revolute", "first": "twin.end", "second": "rocker.end" },
             "d": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" } },
-        "start": { "body": "crank", "angle": 0.6, "speed": 1 }, "guess": { "crank": 0.6, "rod": 0.5, "twin": 0.5, "rocker": 1.4 } });
+        "start": { "body": "crank", "angle": 0.6, "speed": 1 }, "guess": { "crank": 0.6, "rod": 0.5, "twin": 0.5,
+            "rocker": 1.4 } });
     let between = |group: &str, first: &str, second: &str| {
         let mut text = bars.clone();
         text[group] = json!({ "idle": { "first": first, "second": second } });

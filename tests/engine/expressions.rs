@@ -328,7 +328,8 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
     let warned = |key: &str, text: &str| {
         let mut file = json!({
             "name": "Arm", "units": { "length": "mm", "angle": "deg" },
-            "parameters": { "L": 100, "a": 30, "size": { "value": 0.1, "unit": "m" }, "k": { "value": 50, "unit": "N/m" },
+            "parameters": { "L": 100, "a": 30, "size": { "value": 0.1, "unit": "m" }, "k": { "value": 50,
+                "unit": "N/m" },
                 "f": { "value": 5, "unit": "N" }, "t": { "value": 0.5, "unit": "rad" } },
             "bodies": { "ground": {}, "arm": { "length": 200, "mass": 1, "shape": "uniform_rod" },
                 "tip": { "fixed_to": "arm.end", "angle": 30, "length": 50 } },

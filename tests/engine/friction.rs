@@ -102,8 +102,10 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
                 "axis_angle": 1.5707963267948966, "static_coefficient": 0, "kinetic_coefficient": 0 },
             "pa": { "type": "revolute", "first": "a.origin", "second": "rod.origin" },
             "pb": { "type": "revolute", "first": "rod.end", "second": "b.origin" } },
-        "friction": { "enabled": true, "static_coefficient": 0.5, "kinetic_coefficient": 0.5, "static_speed": 1e-3, "kinetic_speed": 2e-3 },
-        "start": { "body": "rod", "angle": 2.0, "speed": -1 }, "guess": { "rod": 2.0, "guide": 0.42, "column": 0.91 } }"#;
+        "friction": { "enabled": true, "static_coefficient": 0.5, "kinetic_coefficient": 0.5, "static_speed": 1e-3,
+            "kinetic_speed": 2e-3 },
+        "start": { "body": "rod", "angle": 2.0, "speed": -1 }, "guess": { "rod": 2.0, "guide": 0.42,
+            "column": 0.91 } }"#;
     let (light, heavy, rod, g, mu) = (0.1, 5.0, 0.1, 9.81, 0.5);
     let trammel = Run::new(TRAMMEL);
     let mut relieved = 0;

@@ -215,7 +215,8 @@ proptest! {
 
     #[test]
     fn friction_of_the_gear_is_that_of_its_reactions(
-        angle in -1.3..1.3f64, speed in speeds(), force in -4e4..4e4f64, factor in -5.0..5.0f64, airspeed in -80.0..80.0f64,
+        angle in -1.3..1.3f64, speed in speeds(), force in -4e4..4e4f64, factor in -5.0..5.0f64,
+            airspeed in -80.0..80.0f64,
     ) {
         let mut run = gear(false)
             .with(&[("crank.start_angle", angle), ("crank.start_speed", speed), ("actuator.force", force)])
@@ -245,7 +246,8 @@ proptest! {
             .with(&[("load.force_x", load[0]), ("load.force_y", load[1])])
             .started();
         let (w1, w2, v) = (run.get("crank.speed"), run.get("rod.speed"), run.get("guide.speed"));
-        let largest = ["bearing", "pin", "wrist"].map(|joint| run.get(&format!("{joint}.force"))).into_iter().fold(0.0, f64::max);
+        let largest = ["bearing", "pin",
+            "wrist"].map(|joint| run.get(&format!("{joint}.force"))).into_iter().fold(0.0, f64::max);
         for (joint, slip, radius, mu) in
             [("bearing", w1, 0.01, BEARING), ("pin", w2 - w1, 0.02, PIN), ("wrist", -w2, 0.008, WRIST)]
         {

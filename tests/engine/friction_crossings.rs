@@ -34,7 +34,8 @@ fn angle(from: Vec2, to: Vec2) -> f64 {
     (to.y - from.y).atan2(to.x - from.x)
 }
 
-/// Meeting point of circles about two points, on the left of the way from the one to the other (1), or on its right (-1).
+/// Meeting point of circles about two points, on the left of the way from the one to the other (1), or on its right
+/// (-1).
 fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
     let (way, distance) = (b - a, (b - a).norm());
     let along = (distance * distance + ra * ra - rb * rb) / (2.0 * distance);
@@ -83,7 +84,8 @@ fn gripper() -> String {
     let ground = json!({ "points": { "second": [0.3, 0.0] } });
     mechanism(
         &json!({
-            "ground": ground, "one": rod(crank), "two": rod(crank), "jaw": rod(0.3), "link": rod(link), "slider": { "mass": 0.5 }
+            "ground": ground, "one": rod(crank), "two": rod(crank), "jaw": rod(0.3), "link": rod(link), "slider": {
+                "mass": 0.5 }
         }),
         &json!({
             "a": pin("ground.origin", "one.origin"), "b": pin("one.end", "jaw.origin"),
@@ -260,8 +262,9 @@ impl Cranks {
         (alpha, all)
     }
 
-    /// Sizes of the reactions with friction: the solution without friction, followed by Newton's method with differences
-    /// while friction grows to its full size; None if it ends before, where the determinant of the equations vanishes.
+    /// Sizes of the reactions with friction: the solution without friction, followed by Newton's method with
+    /// differences while friction grows to its full size; None if it ends before, where the determinant of the
+    /// equations vanishes.
     fn solve(&self, state: [f64; 2]) -> Option<Vec<f64>> {
         const PARTS: u32 = 200;
         let mut sizes = self.balance(state, &vec![0.0; 2 + 2 * self.phases.len()]).1;
@@ -327,7 +330,8 @@ impl Cranks {
     }
 }
 
-/// Steps of 1 ms up to where the motion locks or `span` is over, then shorter ones; the message of the end, if it locks.
+/// Steps of 1 ms up to where the motion locks or `span` is over, then shorter ones; the message of the end, if it
+/// locks.
 fn run_to_the_lock(run: &mut Run, span: f64) -> Option<String> {
     let mut said = None;
     let mut h = 1e-3;

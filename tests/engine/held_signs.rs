@@ -16,21 +16,23 @@ fn block() -> Value {
             "block": { "mass": MASS, "inertia": 1, "center": [0, 0] },
         },
         "joints": {
-            "slide": { "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": 0, "angle": 0 },
+            "slide": { "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": 0,
+                "angle": 0 },
         },
         "guess": { "slide": 0 },
         "start": { "joint": "slide", "position": 0, "speed": SPEED },
         "gravity": { "acceleration": 0, "up_angle": 1.5 },
         "forces": { "press": { "at": "block.origin" } },
         "friction": {
-            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": MU, "static_speed": 1e-3, "kinetic_speed": 2e-3,
+            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": MU, "static_speed": 1e-3,
+                "kinetic_speed": 2e-3,
         },
         "solver": { "tolerance": 1e-9 },
     })
 }
 
-/// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: between the zeros of F by
-/// Simpson's rule, which is exact there.
+/// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: between the zeros of F
+/// by Simpson's rule, which is exact there.
 fn integral(force: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64, zeros: &[f64], end: f64) -> f64 {
     let bounds: Vec<f64> = [0.0].into_iter().chain(zeros.iter().copied()).chain([end]).collect();
     let f = |t: f64| force(t).abs() * weight(t);
@@ -87,8 +89,8 @@ fn a_normal_force_of_zero_costs_nothing() {
     assert!(block.statistics().accepted < 40, "{:?}", block.statistics());
 }
 
-/// A lossy drive of a slider holds back a crank that turns through both dead centres: what the mechanism gains in kinetic
-/// energy is the work of the drive, with eta or 1 / eta by the direction of its power.
+/// A lossy drive of a slider holds back a crank that turns through both dead centres: what the mechanism gains in
+/// kinetic energy is the work of the drive, with eta or 1 / eta by the direction of its power.
 #[test]
 fn the_power_of_a_drive_changes_its_direction_at_a_dead_centre() {
     let (crank, rod, efficiency, force): (f64, f64, f64, f64) = (0.2, 0.5, 0.6, 10.0);

@@ -229,8 +229,8 @@ fn rollback_leaves_no_trace_whatever_the_inputs_do() {
     }
 }
 
-/// Set all inputs and tunable parameters of a model to other values, and derivatives of inputs, then all to what they were,
-/// twice. `reads`: outputs to be read in between; `rollback`: how the model continues in between.
+/// Set all inputs and tunable parameters of a model to other values, and derivatives of inputs, then all to what they
+/// were, twice. `reads`: outputs to be read in between; `rollback`: how the model continues in between.
 fn away_and_back(
     model: &mut Model,
     fresh: &Model,

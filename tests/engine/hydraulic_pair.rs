@@ -224,8 +224,8 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     Some(worst)
 }
 
-/// A pair in a host that is late errs as one in a host that is not, up to 40 ms; without the mode delayed the coupling is
-/// lost from 10 ms on, as the correction of the load reacts to its own delay.
+/// A pair in a host that is late errs as one in a host that is not, up to 40 ms; without the mode delayed the coupling
+/// is lost from 10 ms on, as the correction of the load reacts to its own delay.
 #[test]
 fn a_late_host_keeps_the_coupling_in_the_mode_delayed() {
     for (second, h, most) in [
@@ -278,8 +278,8 @@ fn after_a_contact_the_pair_goes_on() {
     assert!(actuator.get("chamber_a.pressure") > 15e6 && actuator.get("actuator.force") > 1e4);
 }
 
-/// 2 zeta/omega [ms] of the oil spring against the reduced mass at crank angles of the retraction, in three digits, from
-/// the eigenvalues of others.
+/// 2 zeta/omega [ms] of the oil spring against the reduced mass at crank angles of the retraction, in three digits,
+/// from the eigenvalues of others.
 #[test]
 fn the_stable_step_is_that_of_the_table() {
     const TABLE: [[f64; 2]; 6] = [[0.4, 1.08], [0.0, 1.00], [-0.4, 1.38], [-0.8, 2.73], [-1.1, 4.28], [-1.25, 0.97]];

@@ -86,8 +86,8 @@ fn all_bounces_of_a_series_count() {
     assert_eq!(met(&mut whole, "floor"), [count, time, impulse]);
 }
 
-/// The energy that the up stop of the gear takes is that of its impulse: P = I_z omega (1 + e), E = I_z omega^2 (1 - e^2)
-/// / 2, so that E = P omega (1 - e) / 2, without any number of the gear's inertia.
+/// The energy that the up stop of the gear takes is that of its impulse: P = I_z omega (1 + e), E = I_z omega^2 (1 -
+/// e^2) / 2, so that E = P omega (1 - e) / 2, without any number of the gear's inertia.
 #[test]
 fn the_impulse_of_the_gear_fits_to_the_energy_lost() {
     let (hit, speed) = (0.132_059_852_744_259_7, 30.257_773_253_560_312);
@@ -110,7 +110,8 @@ fn the_impulse_of_the_gear_fits_to_the_energy_lost() {
 /// A bumper tells the momentum with which it is met: reduced mass times speed.
 #[test]
 fn a_bumper_tells_the_momentum_that_comes() {
-    let bumper = json!({ "pad": { "joint": "slide", "position": 0.5, "limit": "lower", "rigid": false, "stiffness": 4e4, "damping": 100.0 } });
+    let bumper = json!({ "pad": { "joint": "slide", "position": 0.5, "limit": "lower", "rigid": false,
+        "stiffness": 4e4, "damping": 100.0 } });
     let mut run = falling(&block(bumper));
     let (hit, speed) = first_impact();
     run.step(hit + 1e-3);

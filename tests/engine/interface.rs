@@ -24,7 +24,8 @@ fn the_names_are_the_contract() {
         joint4.force_x joint4.force_y joint4.force joint4.friction_torque joint4.slip_speed \
         actuator.length actuator.speed actuator.acceleration actuator.reduced_mass \
         actuator.reduced_mass_derivative actuator.static_load actuator.additional_force actuator.required_force \
-        actuator.holding_force actuator.holding_force_derivative actuator.breakaway_force_forward actuator.breakaway_force_backward actuator.self_locking \
+        actuator.holding_force actuator.holding_force_derivative actuator.breakaway_force_forward \
+        actuator.breakaway_force_backward actuator.self_locking \
         wheel.x wheel.y wheel.velocity_x wheel.velocity_y wheel.acceleration_x wheel.acceleration_y \
         leg.drag wheel.drag \
         retracted upstop.torque upstop.impact_count upstop.impact_time upstop.impact_impulse \
@@ -35,7 +36,8 @@ fn the_names_are_the_contract() {
         .map(|body| ["x", "y", "cos", "sin", "minus_sin"].map(|part| format!("{body}.frame.{part}")));
     let mut locals = frames.concat();
     locals.push("contact.mode".to_owned());
-    let exchange = "along_curve.position along_curve.speed along_curve.acceleration along_curve.low_end along_curve.high_end \
+    let exchange = "along_curve.position along_curve.speed along_curve.acceleration along_curve.low_end \
+        along_curve.high_end \
         upstop.indicator downstop.indicator uplock.indicator downlock.indicator along_curve.reversal";
     locals.extend(exchange.split_whitespace().map(str::to_owned));
     let slips = |joint: i32| ["static", "kinetic"].map(|border| format!("joint{joint}.{border}_indicator"));

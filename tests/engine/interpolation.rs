@@ -1,5 +1,5 @@
-//! Tables of cams and of prescribed motions against the laws whose points they are: acceleration and force tend to those
-//! of the law, rests rest, and a curve that is asked to be monotone is.
+//! Tables of cams and of prescribed motions against the laws whose points they are: acceleration and force tend to
+//! those of the law, rests rest, and a curve that is asked to be monotone is.
 use crate::cams::{ROLLER, lift, parsed, translating};
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::simulation::Simulation;
@@ -18,7 +18,8 @@ fn tabulated(law: &str, count: u32, keys: &Value) -> String {
     })
 }
 
-/// Largest error of a table's acceleration of the follower at a constant speed of the cam, in parts of the law's largest.
+/// Largest error of a table's acceleration of the follower at a constant speed of the cam, in parts of the law's
+/// largest.
 fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
     let run = |text: &str, angle: f64| {
         let mut run = Run::new(&changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();

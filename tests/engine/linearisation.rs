@@ -98,7 +98,8 @@ fn a_pendulum_starts_hanging_and_swings_at_the_root_of_g_over_l() {
     close(at.eigenvalues[0][1], omega, 10.0);
 }
 
-/// Under a torque T the pendulum hangs at cos(theta) = T / (m g l), and swings with the component of gravity along the rod.
+/// Under a torque T the pendulum hangs at cos(theta) = T / (m g l), and swings with the component of gravity along the
+/// rod.
 #[test]
 fn inputs_before_the_end_of_the_initialisation_move_the_equilibrium_and_later_ones_do_not() {
     let mut simulation = Simulation::open(&pendulum().to_string()).unwrap();
@@ -201,9 +202,9 @@ fn the_word_alone_seeks_from_the_guess() {
     close(simulation.get("rod.angle").unwrap(), -FRAC_PI_2 + TAU, 1.0);
 }
 
-/// A crank r with the moment of inertia J, a rod l without mass and a slider of mass m with a spring of stiffness c and a
-/// damper d between slider and ground, slack at this angle of the crank. About it (J + m x'^2) theta'' = -c x'^2 theta -
-/// d x'^2 theta', with x' = dx / dtheta of the slider.
+/// A crank r with the moment of inertia J, a rod l without mass and a slider of mass m with a spring of stiffness c and
+/// a damper d between slider and ground, slack at this angle of the crank. About it (J + m x'^2) theta'' = -c x'^2
+/// theta - d x'^2 theta', with x' = dx / dtheta of the slider.
 const J: f64 = 0.002;
 
 fn slider_crank(angle: f64, damping: f64) -> Value {

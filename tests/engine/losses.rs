@@ -13,7 +13,8 @@ const J2: f64 = 0.5;
 /// Two shafts 0.3 m apart with gears of the efficiency 0.8, under these torques.
 fn shafts(motor: f64, load: f64) -> Value {
     json!({ "name": "Losses",
-        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "mass": 2, "inertia": J1 }, "two": { "mass": 5, "inertia": J2 } },
+        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "mass": 2, "inertia": J1 }, "two": {
+            "mass": 5, "inertia": J2 } },
         "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
             "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" } },
         "couplings": { "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17,
@@ -168,7 +169,8 @@ fn a_train_has_the_product_of_its_efficiencies() {
     text["bodies"]["ground"]["points"]["bed"] = json!([0.3, 0.3]);
     text["joints"]["c"] = json!({ "type": "revolute", "first": "ground.third", "second": "three.origin" });
     text["joints"]["slide"] = json!({ "type": "prismatic", "first": "ground.bed", "second": "table.origin" });
-    text["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
+    text["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin",
+        "first_radius": 0.05,
         "second_radius": 0.1, "efficiency": 0.9 });
     text["couplings"]["rack"] =
         json!({ "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 });

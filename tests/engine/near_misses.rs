@@ -20,8 +20,8 @@ fn extended(mut definition: Value, further: Value) -> String {
     definition.to_string()
 }
 
-/// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler, rocker; speed of the crank; guess, which is the start
-/// too.
+/// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler, rocker; speed of the crank; guess, which is the
+/// start too.
 fn four_bar([ground, crank, coupler, rocker]: [f64; 4], speed: f64, guess: [f64; 3], further: Value) -> String {
     let definition = json!({
         "name": "FourBar",

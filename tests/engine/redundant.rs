@@ -15,7 +15,8 @@ fn three_bars(third: f64) -> String {
             "left": {{ "length": 1, "mass": 1, "shape": "uniform_rod" }},
             "right": {{ "length": 1, "mass": 2, "shape": "uniform_rod" }},
             "third": {{ "length": {third}, "mass": 0.5, "shape": "uniform_rod" }},
-            "plate": {{ "length": 2, "mass": 5, "center": [0.7, 0.1], "inertia": 1.5, "points": {{ "middle": [0.8, 0] }} }} }},
+            "plate": {{ "length": 2, "mass": 5, "center": [0.7, 0.1], "inertia": 1.5,
+                "points": {{ "middle": [0.8, 0] }} }} }},
         "joints": {{
             "a1": {{ "type": "revolute", "first": "ground.origin", "second": "left.origin" }},
             "b1": {{ "type": "revolute", "first": "ground.end", "second": "right.origin" }},
@@ -118,7 +119,8 @@ fn wedges_move_although_their_sliders_hold_the_angle_twice() {
         "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
         "bodies": { "ground": {}, "a": { "mass": 1 }, "b": { "mass": 2 } },
         "joints": { "x": { "type": "prismatic", "first": "ground.origin", "second": "a.origin" },
-            "y": { "type": "prismatic", "first": "ground.origin", "second": "b.origin", "axis_angle": 1.5707963267948966 },
+            "y": { "type": "prismatic", "first": "ground.origin", "second": "b.origin",
+                "axis_angle": 1.5707963267948966 },
             "z": { "type": "prismatic", "first": "a.origin", "second": "b.origin", "axis_angle": 0.6 } },
         "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 },
         "solver": { "tolerance": 1e-12 } }"#;
@@ -145,8 +147,10 @@ fn redundant(definition: &Value) -> Vec<String> {
 /// With one coordinate and redundant joints there is no independent loop equation at all.
 #[test]
 fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
-    let mut carriage = json!({ "name": "Carriage", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": { "points": { "upper": [0, 0.2] } }, "carriage": { "mass": 2, "points": { "upper": [0, 0.2] } } },
+    let mut carriage = json!({ "name": "Carriage", "gravity": { "acceleration": 9.81,
+        "up_angle": std::f64::consts::FRAC_PI_2 },
+        "bodies": { "ground": { "points": { "upper": [0, 0.2] } }, "carriage": { "mass": 2, "points": { "upper": [0,
+            0.2] } } },
         "joints": { "lower": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" },
             "upper": { "type": "prismatic", "first": "ground.upper", "second": "carriage.upper" } },
         "forces": { "push": { "at": "carriage.upper", "force": [6, 0] } },
@@ -166,12 +170,14 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     let [told] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
     assert_says(told, &["upper", "share the reactions"]);
     // Friction on each rail, which presses with half of the weight.
-    carriage["friction"] = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1, "law": "stick",
+    carriage["friction"] = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1,
+        "law": "stick",
         "static_speed": 0, "kinetic_speed": 0 });
     let mut run = Run::new(&carriage.to_string()).started();
     run.step(0.5);
     assert!((run.get("lower.position") - 0.125 * (3.0 - 0.981)).abs() < 1e-9, "{}", run.get("lower.position"));
-    let door = json!({ "name": "Door", "bodies": { "ground": {}, "door": { "length": 1, "mass": 2, "shape": "uniform_rod" } },
+    let door = json!({ "name": "Door", "bodies": { "ground": {}, "door": { "length": 1, "mass": 2,
+        "shape": "uniform_rod" } },
         "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "door.origin" },
             "b": { "type": "revolute", "first": "ground.origin", "second": "door.origin" } },
         "start": { "body": "door", "angle": 0, "speed": 3 }, "guess": { "door": 0 } });
@@ -255,7 +261,8 @@ fn friction_of_many_hinges_is_that_of_one() {
             )
         };
         let joints: serde_json::Map<String, Value> = (0..n).map(hinge).collect();
-        let lever = json!({ "name": "Lever", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+        let lever = json!({ "name": "Lever", "gravity": { "acceleration": 9.81,
+            "up_angle": std::f64::consts::FRAC_PI_2 },
             "bodies": { "ground": {}, "lever": { "length": 1, "mass": 2, "shape": "uniform_rod" } }, "joints": joints,
             "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.2, "law": "stick",
                 "static_speed": 0, "kinetic_speed": 0 },

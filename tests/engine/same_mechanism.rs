@@ -67,7 +67,8 @@ fn in_joint<'v>(definition: &'v mut Value, group: &str, joint: &str) -> Vec<(Str
 }
 
 /// Exchange the two sides of a joint, and turn everything round that is stated by its displacement. The axis of a
-/// prismatic joint keeps its direction, so that the position changes its sign. False if a load acts in one direction only.
+/// prismatic joint keeps its direction, so that the position changes its sign. False if a load acts in one direction
+/// only.
 fn exchange(definition: &mut Value, joint: &str, differs: &mut Differs) -> bool {
     let one_way = |(_, load): &(String, &mut Value)| load.get("gas").is_some() || load.get("hydraulics").is_some();
     if ["springs", "actuators"].iter().any(|group| in_joint(definition, group, joint).iter().any(one_way)) {
@@ -297,7 +298,8 @@ fn train() -> Value {
             "c": { "type": "revolute", "first": "ground.third", "second": "three.origin" },
             "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" } },
         "couplings": {
-            "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17, "second_teeth": 43,
+            "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17,
+                "second_teeth": 43,
                 "efficiency": 0.8 },
             "belt": { "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
                 "second_radius": 0.1, "efficiency": 0.9 },
@@ -349,11 +351,13 @@ fn bodies_may_be_carried_by_others() {
 #[test]
 fn the_angle_of_a_hinge_is_that_of_the_body_it_names() {
     let shaft = json!({ "name": "Shaft",
-        "bodies": { "ground": {}, "shaft": { "mass": 1, "inertia": 0.1 }, "lever": { "fixed_to": "shaft.origin", "angle": 1.0 } },
+        "bodies": { "ground": {}, "shaft": { "mass": 1, "inertia": 0.1 }, "lever": { "fixed_to": "shaft.origin",
+            "angle": 1.0 } },
         "joints": { "s": { "type": "revolute", "first": "ground.origin", "second": "lever.origin" } },
         "springs": { "coil": { "joint": "s", "stiffness": 10 } },
         "actuators": { "servo": { "joint": "s" } },
-        "stops": { "end": { "joint": "s", "limit": "upper", "angle": 1.3 }, "own": { "body": "lever", "limit": "lower", "angle": 1.1 } },
+        "stops": { "end": { "joint": "s", "limit": "upper", "angle": 1.3 }, "own": { "body": "lever",
+            "limit": "lower", "angle": 1.1 } },
         "start": { "body": "shaft", "angle": 0.2 }, "guess": { "shaft": 0 } });
     let mut run = Run::new(&shaft.to_string()).started();
     for (name, value) in
@@ -377,10 +381,12 @@ fn a_rack_written_first_loses_in_the_direction_of_its_power() {
         [(3.0, "rack.origin", "ground.r"), (3.0, "ground.r", "rack.origin"), (-3.0, "rack.origin", "ground.r")]
     {
         let text = json!({ "name": "Rack",
-            "bodies": { "ground": { "points": { "r": [0, -0.1] } }, "wheel": { "mass": 1, "inertia": 0.01 }, "rack": { "mass": 2 } },
+            "bodies": { "ground": { "points": { "r": [0, -0.1] } }, "wheel": { "mass": 1, "inertia": 0.01 }, "rack": {
+                "mass": 2 } },
             "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "wheel.origin" },
                 "s": { "type": "prismatic", "first": first, "second": second } },
-            "couplings": { "mesh": { "type": "rack", "first": "wheel.origin", "joint": "s", "radius": 0.1, "pressure_angle": 0,
+            "couplings": { "mesh": { "type": "rack", "first": "wheel.origin", "joint": "s", "radius": 0.1,
+                "pressure_angle": 0,
                 "efficiency": 0.5 } },
             "torques": { "motor": { "on": "wheel", "torque": torque } },
             "start": { "body": "wheel", "angle": 0, "speed": 1 }, "guess": { "wheel": 0, "s": 0 } });

@@ -14,7 +14,8 @@ fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
 fn carriage() -> String {
     json!({ "name": "Carriage", "gravity": { "acceleration": 9.81, "up_angle": PI / 2.0 },
         "bodies": { "ground": {}, "table": { "mass": 30 } },
-        "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "table.origin", "axis_angle": 0.4 } },
+        "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "table.origin",
+            "axis_angle": 0.4 } },
         "actuators": { "motor": { "joint": "way", "torque": 0.4, "screw": { "lead": 0.005, "inertia": 2e-4 } } },
         "start": { "joint": "way", "position": 0.1, "speed": 0 }, "guess": { "way": 0.1 } })
     .to_string()
@@ -89,7 +90,8 @@ fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
         assert_near(inertia * alpha, push * s1 + weight, 1e-5 * (push.abs() + 1000.0), "moments about the pin");
         assert_near(run.get("spindle.acceleration"), ratio * second, 1e-6 * ratio * second.abs().max(1.0), "spindle");
         assert_near(run.get("spindle.angle"), ratio * between.norm(), 1e-11 * ratio, "angle of the spindle");
-        // The pin takes what the mass, the weight and the spindle leave; the spindle's push from its own second derivative.
+        // The pin takes what the mass, the weight and the spindle leave; the spindle's push from its own second
+        // derivative.
         let push = ratio * (3.0 + 0.1 * f64::from(step)) - reflected * run.get("spindle.acceleration") / ratio;
         let (tip, normal) = (Vec2::new(theta.cos(), theta.sin()), Vec2::new(-theta.sin(), theta.cos()));
         let acceleration = alpha * normal - omega * omega * tip;

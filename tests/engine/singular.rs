@@ -172,8 +172,8 @@ fn the_antiparallelogram_stays_one() {
 }
 
 /// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by
-/// bends as narrow as the root of that. Without `snap`: down to 1e-5 the motion is exact through them, from 1e-13 on they may be a
-/// crossing; in between rounding would choose the branch, and the model is refused for this reason.
+/// bends as narrow as the root of that. Without `snap`: down to 1e-5 the motion is exact through them, from 1e-13 on
+/// they may be a crossing; in between rounding would choose the branch, and the model is refused for this reason.
 #[test]
 fn branches_that_almost_cross_are_told_apart_or_refused() {
     let speed = 5.0;

@@ -164,7 +164,8 @@ fn peaucelliers_inversor_draws_a_straight_line_whatever_the_masses() {
 }
 
 /// Hart's inversor: an antiparallelogram with O, P and Q at one part of three of its sides; P on a circle through O
-/// with its centre at E takes Q along the straight line normal to OE at the distance OP OQ / (2 OE) from O, away from E.
+/// with its centre at E takes Q along the straight line normal to OE at the distance OP OQ / (2 OE) from O, away from
+/// E.
 #[test]
 fn harts_inversor_draws_a_straight_line_whatever_the_masses() {
     let (long, short, part, diagonal): (f64, f64, f64, f64) = (2.0, 1.0, 0.4, 1.9);

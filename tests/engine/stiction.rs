@@ -45,9 +45,9 @@ fn told(run: &mut Run) -> Vec<String> {
     run.take_occurrences(0.0).into_iter().map(|line| line.text).collect()
 }
 
-/// A block of mass m that a spring k pulls whose end moves at V: it sticks until the spring has the static friction F_s,
-/// slips for phi / omega with phi = 2 pi - 2 atan((F_s - F_d) omega / (k V)), by V phi / omega + 2 (F_s - F_d) / k, and
-/// sticks for 2 (F_s - F_d) / (k V).
+/// A block of mass m that a spring k pulls whose end moves at V: it sticks until the spring has the static friction
+/// F_s, slips for phi / omega with phi = 2 pi - 2 atan((F_s - F_d) omega / (k V)), by V phi / omega + 2 (F_s - F_d) /
+/// k, and sticks for 2 (F_s - F_d) / (k V).
 struct StickSlip {
     speed: f64,
     omega: f64,
@@ -133,8 +133,8 @@ fn stick_slip_follows_its_closed_form() {
     }
 }
 
-/// Coulomb's oscillator: each half swing takes pi / omega and loses 2 F_d / k; it ends where the spring has less than the
-/// static friction, and stays there to the bit.
+/// Coulomb's oscillator: each half swing takes pi / omega and loses 2 F_d / k; it ends where the spring has less than
+/// the static friction, and stays there to the bit.
 #[test]
 fn an_oscillator_comes_to_rest() {
     let normal = MASS * G;
@@ -186,8 +186,9 @@ fn a_block_on_a_slope_does_not_creep() {
     assert!((run.get("slide.position") - way).abs() < 1e-11 && !run.is("friction.sticking"));
 }
 
-/// The gear sticks between its two breakaway forces and breaks away where a rising force of the drive meets one, whatever
-/// the steps; meanwhile the joints carry friction within their static limits, and the reactions balance the loads.
+/// The gear sticks between its two breakaway forces and breaks away where a rising force of the drive meets one,
+/// whatever the steps; meanwhile the joints carry friction within their static limits, and the reactions balance the
+/// loads.
 #[test]
 fn the_gear_sticks_between_its_breakaway_forces() {
     let text = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
@@ -311,8 +312,9 @@ fn a_stop_and_friction_hold_together() {
 }
 
 /// Less static than kinetic friction is refused where the law sticks.
-/// A block is pushed along a rail while its weight turns up and down again: the normal force passes 0, and the block slips,
-/// sticks and slips again in one step. At rest, a limit on the step that its last slip needed has no meaning any more.
+/// A block is pushed along a rail while its weight turns up and down again: the normal force passes 0, and the block
+/// slips, sticks and slips again in one step. At rest, a limit on the step that its last slip needed has no meaning any
+/// more.
 #[test]
 fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
     let position = |tolerance: f64| {

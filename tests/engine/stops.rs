@@ -277,7 +277,8 @@ proptest! {
         start in -1.29..0.79f64,
         speed in -20.0..20.0f64,
         restitution in 0.0..0.95f64,
-        forces in proptest::collection::vec((-30_000.0..30_000.0f64, any::<bool>(), any::<bool>(), 1e-4..0.1f64), 1..12),
+        forces in proptest::collection::vec((-30_000.0..30_000.0f64, any::<bool>(), any::<bool>(), 1e-4..0.1f64),
+            1..12),
         friction in any::<bool>(),
         factor in -3.0..3.0f64,
         parts in 1..40u32,
@@ -291,7 +292,8 @@ proptest! {
             gear.set("actuator.force", next);
             gear.set("uplock.engage", up);
             gear.set("downlock.engage", down);
-            let total = |g: &mut Run| g.get("energy.kinetic") + g.get("energy.potential") - next * g.get("actuator.length");
+            let total =
+                |g: &mut Run| g.get("energy.kinetic") + g.get("energy.potential") - next * g.get("actuator.length");
             let held = (gear.is("retracted") && up || gear.is("extended") && down) && gear.get("crank.speed") == 0.0;
             let (before, angle) = (total(&mut gear), gear.get("crank.angle"));
             for _ in 0..parts {
@@ -330,9 +332,11 @@ fn a_mechanism_may_start_on_its_bumper() {
     const DEPTH: f64 = 2.0 * 9.81 / 1e4;
     let block = |start: serde_json::Value| {
         let text = serde_json::json!({ "name": "Block", "bodies": { "ground": {}, "block": { "mass": 2 } },
-            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin", "axis_angle": std::f64::consts::FRAC_PI_2 } },
+            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin",
+                "axis_angle": std::f64::consts::FRAC_PI_2 } },
             "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
-            "stops": { "rubber": { "joint": "s", "limit": "lower", "position": 0, "rigid": false, "stiffness": 1e4, "damping": 50 },
+            "stops": { "rubber": { "joint": "s", "limit": "lower", "position": 0, "rigid": false, "stiffness": 1e4,
+                "damping": 50 },
                 "end": { "joint": "s", "limit": "lower", "position": -0.01 } },
             "start": start, "guess": { "s": 0.1 } });
         text.to_string()

@@ -1,4 +1,5 @@
-//! Travel without limits: an open curve goes on where the motion goes, and a limit on one side leaves the other one free.
+//! Travel without limits: an open curve goes on where the motion goes, and a limit on one side leaves the other one
+//! free.
 
 use crate::support::{FOUR_BAR, GEAR, Run, SLIDER_CRANK, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -31,7 +32,8 @@ fn block() -> String {
         .into()
 }
 
-/// An arm about the origin through a block on a vertical rail at x = 1: its angle is the arc tangent of the block's height.
+/// An arm about the origin through a block on a vertical rail at x = 1: its angle is the arc tangent of the block's
+/// height.
 fn arm(further: &str) -> String {
     format!(
         r#"{{ "name": "Arm",
@@ -414,8 +416,8 @@ fn far_out_the_tables_agree_with_the_exact_evaluator() {
     }
 }
 
-/// A guess beyond a stop names the branch. The motion is that from a guess within the travel, and so is the length of the curve
-/// that is traced; from a guess far beyond, the whole curve is.
+/// A guess beyond a stop names the branch. The motion is that from a guess within the travel, and so is the length of
+/// the curve that is traced; from a guess far beyond, the whole curve is.
 #[test]
 fn a_guess_beyond_a_stop_names_the_branch() {
     let stated = r#""guess": { "crank": 0.8, "#;

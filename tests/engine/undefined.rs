@@ -36,8 +36,8 @@ fn pins(angle: f64) -> [Vec2; 2] {
 }
 
 /// Force of the cylinder with which the bucket begins to turn in a sense (1 or -1), against a torque on it, without
-/// gravity: statics of a link that transmits one force between its pins, with the torque mu r |R| in each. None where no
-/// force does it: with D - B at angle `angle`, u the direction of the link's force f on the bucket,
+/// gravity: statics of a link that transmits one force between its pins, with the torque mu r |R| in each. None where
+/// no force does it: with D - B at angle `angle`, u the direction of the link's force f on the bucket,
 /// f ((D - B) x u - s_D mu r - s_B mu r) = -T needs f > 0, for the direction u that it has without friction.
 fn breakaway(angle: f64, sense: f64, torque: f64) -> Option<f64> {
     let [d, c] = pins(angle);

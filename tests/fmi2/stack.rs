@@ -1,7 +1,7 @@
 //! Stack of `fmi2Instantiate`: hosts call it on threads of their own, whose stacks may be small.
 //!
-//! A thread runs on memory of the test's that is filled with one pattern. What the thread has used is what differs from the
-//! pattern, so that a call that needs too much is measured, not fatal.
+//! A thread runs on memory of the test's that is filled with one pattern. What the thread has used is what differs from
+//! the pattern, so that a call that needs too much is measured, not fatal.
 #![cfg(target_os = "linux")]
 
 use crate::host::c;

@@ -205,8 +205,8 @@ fn another_initialisation_allocates_nothing() {
     }
 }
 
-/// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does one
-/// under parameters that were present before, however many tables they need.
+/// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does
+/// one under parameters that were present before, however many tables they need.
 #[test]
 fn a_reset_allocates_the_state_alone() {
     let mut gear = Model::from_json(GEAR).unwrap();

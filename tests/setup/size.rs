@@ -1,8 +1,8 @@
 //! Set-up takes time in proportion to the size of the definition: no element is searched for among all others, no chain
 //! is walked once for each of its links.
 //!
-//! Times are compared for n and 4 n elements. In proportion to n they differ by 4, to n^2 by 16, to n^3 by 64. A machine
-//! with other work can make one measurement longer, so the best of several decides.
+//! Times are compared for n and 4 n elements. In proportion to n they differ by 4, to n^2 by 16, to n^3 by 64. A
+//! machine with other work can make one measurement longer, so the best of several decides.
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::mechanism::Model;

@@ -43,7 +43,8 @@ pub fn retraction(descriptions: &Path) -> Result<Pages, String> {
     let mut model = timed(&mut instantiation, || Model::from_json(&text)).map_err(|e| e.to_string())?;
     let words = format!(
         "Scene S1 (30 kN, load factor 3, from rest, 0.13 s) in the engine, without a host. Error: theta2 at 0.13 s \
-         against the 34-digit reference. Time: the fastest of {RUNS} runs, the steps alone, one core. Evaluations: of the \
+         against the 34-digit reference. Time: the fastest of {RUNS} runs, the steps alone, one core. Evaluations: of \
+         the \
          right-hand side. Reading and tracing the mechanism took {:.1} ms, once.",
         instantiation * 1e3
     );
@@ -63,8 +64,10 @@ pub fn retraction(descriptions: &Path) -> Result<Pages, String> {
 
 /// The published mechanisms; the tables in Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
-    let words = "In the engine, without a host, one core. Error: the named output at the end against its exact value. Time: the \
-         fastest of several runs, the steps alone. Evaluations: of the right-hand side. Instantiation: reading, closing \
+    let words = "In the engine, without a host, one core. Error: the named output at the end against its exact value. \
+        Time: the \
+         fastest of several runs, the steps alone. Evaluations: of the right-hand side. Instantiation: reading, \
+         closing \
          the loops, tracing the curve and building the tables that the first step needs, once.";
     let mut pages = Pages { page: measure::page("Published benchmark mechanisms", words), csv: COLUMNS.into() };
     let read = |name: &str| measure::mechanism(&descriptions.join(name));

@@ -58,7 +58,8 @@ fn measure() -> Result<Pages, ModelError> {
     let figures = [Asked::at_most("step of 10 ms of 40 four-bars against one", last / first, 1.3, " times")];
     let words = format!(
         "Chains of N four-bars (IFToMM A02) for 10 s, which is five turns through both flat positions, at tolerance \
-         {TOLERANCE:.0e}, in the engine; one core. Set-up: from the text of the file to the initialised model, the fastest \
+         {TOLERANCE:.0e}, in the engine; one core. Set-up: from the text of the file to the initialised model, the \
+         fastest \
          of {SETUPS}. Step: the mean of {STEPS}, of the fastest of {RUNS} runs, the chains taken in turn."
     );
     Ok(Pages {

@@ -1,7 +1,7 @@
 //! Random designs: what a designer pays who looks at each geometry once.
 //!
-//! In: the landing gear. Out: times of designs whose attachments and lengths are random: parameters set, initialised, one run
-//! to the end of the travel, reactions read.
+//! In: the landing gear. Out: times of designs whose attachments and lengths are random: parameters set, initialised,
+//! one run to the end of the travel, reactions read.
 use crate::attack::random::Random;
 use crate::measure::{self, Pages, heading};
 use linkage_fmu::mechanism::{Model, ModelError};
@@ -50,9 +50,12 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         }
     }
     let mut page = format!(
-        "# Random designs\n\nThe landing gear with the four coordinates of the actuator's ends moved by up to {MOVED} m and its four \
-         lengths changed by up to {} %, one after another in one instance: {DESIGNS} designs, of which {refused} cannot be \
-         assembled, start or run. In us, in the engine, one core; no design is seen twice. A run: 0.13 s or up to the stop.\n\n",
+        "# Random designs\n\nThe landing gear with the four coordinates of the actuator's ends moved by up to {MOVED} \
+         m and its four \
+         lengths changed by up to {} %, one after another in one instance: {DESIGNS} designs, of which {refused} \
+         cannot be \
+         assembled, start or run. In us, in the engine, one core; no design is seen twice. A run: 0.13 s or up to the \
+         stop.\n\n",
         100.0 * CHANGED
     );
     page += &heading(&["", "median", "99 %"]);

@@ -47,11 +47,12 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         &[versions::CALLS, version, call, repetitions] => {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }
-        _ => Err(
-            "arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with names of \
+        _ => {
+            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with \
+             names of \
                  groups, or `attack` with its options"
-                .into(),
-        ),
+                .into())
+        }
     }
 }
 

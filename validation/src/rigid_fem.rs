@@ -36,9 +36,11 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
     let _ = writeln!(
         out,
         "Scene S1 (30 kN, load factor 3, from rest, 0.13 s) in the engine, without a host, one doStep, solver.method = \
-         rigid_fem. theta2 at 0.13 s against the reduced model (tolerance 1e-13, {:.2} ms) and against the finite elements' \
+         rigid_fem. theta2 at 0.13 s against the reduced model (tolerance 1e-13, {:.2} ms) and against the finite \
+         elements' \
          own limit for h to 0. The difference between the two is the stretch of the rods, the elastic limit: \
-         **{:.4e} rad**; with ten times the axial stiffness {:.4e} rad. Order: from the row above, against the own limit. \
+         **{:.4e} rad**; with ten times the axial stiffness {:.4e} rad. Order: from the row above, against the own \
+         limit. \
          Drift: of energy.drift, of some 1e4 J. Time: the fastest of {RUNS} runs, one core.\n",
         rigid.milliseconds,
         own - rigid.theta,

@@ -47,7 +47,8 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
             let (time, time_without, ratio) = (seconds * 1e6, seconds_without * 1e6, seconds_without / seconds);
             let _ = writeln!(
                 rows,
-                "| {} | 1e-{exponent} | {} | {} | {} | {error:.1e} | {error_without:.1e} | {evaluations}, {evaluations_without} |",
+                "| {} | 1e-{exponent} | {} | {} | {} | {error:.1e} | {error_without:.1e} | {evaluations}, \
+                 {evaluations_without} |",
                 case.name,
                 digits(time),
                 digits(time_without),
@@ -65,8 +66,10 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         }
     }
     let words = format!(
-        "The same span in one doStep with `solver.tables` true, and false: each evaluation then closes the loops anew. In \
-         the engine, one core; the fastest of {RUNS} runs, the two taken in turn, the steps alone. Error: of {} at 0.13 s, \
+        "The same span in one doStep with `solver.tables` true, and false: each evaluation then closes the loops anew. \
+         In \
+         the engine, one core; the fastest of {RUNS} runs, the two taken in turn, the steps alone. Error: of {} at \
+         0.13 s, \
          of {} at 0.03 s, against the exact values.",
         CASES[0].output, CASES[1].output
     );

@@ -1,7 +1,7 @@
 //! Instructions of the calls of FMI 3.0 beside those of FMI 2.0, counted by callgrind.
 //!
-//! In: the landing gear. Out: for each call of the table its count in each version. An instance of each version is driven
-//! through the same calls.
+//! In: the landing gear. Out: for each call of the table its count in each version. An instance of each version is
+//! driven through the same calls.
 
 use crate::instructions::difference;
 use crate::measure::heading;
@@ -80,8 +80,10 @@ enum Host {
 /// A run fails, or valgrind reports no count.
 pub fn table() -> Result<(String, String), String> {
     let mut page = String::from("\n## FMI 3.0 beside FMI 2.0\n\n");
-    page += "Each call by itself, repeated; the state is put back to the start before each retraction. Values are read again in one \
-             state, and the eight inputs set to the values they have, two of them twice. Asked: a get and a set cost in FMI 3.0 \
+    page += "Each call by itself, repeated; the state is put back to the start before each retraction. Values are read \
+        again in one \
+             state, and the eight inputs set to the values they have, two of them twice. Asked: a get and a set cost \
+             in FMI 3.0 \
              what they cost in FMI 2.0, a doStep 5 % more at most.\n\n";
     page += &heading(&["call", VERSIONS[0].1, VERSIONS[1].1, "to FMI 2.0", VERSIONS[2].1, "to FMI 2.0"]);
     let mut csv = String::new();

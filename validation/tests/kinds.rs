@@ -1,4 +1,5 @@
-//! Each kind of mechanism at usual lengths: its closed form position by position, its motion against Lagrange's equation.
+//! Each kind of mechanism at usual lengths: its closed form position by position, its motion against Lagrange's
+//! equation.
 
 use validation::kinds::{self, Off, open, run, usual};
 

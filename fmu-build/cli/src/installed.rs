@@ -1,6 +1,7 @@
 //! The command line of an installation: `linkage-fmu`, the tasks of `cargo fmu` that need no source.
 //!
-//! In: the command line of `cargo fmu`. Out: the same one under the other name, with the places where an installed program writes.
+//! In: the command line of `cargo fmu`. Out: the same one under the other name, with the places where an installed
+//! program writes.
 use crate::{Cli, Task, words};
 use clap::{Command, CommandFactory, FromArgMatches};
 
@@ -39,12 +40,14 @@ pub fn command() -> Command {
         (
             "package",
             "paths",
-            "A definition file (mechanism.json), or a folder that holds one [default: the landing gear that comes with the program]",
+            "A definition file (mechanism.json), or a folder that holds one [default: the landing gear that comes with \
+             the program]",
         ),
         (
             "package",
             "all",
-            "Every mechanism that comes with the program, and the system of the landing gear and its hydraulic actuator",
+            "Every mechanism that comes with the program, and the system of the landing gear and its hydraulic \
+             actuator",
         ),
         ("package", "out", "Folder for the FMUs [default: this folder]"),
         (
@@ -55,7 +58,8 @@ pub fn command() -> Command {
         (
             "package",
             "available",
-            "Pack what came with the program of --platforms, and tell what is left out; without it a missing platform is an error",
+            "Pack what came with the program of --platforms, and tell what is left out; without it a missing platform \
+             is an error",
         ),
         (
             "package",
@@ -67,7 +71,8 @@ pub fn command() -> Command {
         (
             "optimise",
             "out",
-            "Folder for the results: the best design, its picture, evaluations.parquet [default: the name of the study, in this \
+            "Folder for the results: the best design, its picture, evaluations.parquet [default: the name of the \
+             study, in this \
              folder]",
         ),
         ("sweep", "out", "Folder for the results, runs.parquet [default: the name of the study, in this folder]"),

@@ -127,8 +127,8 @@ pub struct Simulate {
     /// Time at which the run ends [s] [default: that of the definition's experiment]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
     pub stop_time: Option<f64>,
-    /// Time from row to row [s], which is the communication step [default: the experiment's step, doubled to at most 1000
-    /// rows]
+    /// Time from row to row [s], which is the communication step [default: the experiment's step, doubled to at most
+    /// 1000 rows]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
     /// Relative tolerance of the integration [default: solver.tolerance]
@@ -243,8 +243,8 @@ pub struct Linearise {
     /// Outputs of the matrices C and D [default: the coordinate]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub outputs: Vec<String>,
-    /// Force or torque of a drive that holds the mechanism at each position, such as servo.torque [default: nothing does,
-    /// so that only equilibria of the loads are at rest]
+    /// Force or torque of a drive that holds the mechanism at each position, such as servo.torque [default: nothing
+    /// does, so that only equilibria of the loads are at rest]
     #[arg(long, value_name = "NAME")]
     pub held_by: Option<String>,
     /// Parts of the travel, equal along the curve
@@ -358,13 +358,14 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// `importers`: the landing gear in FMPy, libcosim, ECOS and fmi-sim; `studies`: many runs by `sweep`, on Dask, by FMPy and by
-    /// MuJoCo; `peers`: work against error beside other solvers and
+    /// `importers`: the landing gear in FMPy, libcosim, ECOS and fmi-sim; `studies`: many runs by `sweep`, on Dask, by
+    /// FMPy and by MuJoCo; `peers`: work against error beside other solvers and
     /// multibody programs; `plots`: figures from the tables' CSV; all else goes to the validation package as it is:
-    /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the packed
-    /// FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress` for the
-    /// stress suite and 600 random linkages of each property, `attack` for random histories, states, definitions and
-    /// scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`, `--write`
+    /// nothing for the tables of run times, `instructions` for callgrind's counts, `cosim` for the coupling of the
+    /// packed FMUs by every scheme (`--write` writes the page; `circuit` takes the circuit in plain numbers), `stress`
+    /// for the stress suite and 600 random linkages of each property, `attack` for random histories, states,
+    /// definitions and scenes, with `--minutes N`, `--seed S`, `--only PART`, `--count N`, `--threads N`, `--verbose`,
+    /// `--write`
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

@@ -25,8 +25,8 @@ pub struct Package {
     /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// What the description says of the names of variables: that they are structured by dots, as importers show in trees,
-    /// or flat, as importers need that take no structure; the names are the same
+    /// What the description says of the names of variables: that they are structured by dots, as importers show in
+    /// trees, or flat, as importers need that take no structure; the names are the same
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine's own]
@@ -38,8 +38,8 @@ pub struct Package {
     /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
-    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI when it
-    /// is first needed
+    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI
+    /// when it is first needed
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Leave out documentation/animation.html, which plays the default run
@@ -111,7 +111,8 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms whose libraries go into the wheel; the wheel itself is for this machine's [default: this machine's own]
+    /// Platforms whose libraries go into the wheel; the wheel itself is for this machine's [default: this machine's
+    /// own]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Take what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
@@ -120,8 +121,8 @@ pub struct Dist {
     /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Oldest glibc on which the program and the libraries for Linux are to run, 2.17 or later: zig links them [default: the
-    /// one that this machine's linker asks for]
+    /// Oldest glibc on which the program and the libraries for Linux are to run, 2.17 or later: zig links them
+    /// [default: the one that this machine's linker asks for]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel [default: target/dist in the repository]
@@ -138,7 +139,8 @@ pub struct Test {
     /// Instead: run the libraries for other platforms by Wine and QEMU, and compare their results with this machine's
     #[arg(long)]
     pub platforms: bool,
-    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given repeatedly
+    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given
+    /// repeatedly
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
     /// Write what --platforms finds to validation/results/platforms.md

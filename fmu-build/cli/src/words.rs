@@ -1,9 +1,9 @@
 //! The words of the command line, before clap takes values that begin with a sign for options.
 //!
 //! In: words. Out: the same, each number with a sign joined to the option or the name of a start value before it:
-//! `--start-time -1e-3` as `--start-time=-1e-3`, `crank.start_angle -45deg` as `crank.start_angle=-45deg`. It must not know
-//! what options there are, but for `--start-values`; clap itself takes neither exponents with a sign nor units, and an
-//! option that takes any word with a hyphen would take the option after it.
+//! `--start-time -1e-3` as `--start-time=-1e-3`, `crank.start_angle -45deg` as `crank.start_angle=-45deg`. It must not
+//! know what options there are, but for `--start-values`; clap itself takes neither exponents with a sign nor units,
+//! and an option that takes any word with a hyphen would take the option after it.
 
 use std::ffi::{OsStr, OsString};
 

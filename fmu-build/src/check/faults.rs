@@ -1,7 +1,7 @@
 //! All faults of a definition with their places.
 //!
-//! In: a definition's text. Out: findings with their places. Where the text is no JSON, that is written over in a copy, in
-//! which all else keeps its place, so that the rest is read too.
+//! In: a definition's text. Out: findings with their places. Where the text is no JSON, that is written over in a copy,
+//! in which all else keeps its place, so that the rest is read too.
 
 use super::spans::find;
 use super::syntax::repair;

@@ -1,7 +1,7 @@
 //! Where the keys of a definition stand in its text.
 //!
-//! In: a definition's text as a tree of JSON. Out: the ranges of bytes of keys and values by their paths. It must not know
-//! what the keys mean.
+//! In: a definition's text as a tree of JSON. Out: the ranges of bytes of keys and values by their paths. It must not
+//! know what the keys mean.
 
 use linkage_fmu::format::{Json, Member, Node};
 use std::ops::Range;
@@ -15,8 +15,8 @@ pub struct Place {
     pub path: String,
 }
 
-/// The place of a path such as `bodies.crank.points.tip[1]` in a text, or of its longest part that is there. The last of
-/// two members of one name is meant.
+/// The place of a path such as `bodies.crank.points.tip[1]` in a text, or of its longest part that is there. The last
+/// of two members of one name is meant.
 pub fn find(text: &str, root: &Node, path: &str) -> Place {
     let start = root.span.start;
     let first = start..start + text[start..].chars().next().map_or(0, char::len_utf8);

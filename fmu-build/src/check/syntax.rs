@@ -1,7 +1,7 @@
 //! What in a text is no JSON: each fault with its place and its remedy.
 //!
-//! In: a text. Out: findings; the same text with each fault written over, in which all else keeps its place, so that the
-//! rest can be read. It must not know what the keys mean.
+//! In: a text. Out: findings; the same text with each fault written over, in which all else keeps its place, so that
+//! the rest can be read. It must not know what the keys mean.
 
 use super::faults::{Located, MOST, at};
 use jsonc_parser::errors::{ParseError, ParseErrorKind};
@@ -127,10 +127,7 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
             let inner = rest[1..length].trim_end_matches(['\'', '\n', '\r']);
             let text = format!("\"{inner}\"");
             let is_closed = rest[..length].ends_with('\'') && !inner.contains(['"', '\\']);
-            let fault = Fault::new(
-                format!("JSON writes texts in double quotes: {text}"),
-                start..start + length,
-            );
+            let fault = Fault::new(format!("JSON writes texts in double quotes: {text}"), start..start + length);
             if is_closed { fault.written(&text) } else { fault }
         }
         ParseErrorKind::UnterminatedObject | ParseErrorKind::UnterminatedArray => {
@@ -142,7 +139,8 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
             Fault::new("a closing bracket too many, or of the wrong kind: remove it, or put it right", one).written("")
         }
         ParseErrorKind::MultipleRootJsonValues => Fault::new(
-            "the definition ends before this: a file holds one object; remove what follows, or a closing bracket too many \
+            "the definition ends before this: a file holds one object; remove what follows, or a closing bracket too \
+             many \
              before it",
             one,
         )
@@ -235,7 +233,8 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     let digits = word.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(length);
     let message = match word[..digits].parse::<f64>() {
         Ok(value) => format!(
-            "`{word}` is no number: write {} alone; lengths are in m and angles in rad, unless \"units\" says otherwise",
+            "`{word}` is no number: write {} alone; lengths are in m and angles in rad, unless \"units\" says \
+             otherwise",
             Decimal::rounded(value)
         ),
         Err(_) => format!("`{word}` is no value of JSON: texts stand in double quotes, numbers are digits"),

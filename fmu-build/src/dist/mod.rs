@@ -1,7 +1,8 @@
-//! `cargo fmu dist`: a Python wheel, so that `pip install` gives the program where there is neither Rust nor the repository.
+//! `cargo fmu dist`: a Python wheel, so that `pip install` gives the program where there is neither Rust nor the
+//! repository.
 //!
-//! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the wheel, whose
-//! name promises a glibc that all in it keep to.
+//! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the
+//! wheel, whose name promises a glibc that all in it keep to.
 
 mod test;
 
@@ -27,7 +28,8 @@ const PROMISE: &str = "manylinux_2_";
 /// Make the wheel; with `test` install and try it.
 ///
 /// # Errors
-/// A library cannot be had; Python, its packages or the build fails; the wheel promises more than it keeps; a command of it fails.
+/// A library cannot be had; Python, its packages or the build fails; the wheel promises more than it keeps; a command
+/// of it fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let packing = packing(arguments);
     let binaries = package::libraries(workspace, &packing)?;
@@ -116,7 +118,8 @@ fn keeps_its_promise(wheel: &Path) -> Result<()> {
         if needs::parts(&promised) < needs::parts(&needed) {
             let functions = functions.join(", ");
             bail!(
-                "{name}: {entry} needs glibc {needed} (for {functions}), and the name promises {promised}; build all in it by \
+                "{name}: {entry} needs glibc {needed} (for {functions}), and the name promises {promised}; build all \
+                 in it by \
                  --glibc {promised}"
             );
         }

@@ -1,5 +1,5 @@
-//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, to be compared with
-//! what another tool makes of the FMU.
+//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, to be compared
+//! with what another tool makes of the FMU.
 //!
 //! In: a model. Out: inputs and outputs of its default run as CSV, and the manifest that names them.
 
@@ -81,7 +81,8 @@ impl Results {
             "Reference results of {name}, after the layered standard FMI-LS-REF.\n\n\
              {name}_out.csv holds every output over the default experiment: all parameters and inputs at their start\n\
              values, steps of {interval} s, {rows}. It was computed by the library in this FMU.\n\
-             On the same platform the same steps give the same bits; on others, rounding may differ. NaN stands for an\n\
+             On the same platform the same steps give the same bits; on others, rounding may differ. NaN stands for \
+             an\n\
              output that does not exist in a state.\n{inputs}",
             name = self.name,
             interval = number(self.interval),

@@ -1,11 +1,11 @@
 //! The scene file `resources/<Name>_visual.xml`, which OpenModelica's viewers draw.
 //!
-//! In: a mechanism's scene, its poses at the start and over the travel. Out: shapes in the frames of the bodies as XML, the
-//! same bytes for the same definition. It must not know how a viewer draws.
+//! In: a mechanism's scene, its poses at the start and over the travel. Out: shapes in the frames of the bodies as XML,
+//! the same bytes for the same definition. It must not know how a viewer draws.
 //!
 //! A number of the format is a constant or the name of a variable. With the rows of T the axes of a frame and r its
-//! origin, a point p of the frame is at r + p T in the mechanism frame, and a shape reaches from there along `lengthDir` T
-//! over its length.
+//! origin, a point p of the frame is at r + p T in the mechanism frame, and a shape reaches from there along
+//! `lengthDir` T over its length.
 
 use super::Picture;
 use crate::drawing::{Ink, hull};
@@ -201,8 +201,8 @@ impl Draft<'_> {
         let ends = [at(low.min(0.0) - 2.9 * half), at(high.max(0.0) + 2.9 * half)];
         self.rod(format!("guide.{}", joint.name), joint.first.frame, ends, 0.5 * half, Ink::Muted);
         self.drive(joint, axis, low);
-        // The block stands on the axis, even where the second point is beside it: at a constant place of its body, whose
-        // angle to the axis is constant too.
+        // The block stands on the axis, even where the second point is beside it: at a constant place of its body,
+        // whose angle to the axis is constant too.
         let [_, aside] = slide(joint, axis, self.start);
         let (sin, cos) = (self.start[joint.first.frame][0] - self.start[second.frame][0]).sin_cos();
         let along = [cos * axis[0] - sin * axis[1], sin * axis[0] + cos * axis[1]];

@@ -59,13 +59,15 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
         (
             "calculated",
             "Calculated parameters",
-            "They follow from the parameters that the last column names, by the expression at the end of the description.",
+            "They follow from the parameters that the last column names, by the expression at the end of the \
+             description.",
             Causality::CalculatedParameter,
         ),
         (
             "locals",
             "Local variables",
-            "Where each body is, for whoever draws it: its origin in the mechanism frame, and the matrix of rotation by \
+            "Where each body is, for whoever draws it: its origin in the mechanism frame, and the matrix of rotation \
+             by \
              its angle. They are computed only if they are read.",
             Causality::Local,
         ),

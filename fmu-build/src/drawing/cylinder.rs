@@ -94,7 +94,8 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         size,
         title: format!("{name} at its start"),
         description: format!(
-            "A cylinder with a piston of {bore} m, a rod of {rod} m and a stroke of {stroke} m; its ends are {length} m \
+            "A cylinder with a piston of {bore} m, a rod of {rod} m and a stroke of {stroke} m; its ends are {length} \
+             m \
              apart. A valve leads oil between chamber A on the side of the piston, chamber B on the side of the rod, \
              supply and tank."
         ),

@@ -10,8 +10,8 @@ use std::io::{self, Write};
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// A picture of `N` bytes a pixel, line by line: red, green, blue, and with four bytes the opacity, by which the colours
-/// are not multiplied.
+/// A picture of `N` bytes a pixel, line by line: red, green, blue, and with four bytes the opacity, by which the
+/// colours are not multiplied.
 ///
 /// # Errors
 /// There are not as many pixels as the size says, or none.

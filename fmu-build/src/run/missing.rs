@@ -1,7 +1,7 @@
 //! Which recorded variables had no value, in which rows and why.
 //!
-//! In: rows in the order of time, and the reason of a value that does not exist. Out: a line for each reason, which names
-//! each variable once. It must not know what the values mean.
+//! In: rows in the order of time, and the reason of a value that does not exist. Out: a line for each reason, which
+//! names each variable once. It must not know what the values mean.
 
 /// Rows in which one variable had no value.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +31,8 @@ impl Missing {
         Self { gaps: vec![None; variables], rows: 0, time: f64::NAN }
     }
 
-    /// A row, its time first; a row read again counts once. `why` tells why the variable of an index has no value now, and
-    /// is asked in the first such row only.
+    /// A row, its time first; a row read again counts once. `why` tells why the variable of an index has no value now,
+    /// and is asked in the first such row only.
     #[inline]
     pub fn see(&mut self, row: &[f64], mut why: impl FnMut(usize) -> Option<String>) {
         if row[0] == self.time {

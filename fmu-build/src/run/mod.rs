@@ -1,7 +1,7 @@
 //! A run of a model: its steps, its input signals, the table of what it records.
 //!
-//! In: a model at its start values, times, signals. Out: a row for each communication point. The run makes the steps that
-//! FMPy makes, so that both have the same bits. It must not know who watches it.
+//! In: a model at its start values, times, signals. Out: a row for each communication point. The run makes the steps
+//! that FMPy makes, so that both have the same bits. It must not know who watches it.
 //! What is done for each row is inline: this crate is not optimised, the studies are.
 
 pub mod csv;

@@ -1,7 +1,7 @@
 //! Input signals: values over time from a CSV file, as FMPy interpolates them.
 //!
-//! In: the file. Out: at any time the values of the inputs and their slopes for the next step; times at which a step must
-//! end.
+//! In: the file. Out: at any time the values of the inputs and their slopes for the next step; times at which a step
+//! must end.
 
 use crate::csv_file;
 use crate::start_values::{decimal_comma, find, truth};
@@ -128,7 +128,8 @@ impl Signals {
         self.continuous.iter().chain(&self.discrete)
     }
 
-    /// Times that stand twice, and those at which a Boolean changes; with slopes all times, as a slope holds to the next one.
+    /// Times that stand twice, and those at which a Boolean changes; with slopes all times, as a slope holds to the
+    /// next one.
     fn find_events(&self) -> Vec<f64> {
         let changes = |k: usize| self.discrete.iter().any(|signal| signal.values[k] != signal.values[k - 1]);
         let is_event = |k: usize| self.with_slopes || k > 0 && (self.times[k] == self.times[k - 1] || changes(k));
@@ -176,8 +177,9 @@ impl Signals {
         self.settings(time, after_event).try_for_each(|(reference, setting)| setting.apply(model, reference))
     }
 
-    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. A slope is that of
-    /// the step from `time` on. FMPy sets the slope of the step before, with which a corner is seen one step late.
+    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. A slope is
+    /// that of the step from `time` on. FMPy sets the slope of the step before, with which a corner is seen one step
+    /// late.
     pub fn settings(&self, time: f64, after_event: bool) -> impl Iterator<Item = (Reference, Setting)> {
         let next = self.place_from(time);
         let place = if self.with_slopes && after_event { next } else { self.place(time, after_event) };

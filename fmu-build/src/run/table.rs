@@ -1,7 +1,8 @@
 //! The recorded variables: rows to a file as the run goes on, courses for a plot.
 //!
-//! In: a model at a time. Out: blocks of rows for the file's writer, each row the time and the values, Booleans as 1 and
-//! 0, NaN where a value does not exist; some of the rows, for a plot; which variables had no value, since when and why.
+//! In: a model at a time. Out: blocks of rows for the file's writer, each row the time and the values, Booleans as 1
+//! and 0, NaN where a value does not exist; some of the rows, for a plot; which variables had no value, since when and
+//! why.
 
 use super::file::Writer;
 use super::missing::Missing;

@@ -36,7 +36,8 @@ pub fn schema(definition_file: &str) -> String {
     ]);
     let mut definitions = Value::Object(vec![("name".into(), Value::read(&name("")))]);
     if is_mechanism {
-        let point = r#"{ "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*\\.[A-Za-z][A-Za-z0-9_]*$", "not": { "pattern": "\\n" } }"#;
+        let point = r#"{ "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*\\.[A-Za-z][A-Za-z0-9_]*$",
+            "not": { "pattern": "\\n" } }"#;
         definitions.merge("point", Value::read(point));
         let body = elements.iter().find(|element| element.name == "body").map(|body| schema.element(body));
         definitions.merge("ground", ground(&body.unwrap_or(Value::Raw(String::new()))));
@@ -248,7 +249,8 @@ impl Value {
     /// Over as few lines as are easily read: one for a key.
     fn print(&self, indent: &str, key: &str, out: &mut String) {
         let line = self.compact();
-        let is_key = matches!(self, Self::Object(members) if members.iter().any(|(key, value)| key == "description" && matches!(value, Self::Raw(_)))
+        let is_key = matches!(self, Self::Object(members) if members.iter().any(|(key,
+            value)| key == "description" && matches!(value, Self::Raw(_)))
             && members.iter().all(|(key, _)| key != "properties"));
         let inner = format!("{indent}  ");
         let (open, close, parts): (_, _, Vec<(String, &Self)>) = match self {

@@ -1,7 +1,8 @@
-//! `cargo fmu test --platforms`: the libraries for other machines run, by Wine and QEMU, and give the results of this one.
+//! `cargo fmu test --platforms`: the libraries for other machines run, by Wine and QEMU, and give the results of this
+//! one.
 //!
-//! In: the FMUs of modelDescription/ with the libraries that can be built here. Out: a table of how the results differ; an
-//! error if they do by more than round-off, or a call is refused.
+//! In: the FMUs of modelDescription/ with the libraries that can be built here. Out: a table of how the results differ;
+//! an error if they do by more than round-off, or a call is refused.
 
 use crate::fmu::Fmu;
 use crate::needs::Needs;
@@ -216,8 +217,8 @@ impl Unpacked {
         self.folder.join(binary::path(machine.platform, &self.identifier).unwrap_or_default())
     }
 
-    /// The outputs at each communication point, by the resource location as a URI, as a plain path and as NULL, which must
-    /// be the same.
+    /// The outputs at each communication point, by the resource location as a URI, as a plain path and as NULL, which
+    /// must be the same.
     fn run(&self, machine: &Machine, host: &Path) -> Result<Vec<u64>> {
         let resources = self.folder.join("resources");
         let locations = [machine.uri(&resources).into(), machine.path(&resources), "-".into()];

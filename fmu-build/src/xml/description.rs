@@ -193,7 +193,8 @@ mod tests {
 
     #[test]
     fn variables_of_both_versions_are_read() {
-        let second = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"A &amp; B\" guid=\"{1}\">\
+        let second = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"A &amp; B\" \
+            guid=\"{1}\">\
             <CoSimulation modelIdentifier=\"ab\"><SourceFiles/></CoSimulation>\
             <DefaultExperiment stopTime=\"2\" stepSize=\"1e-3\"/><ModelVariables><ScalarVariable name=\"x\" \
             valueReference=\"7\" causality=\"input\"><Real unit=\"N\" start=\"3\"/><Annotations/></ScalarVariable>\
@@ -205,7 +206,8 @@ mod tests {
         assert_eq!((&*variable.name, &*variable.reference, &*variable.kind), ("x", "7", "Real"));
         assert_eq!((&*variable.unit, variable.start.as_deref()), ("N", Some("3")));
         let third = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{2}\"><ModelVariables>\
-            <Float64 name=\"x\" unit=\"N\" start=\"3\"/><Float64 name=\"y\"><Dimension start=\"2\"/></Float64></ModelVariables>\
+            <Float64 name=\"x\" unit=\"N\" start=\"3\"/><Float64 name=\"y\"><Dimension \
+            start=\"2\"/></Float64></ModelVariables>\
             </fmiModelDescription>";
         let read = Description::parse(third).unwrap();
         assert_eq!((&*read.guid, &*read.variables[0].kind, &*read.variables[0].unit), ("{2}", "Float64", "N"));

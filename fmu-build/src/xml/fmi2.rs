@@ -182,11 +182,13 @@ mod tests {
         let escaped = "description=\"An &quot;angle&quot; &lt; 1 &amp; so on\"";
         for expected in [
             format!(
-                "name=\"p\" valueReference=\"0\" {escaped} causality=\"parameter\" variability=\"fixed\" initial=\"exact\""
+                "name=\"p\" valueReference=\"0\" {escaped} causality=\"parameter\" variability=\"fixed\" \
+                 initial=\"exact\""
             ),
             format!("name=\"u\" valueReference=\"1\" {escaped} causality=\"input\" variability=\"continuous\">"),
             format!(
-                "name=\"y\" valueReference=\"2\" {escaped} causality=\"output\" variability=\"continuous\" initial=\"calculated\""
+                "name=\"y\" valueReference=\"2\" {escaped} causality=\"output\" variability=\"continuous\" \
+                 initial=\"calculated\""
             ),
             "<Real unit=\"rad\" displayUnit=\"deg\" start=\"30000\"/>".to_owned(),
             "<Real unit=\"rad\" displayUnit=\"deg\"/>".to_owned(),
@@ -213,7 +215,8 @@ mod tests {
             structure,
             "<ModelStructure>\
              <Outputs><Unknown index=\"3\" dependencies=\"2\"/><Unknown index=\"4\" dependencies=\"\"/></Outputs>\
-             <InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown index=\"4\" dependencies=\"1 2 3\"/></InitialUnknowns>\
+             <InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown index=\"4\" dependencies=\"1 2 \
+             3\"/></InitialUnknowns>\
              </ModelStructure></fmiModelDescription>"
         );
     }

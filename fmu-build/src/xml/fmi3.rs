@@ -1,8 +1,8 @@
 //! The writer of `modelDescription.xml` of FMI 3.0 (FMI 3.0.2, 2.4).
 //!
 //! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface.
-//! Value references are those of FMI 2.0; the time and the vectors, which FMI 3.0 has as variables, come after all others.
-//! It must not know kinds of model.
+//! Value references are those of FMI 2.0; the time and the vectors, which FMI 3.0 has as variables, come after all
+//! others. It must not know kinds of model.
 
 use super::common::{Attributes, Xml, check_texts, document, element, empty, group};
 use super::fmi2::kind_attributes;

@@ -1,7 +1,7 @@
 //! What the descriptions of all versions of FMI say about a model.
 //!
-//! In: the component. Out: its names, variables and default experiment, and the elements that are alike in all versions.
-//! It must not know kinds of model.
+//! In: the component. Out: its names, variables and default experiment, and the elements that are alike in all
+//! versions. It must not know kinds of model.
 
 use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, number, write_units};
 use anyhow::{Result, bail};
@@ -35,8 +35,8 @@ pub struct Interface<'a> {
     pub guid: &'a str,
     /// Its variables; the index of each is its value reference.
     pub variables: &'a [Variable],
-    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says that
-    /// each output depends on all that is known (FMI 2.0.5, 2.2.8).
+    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says
+    /// that each output depends on all that is known (FMI 2.0.5, 2.2.8).
     pub initial_dependencies: Option<Vec<Vec<Reference>>>,
     /// Default experiment.
     pub experiment: Experiment,
@@ -126,8 +126,8 @@ impl<'a> Interface<'a> {
         if stays || states.is_empty() { Cow::Borrowed(inputs) } else { Cow::Owned([inputs, states].concat()) }
     }
 
-    /// Attributes of the element that tells the type of a variable: whose derivative it is, by a reference that counts from
-    /// `first`, and what a state of model exchange has.
+    /// Attributes of the element that tells the type of a variable: whose derivative it is, by a reference that counts
+    /// from `first`, and what a state of model exchange has.
     pub fn state_attributes(&self, reference: Reference, first: Reference) -> Attributes<'static> {
         let mut attributes = Vec::new();
         let of = self.variables[reference as usize].details.derivative_of;
@@ -178,8 +178,8 @@ impl<'a> Interface<'a> {
     }
 
     /// The elements between those of the interface type and the variables, alike in all versions: units, types, log
-    /// categories, default experiment. A type of the items of an Enumeration is an element of the first name, with one of the
-    /// second name in it, unless that is empty.
+    /// categories, default experiment. A type of the items of an Enumeration is an element of the first name, with one
+    /// of the second name in it, unless that is empty.
     pub fn write_common(&self, xml: &mut Xml, [outer, inner]: [&str; 2]) -> io::Result<()> {
         write_units(xml, self.variables)?;
         let mut enumerations = self.variables.iter().filter(|variable| !variable.details.items.is_empty()).peekable();

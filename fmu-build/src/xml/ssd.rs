@@ -255,7 +255,8 @@ mod tests {
         for piece in [
             "<ssd:System name=\"Pair\">",
             "source=\"resources/Spring.fmu\" implementation=\"CoSimulation\"",
-            "<ssd:Connection startElement=\"spring\" startConnector=\"force\" endElement=\"mass\" endConnector=\"force\"/>",
+            "<ssd:Connection startElement=\"spring\" startConnector=\"force\" endElement=\"mass\" \
+             endConnector=\"force\"/>",
             "<ssd:Connector name=\"preload\" kind=\"input\">",
             "<ssv:Real value=\"2000000\" unit=\"N/m\"/>",
             "<ssc:BaseUnit kg=\"1\" s=\"-2\"/>",

@@ -11,8 +11,8 @@ use linkage_fmu::variables::Terminal;
 /// Path of the file in an FMU.
 pub const PATH: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
-/// Beginning of the kind of a terminal, of which two fit if the drive's place is the same quantity in both. Kinds of a tool
-/// of its own begin with an underline and the tool's name (FMI 3.0.2, 2.4.9.2.1).
+/// Beginning of the kind of a terminal, of which two fit if the drive's place is the same quantity in both. Kinds of a
+/// tool of its own begin with an underline and the tool's name (FMI 3.0.2, 2.4.9.2.1).
 const KIND: &str = "_linkage_fmu_drive_";
 
 /// Half the side of the icon in the coordinates of a diagram, which count from its middle.
@@ -87,7 +87,8 @@ mod tests {
             );
             for member in members {
                 lines += &format!(
-                    "<TerminalMemberVariable variableName=\"{name}.{member}\" memberName=\"{member}\" variableKind=\"signal\"/>"
+                    "<TerminalMemberVariable variableName=\"{name}.{member}\" memberName=\"{member}\" \
+                     variableKind=\"signal\"/>"
                 );
             }
             lines + "</Terminal>"

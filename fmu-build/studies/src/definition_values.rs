@@ -1,8 +1,8 @@
 //! Values of variables written into the text of a definition.
 //!
-//! In: a definition, values of parameters and inputs by name. Out: the same text with other numbers, all else as it stood.
-//! Which number is a variable's start value is found by trial: the model that is made of the new text has the value, and
-//! all others as before.
+//! In: a definition, values of parameters and inputs by name. Out: the same text with other numbers, all else as it
+//! stood. Which number is a variable's start value is found by trial: the model that is made of the new text has the
+//! value, and all others as before.
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;

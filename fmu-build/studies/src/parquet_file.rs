@@ -1,8 +1,8 @@
 //! Tables as Apache Parquet, which pandas, Polars, DuckDB and MATLAB read.
 //!
-//! In: columns that are filled row by row. Out: row groups, so that memory stays constant: whole numbers as INT64, numbers as
-//! DOUBLE with all their bits, truth values as BOOLEAN, texts as strings; plain and not compressed, as numbers of a motion
-//! hold hardly a bit too much.
+//! In: columns that are filled row by row. Out: row groups, so that memory stays constant: whole numbers as INT64,
+//! numbers as DOUBLE with all their bits, truth values as BOOLEAN, texts as strings; plain and not compressed, as
+//! numbers of a motion hold hardly a bit too much.
 
 use anyhow::Result;
 use parquet::basic::{Compression, LogicalType, Repetition, Type};

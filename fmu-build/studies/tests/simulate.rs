@@ -207,10 +207,12 @@ const CART: &str = r#"{
   "name": "Cart", "bodies": { "ground": {}, "cart": { "mass": 2 } },
   "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "cart.origin" } },
   "actuators": { "push": { "joint": "rail", "force": 0 } },
-  "start": { "joint": "rail", "position": 0, "speed": 0 }, "guess": { "rail": 0 }, "experiment": { "stop_time": 2, "step_size": 0.01 }
+  "start": { "joint": "rail", "position": 0, "speed": 0 }, "guess": { "rail": 0 }, "experiment": { "stop_time": 2,
+      "step_size": 0.01 }
 }"#;
 
-/// A force that grows to 10 N in 1 s and falls to 0 in another moves 2 kg by F T^2 / m = 5 m, at any interval of the rows.
+/// A force that grows to 10 N in 1 s and falls to 0 in another moves 2 kg by F T^2 / m = 5 m, at any interval of the
+/// rows.
 #[test]
 fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
     let folder = Folder::new("slopes");
@@ -288,7 +290,8 @@ fn the_time_of_a_warning_is_told_once() {
     let folder = Folder::new("slack");
     let path = folder.0.join("belt.json");
     let text = r#"{ "name": "Shafts",
-        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "inertia": 0.02 }, "two": { "inertia": 0.5 } },
+        "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "inertia": 0.02 },
+            "two": { "inertia": 0.5 } },
         "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
             "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" } },
         "couplings": { "loop": { "type": "belt", "first": "one.origin", "second": "two.origin",

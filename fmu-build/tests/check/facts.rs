@@ -142,19 +142,26 @@ fn a_long_travel_is_told_to_its_stops() {
     assert!(text.contains("east at rail = 6000.000000 m"), "{text}");
 }
 
-/// An elliptic trammel whose middle a crank holds too: some of its loop equations are singular at dead centres, all of them
-/// are not. A platform that does not move has no toggles.
+/// An elliptic trammel whose middle a crank holds too: some of its loop equations are singular at dead centres, all of
+/// them are not. A platform that does not move has no toggles.
 #[test]
 fn singular_parts_of_redundant_loops_are_no_crossings() {
-    let rod = |length: f64| json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": { "middle": [0.5 * length, 0] } });
+    let rod = |length: f64| {
+        json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": {
+        "middle": [0.5 * length, 0] } })
+    };
     let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
-    let slide = |second: &str, axis: f64| json!({ "type": "prismatic", "first": "ground.origin", "second": second, "axis_angle": axis });
+    let slide = |second: &str, axis: f64| {
+        json!({ "type": "prismatic", "first": "ground.origin", "second": second,
+        "axis_angle": axis })
+    };
     let trammel = json!({
         "name": "Trammel",
         "bodies": { "ground": {}, "bar": rod(1.0), "arm": rod(0.5), "across": {}, "up": {} },
         "joints": {
             "h": slide("across.origin", 0.0), "v": slide("up.origin", std::f64::consts::FRAC_PI_2),
-            "a": pin("bar.origin", "across.origin"), "b": pin("bar.end", "up.origin"), "o": pin("ground.origin", "arm.origin"),
+            "a": pin("bar.origin", "across.origin"), "b": pin("bar.end", "up.origin"), "o": pin("ground.origin",
+                "arm.origin"),
             "p": pin("arm.end", "bar.middle")
         },
         "start": { "body": "bar", "angle": 2 }, "guess": { "bar": 2.0, "arm": 1.14, "h": 0.42, "v": 0.9 }

@@ -27,16 +27,19 @@ pub fn full() -> Value {
             "ground": {
                 "length": 1.0,
                 "points": {
-                    "anchor": [0.3, -2.0], "shaft": [-0.5, 0.0], "pulley": [0.0, 0.6], "oval": [0.7, 0.7], "bed": [0.0, -0.05],
+                    "anchor": [0.3, -2.0], "shaft": [-0.5, 0.0], "pulley": [0.0, 0.6], "oval": [0.7, 0.7],
+                        "bed": [0.0, -0.05],
                     "lifter": [0.0, -0.3]
                 }
             },
             "crank": { "length": 0.1, "mass": 1.2, "shape": "uniform_rod", "points": { "eye": [0.05, 0.02] } },
-            "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0], "inertia": 0.001 },
+            "weight": { "fixed_to": "crank.origin", "angle": 3.0, "mass": 0.3, "center": [0.02, 0.0],
+                "inertia": 0.001 },
             "rod": { "length": 0.3, "mass": 0.9, "shape": "uniform_rod", "axial_stiffness": 1e7 },
             "slider": {
                 "mass": 0.5,
-                "drawn": { "origin": [0.38, 0.0], "angle": 0.0, "points": { "lug": [0.38, 0.05] }, "center": [0.38, 0.01] }
+                "drawn": { "origin": [0.38, 0.0], "angle": 0.0, "points": { "lug": [0.38, 0.05] }, "center": [0.38,
+                    0.01] }
             },
             "wheel": { "mass": 0.1, "inertia": 1e-4 },
             "pulley": { "mass": 0.1, "inertia": 1e-4 },
@@ -49,7 +52,8 @@ pub fn full() -> Value {
             "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin", "pin_radius": 0.01 },
             "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
             "guide": {
-                "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0, "angle": 0.0,
+                "type": "prismatic", "first": "ground.origin", "second": "slider.origin", "axis_angle": 0.0,
+                    "angle": 0.0,
                 "static_coefficient": 0.1, "kinetic_coefficient": 0.05
             },
             "wheel_pin": { "type": "revolute", "first": "ground.shaft", "second": "wheel.origin" },
@@ -57,16 +61,19 @@ pub fn full() -> Value {
             "oval_pin": { "type": "revolute", "first": "ground.oval", "second": "oval.origin" },
             "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" },
             "lifter": {
-                "type": "prismatic", "first": "ground.lifter", "second": "tappet.origin", "axis_angle": std::f64::consts::FRAC_PI_2
+                "type": "prismatic", "first": "ground.lifter", "second": "tappet.origin",
+                    "axis_angle": std::f64::consts::FRAC_PI_2
             }
         },
         "couplings": {
             "mesh": {
-                "type": "gears", "first": "crank.origin", "second": "wheel.origin", "first_teeth": 20, "second_teeth": 40,
+                "type": "gears", "first": "crank.origin", "second": "wheel.origin", "first_teeth": 20,
+                    "second_teeth": 40,
                 "pressure_angle": 0.0
             },
             "belt": {
-                "type": "belt", "first": "crank.origin", "second": "pulley.origin", "first_radius": 0.05, "second_radius": 0.1
+                "type": "belt", "first": "crank.origin", "second": "pulley.origin", "first_radius": 0.05,
+                    "second_radius": 0.1
             },
             "ovals": {
                 "type": "elliptic_gears", "first": "crank.origin", "second": "oval.origin", "eccentricity": 0.2,
@@ -76,10 +83,12 @@ pub fn full() -> Value {
                 "type": "rack", "first": "crank.origin", "joint": "slide", "radius": 0.05, "pressure_angle": 0.0
             },
             "cam": {
-                "type": "cam", "first": "crank.origin", "joint": "lifter", "follower": "roller", "contact": "tappet.origin",
+                "type": "cam", "first": "crank.origin", "joint": "lifter", "follower": "roller",
+                    "contact": "tappet.origin",
                 "base_radius": 0.05, "roller_radius": 0.01,
                 "segments": [
-                    { "law": "cycloidal", "angle": 2.0, "rise": 0.01 }, { "law": "polynomial_345", "angle": 2.0, "rise": -0.01 },
+                    { "law": "cycloidal", "angle": 2.0, "rise": 0.01 }, { "law": "polynomial_345", "angle": 2.0,
+                        "rise": -0.01 },
                     { "law": "dwell" }
                 ]
             }
@@ -93,14 +102,16 @@ pub fn full() -> Value {
         "torques": { "motor": { "on": "crank", "torque": 2.0, "constant": false } },
         "springs": {
             "coil": {
-                "first": "ground.anchor", "second": "slider.origin", "stiffness": 1.0, "damping": 0.1, "free_length": 0.2,
+                "first": "ground.anchor", "second": "slider.origin", "stiffness": 1.0, "damping": 0.1,
+                    "free_length": 0.2,
                 "preload": 1.0
             },
             "torsion": { "joint": "bearing", "stiffness": 1.0, "free_angle": 0.3 }
         },
         "markers": { "eye": { "at": "crank.eye" } },
         "friction": {
-            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1, "static_speed": 0.02, "kinetic_speed": 0.9
+            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1, "static_speed": 0.02,
+                "kinetic_speed": 0.9
         },
         "air": { "density": 1.2, "flow_angle": 0.3, "relative_wind": true, "airspeed": 5.0 },
         "surfaces": {
@@ -118,7 +129,8 @@ pub fn full() -> Value {
         "locks": { "latch": { "stop": "up", "at": "crank.end", "engage": true } },
         "start": { "body": "crank", "angle": 0.5, "speed": 1.0 },
         "guess": {
-            "crank": 0.5, "rod": -0.16, "guide": 0.38, "wheel": 0.0, "pulley": 0.0, "oval": 0.0, "slide": 0.0, "lifter": 0.24
+            "crank": 0.5, "rod": -0.16, "guide": 0.38, "wheel": 0.0, "pulley": 0.0, "oval": 0.0, "slide": 0.0,
+                "lifter": 0.24
         },
         "solver": { "tolerance": 1e-9, "method": "reduced", "fem_step": 1e-5, "tables": true },
         "experiment": { "stop_time": 1.0, "step_size": 1e-3 }

@@ -101,9 +101,9 @@ fn defaults_agree() {
             for ((name, value), (same, known)) in now.iter().zip(&before) {
                 assert_eq!(name, same, "{path}/{key} = {default}");
                 // A default that is stated may be computed with, as an efficiency of 1: then the last digits differ, by
-                // as much as the tables resolve of values that are of the order of 10 here, accelerations of 100. Derivatives of
-                // the holding force and of the reduced mass are slopes of polynomials: each of two tables of one function
-                // misses its exact slope by up to 6e-12 of the largest.
+                // as much as the tables resolve of values that are of the order of 10 here, accelerations of 100.
+                // Derivatives of the holding force and of the reduced mass are slopes of polynomials: each of two
+                // tables of one function misses its exact slope by up to 6e-12 of the largest.
                 let resolved = if name.ends_with("_derivative") { 1e-11 } else { 1e-13 };
                 let miss = (value - known).abs();
                 assert!(

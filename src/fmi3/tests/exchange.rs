@@ -1,4 +1,5 @@
-//! Model exchange: the derivatives against co-simulation, events at stops, derivatives of derivatives, phases, refusals.
+//! Model exchange: the derivatives against co-simulation, events at stops, derivatives of derivatives, phases,
+//! refusals.
 use super::*;
 use crate::fmi::exchange::served;
 use crate::fmi2::types::EventInfo;
@@ -222,8 +223,8 @@ fn derivatives_of_derivatives_are_slopes() {
     unsafe { fmi3FreeInstance(c) };
 }
 
-/// Drives, dampers, a coil that winds up and a bumper with curves: the motion is that of co-simulation, over the contact
-/// and over more than a turn, and its derivatives are exact.
+/// Drives, dampers, a coil that winds up and a bumper with curves: the motion is that of co-simulation, over the
+/// contact and over more than a turn, and its derivatives are exact.
 #[test]
 fn curves_are_exchanged() {
     let [position, coil, push] = references_of(CURVES, ["guide.position", "coil.torque", "buffer.force"]);
@@ -251,11 +252,14 @@ fn curves_are_exchanged() {
 /// A disc cam that turns against the weight of its follower, and a cylinder with losses that pushes the crank of a
 /// slider-crank over its dead centres.
 const BORDERS: &str = r#"{ "name": "Borders",
-    "bodies": { "ground": { "points": { "guide": [0.0, 0.2], "far": [0.9, 0.0] } }, "disc": { "length": 0.1, "mass": 1, "inertia": 0.02 },
-        "stem": { "mass": 0.4, "points": { "tip": [0.0, -0.1] } }, "rod": { "length": 0.3, "mass": 0.1, "inertia": 0.001 },
+    "bodies": { "ground": { "points": { "guide": [0.0, 0.2], "far": [0.9, 0.0] } }, "disc": { "length": 0.1,
+        "mass": 1, "inertia": 0.02 },
+        "stem": { "mass": 0.4, "points": { "tip": [0.0, -0.1] } }, "rod": { "length": 0.3, "mass": 0.1,
+            "inertia": 0.001 },
         "slider": { "mass": 0.1 } },
     "joints": { "bearing": { "type": "revolute", "first": "ground.origin", "second": "disc.origin" },
-        "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin", "axis_angle": 1.5707963267948966 },
+        "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin",
+            "axis_angle": 1.5707963267948966 },
         "pin": { "type": "revolute", "first": "disc.end", "second": "rod.origin" },
         "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
         "slide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" } },
@@ -264,10 +268,11 @@ const BORDERS: &str = r#"{ "name": "Borders",
             { "law": "cycloidal", "angle": 1.5, "rise": 0.02 }, { "law": "dwell", "angle": 1.0 },
             { "law": "polynomial_345", "angle": 2.0, "rise": -0.02 }, { "law": "dwell" } ] } },
     "actuators": { "cylinder": { "joint": "slide", "force": 0.5, "efficiency": 0.8 } },
-    "start": { "body": "disc", "angle": 0.2, "speed": 10 }, "guess": { "disc": 0.2, "guide": -0.05, "rod": -0.07, "slide": 0.397 } }"#;
+    "start": { "body": "disc", "angle": 0.2, "speed": 10 }, "guess": { "disc": 0.2, "guide": -0.05, "rod": -0.07,
+        "slide": 0.397 } }"#;
 
-/// The borders of segments of a cam are events, and so are the positions at which the force of a drive with losses changes
-/// its sign along the motion: at the dead centres of the crank.
+/// The borders of segments of a cam are events, and so are the positions at which the force of a drive with losses
+/// changes its sign along the motion: at the dead centres of the crank.
 #[test]
 fn borders_of_segments_and_changes_of_loss_are_events() {
     let [angle, loss] = references_of(BORDERS, ["disc.angle", "cylinder.loss_indicator"]);

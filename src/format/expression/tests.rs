@@ -151,9 +151,11 @@ proptest! {
         let text = tree.text(0);
         prop_assume!(text.len() <= LONGEST_EXPRESSION);
         let expression = Expression::new(&text).unwrap_or_else(|why| panic!("{text}: {why}"));
-        let of = |index: usize| names[["a", "b.c", "d_1"].iter().position(|n| n == &expression.names()[index]).unwrap()];
+        let of = |index: usize| names[["a", "b.c",
+            "d_1"].iter().position(|n| n == &expression.names()[index]).unwrap()];
         let (found, expected) = (expression.evaluate(of), tree.value(names));
-        prop_assert!(found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan(), "{}: {} {}", text, found, expected);
+        prop_assert!(found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan(), "{}: {} {}", text,
+            found, expected);
     }
 
     #[test]

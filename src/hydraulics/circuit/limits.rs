@@ -37,7 +37,8 @@ impl Equations {
         length >= least - SLACK && length <= most + SLACK
     }
 
-    /// What keeps an integration from going on at these pressures and this length: the end of the stroke, or absolute zero in oil without air.
+    /// What keeps an integration from going on at these pressures and this length: the end of the stroke, or absolute
+    /// zero in oil without air.
     pub fn left(&self, pressures: [f64; 2], length: f64) -> Option<Left> {
         let [least, most] = self.lengths();
         if length <= least || length >= most {

@@ -219,9 +219,9 @@ impl Equations {
         self.unit.as_ref()
     }
 
-    /// Positions of the spool at which an edge opens, each if it is another one than the first, and the distance from one
-    /// within which the spool is at it. Over less than the clearance the flow grows from almost nothing there: a step of
-    /// the integration should end there, as it could pass that unseen.
+    /// Positions of the spool at which an edge opens, each if it is another one than the first, and the distance from
+    /// one within which the spool is at it. Over less than the clearance the flow grows from almost nothing there: a
+    /// step of the integration should end there, as it could pass that unseen.
     pub fn edges(&self) -> ([Option<f64>; 2], f64) {
         ([Some(self.overlap), Some(-self.overlap).filter(|edge| *edge != self.overlap)], ON_EDGE * self.clearance)
     }

@@ -1,7 +1,7 @@
 //! Oil in the chambers: volumes, bulk moduli, stiffness.
 //!
-//! In: length of the actuator, pressures. Out: volumes, effective bulk moduli of oil, air, hoses and walls, the stiffness
-//! of both chambers as one spring. It must not know flows.
+//! In: length of the actuator, pressures. Out: volumes, effective bulk moduli of oil, air, hoses and walls, the
+//! stiffness of both chambers as one spring. It must not know flows.
 use super::Equations;
 use crate::numerics::dual::Number;
 

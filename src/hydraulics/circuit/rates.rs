@@ -53,8 +53,8 @@ impl Equations {
         state
     }
 
-    /// The point of the leading components of a state, of length and speed of the actuator, and of supply, tank and command. With an accumulator
-    /// its pressure takes the place of that of the supply.
+    /// The point of the leading components of a state, of length and speed of the actuator, and of supply, tank and
+    /// command. With an accumulator its pressure takes the place of that of the supply.
     #[inline]
     pub fn point<T: Number>(&self, state: [T; DYNAMIC], [length, speed]: [T; 2], ports: [T; 3]) -> Point<T> {
         let ([p_a, p_b, spool, spool_speed, own], [supply, tank, command]) = (state, ports);

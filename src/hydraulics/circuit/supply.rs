@@ -1,6 +1,7 @@
 //! Accumulator and pump at the supply.
 //!
-//! In: the pressure of the accumulator, the flow to the valve. Out: the rate of the pressure. It must not know the valve.
+//! In: the pressure of the accumulator, the flow to the valve. Out: the rate of the pressure. It must not know the
+//! valve.
 use crate::hydraulics::definition::{Accumulator, Pump};
 use crate::numerics::dual::Number;
 

@@ -155,7 +155,8 @@ impl Circuit {
         let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);
         if pump.max_pressure - pump.full_pressure < band {
             let allowed = format!(
-                "above pump.full_pressure = {} Pa by at least {} Pa, 1e-5 of it, for the integration to resolve the band \
+                "above pump.full_pressure = {} Pa by at least {} Pa, 1e-5 of it, for the integration to resolve the \
+                 band \
                  over which the flow falls",
                 Decimal(pump.full_pressure),
                 Decimal::rounded(band)

@@ -76,7 +76,8 @@ keys! {
             .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
     }
 
-    /// A differential cylinder with a servo valve, oil and lines. SI units; pressures are relative to the ambient pressure.
+    /// A differential cylinder with a servo valve, oil and lines. SI units; pressures are relative to the ambient
+    /// pressure.
     pub struct HydraulicActuator {
         /// Where an editor finds the schema; not read by the FMU.
         schema as "$schema": Option<String>;

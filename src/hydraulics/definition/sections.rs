@@ -21,9 +21,11 @@ keys! {
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
         /// Volume of entrained air at ambient pressure per volume of oil [1], >= 0; 0: none.
-        air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Entrained air at ambient pressure per volume of oil");
+        air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Entrained air at ambient pressure \
+            per volume of oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
-        polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the entrained air");
+        polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the \
+            entrained air");
     }
 
     /// Differential cylinder.
@@ -35,16 +37,19 @@ keys! {
         /// Travel of the piston [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
         /// Length of the actuator where the piston rests at the bottom of chamber A [m], >= 0.
-        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length of the actuator with the rod in");
+        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length of the actuator with the \
+            rod in");
         /// Bulk modulus E_cyl of the cylinder's walls, pressure over relative growth of the volume [Pa], >= 0; 0:
         /// rigid.
-        wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Pressure over relative growth of the cylinder, 0 for rigid");
+        wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Pressure over relative growth of \
+            the cylinder, 0 for rigid");
     }
 
     /// Chamber A, on the side of the piston.
     pub struct ChamberA: Copy {
         /// Volume with the rod in, lines included [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Volume with the rod in, lines included");
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Volume with the rod in, lines \
+            included");
         /// Pressure at the start [Pa], above -p_0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure at the start");
     }
@@ -52,7 +57,8 @@ keys! {
     /// Chamber B, on the side of the rod.
     pub struct ChamberB: Copy {
         /// Volume with the rod out, lines included [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Volume with the rod out, lines included");
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Volume with the rod out, lines \
+            included");
         /// Pressure at the start [Pa], above -p_0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure at the start");
     }
@@ -60,11 +66,14 @@ keys! {
     /// Valve of four ports and three positions, with a spool of second order.
     pub struct Valve: Copy {
         /// Flow through one fully open edge at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one open edge at the rated pressure drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one open edge \
+            at the rated pressure drop");
         /// Pressure drop of an edge at all rated flows [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop of an edge at all rated flows");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop of an edge at \
+            all rated flows");
         /// Pressure drop d_t between laminar and turbulent flow [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
+            and turbulent flow");
         /// Opening by the clearance of the spool, which rounds the edges [1], > 0.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Opening by the clearance of the spool");
         /// Spool position at which an edge opens [1]; negative: underlap.
@@ -78,13 +87,15 @@ keys! {
     /// Restrictor in the line of chamber A, for flow out of it.
     pub struct RestrictorA: Copy {
         /// Flow at the valve's rated pressure drop [m3/s], >= 0; 0: no restrictor.
-        rated_flow: f64 = 5e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated pressure drop, 0 for none");
+        rated_flow: f64 = 5e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated \
+            pressure drop, 0 for none");
     }
 
     /// Restrictor in the line of chamber B, for flow out of it.
     pub struct RestrictorB: Copy {
         /// Flow at the valve's rated pressure drop [m3/s], >= 0; 0: no restrictor.
-        rated_flow: f64 = 0.0 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated pressure drop, 0 for none");
+        rated_flow: f64 = 0.0 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated \
+            pressure drop, 0 for none");
     }
 
     /// Check valves beside restrictors and cushions.
@@ -96,17 +107,21 @@ keys! {
     /// Cushion at the bottom of chamber A.
     pub struct CushionA: Copy {
         /// Travel over which it throttles the flow out of the chamber [m], >= 0; 0: no cushion.
-        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles, 0 for none");
+        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles, \
+            0 for none");
         /// Flow at the valve's rated pressure drop at the end of the travel [m3/s], >= 0; 0: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated pressure drop, 0 for none");
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated \
+            pressure drop, 0 for none");
     }
 
     /// Cushion at the end of chamber B.
     pub struct CushionB: Copy {
         /// Travel over which it throttles the flow out of the chamber [m], >= 0; 0: no cushion.
-        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles, 0 for none");
+        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles, \
+            0 for none");
         /// Flow at the valve's rated pressure drop at the end of the travel [m3/s], >= 0; 0: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated pressure drop, 0 for none");
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated \
+            pressure drop, 0 for none");
     }
 
     /// Relief valves of both chambers, into the tank.
@@ -114,25 +129,31 @@ keys! {
         /// Pressure at which they open [Pa], > 0.
         pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which the relief valves open");
         /// Pressure over which relief and anti-cavitation valves open [Pa], > 0.
-        width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure over which relief and anti-cavitation valves open");
+        width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure over which relief and \
+            anti-cavitation valves open");
         /// Flow per pressure above the opening pressure [m3/(s.Pa)], >= 0.
-        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of the relief valves");
+        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
+            the relief valves");
     }
 
     /// Anti-cavitation valves of both chambers, from the tank.
     pub struct Anticavitation: Copy {
         /// Flow per pressure below that of the tank [m3/(s.Pa)], >= 0.
-        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of the anti-cavitation valves");
+        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
+            the anti-cavitation valves");
     }
 
     /// Leakages, laminar.
     pub struct Leakage: Copy {
         /// From chamber A to chamber B [m3/(s.Pa)], >= 0.
-        internal: f64 = 2e-13 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage from chamber A to chamber B");
+        internal: f64 = 2e-13 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage from \
+            chamber A to chamber B");
         /// From chamber A to the surroundings [m3/(s.Pa)], >= 0.
-        external_a: f64 = 0.0 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage of chamber A to the surroundings");
+        external_a: f64 = 0.0 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage of chamber \
+            A to the surroundings");
         /// From chamber B to the surroundings [m3/(s.Pa)], >= 0.
-        external_b: f64 = 5e-14 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage of chamber B to the surroundings");
+        external_b: f64 = 5e-14 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Leakage of \
+            chamber B to the surroundings");
     }
 
     /// Friction of the seals.
@@ -142,29 +163,36 @@ keys! {
         /// Static friction [N], >= 0.
         r#static as "static": f64 = 400.0 => number(Newton, NonNegative).parameter(Circuit, "Static friction");
         /// Speed over which static friction falls to kinetic friction [m/s], > 0.
-        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which static falls to kinetic friction");
+        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which static \
+            falls to kinetic friction");
         /// Speed over which friction reverses [m/s], > 0.
-        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which friction reverses");
+        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which \
+            friction reverses");
         /// Viscous friction [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction");
         /// Growth of the kinetic and static friction with the pressure in each chamber [m2], >= 0; 0: none.
-        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Growth of the friction with the pressure in each chamber");
+        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Growth of the friction with \
+            the pressure in each chamber");
     }
 
     /// Hoses of both chambers.
     pub struct Hose: Copy {
         /// Volume of the hose of chamber A, a part of its dead volume [m3], >= 0; 0: none.
-        volume_a: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber A, a part of its dead volume");
+        volume_a: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber A, a \
+            part of its dead volume");
         /// Volume of the hose of chamber B, a part of its dead volume [m3], >= 0; 0: none.
-        volume_b: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber B, a part of its dead volume");
+        volume_b: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber B, a \
+            part of its dead volume");
         /// Pressure over relative growth of the volume of a hose, E_hose [Pa], > 0.
-        modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Pressure over relative growth of the volume of a hose");
+        modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Pressure over relative growth of the volume \
+            of a hose");
     }
 
     /// Lock valve in the line of chamber A: oil leaves the chamber only while p_B > pilot ratio x p_A.
     pub struct LockValve: Copy {
         /// Pilot ratio [1], >= 0; 0: no lock valve.
-        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pressure in chamber B over that in chamber A which opens, 0 for none");
+        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pressure in chamber B over that in \
+            chamber A which opens, 0 for none");
         /// Pressure over which it opens [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Pressure over which the lock valve opens");
     }
@@ -173,7 +201,8 @@ keys! {
     pub struct Accumulator: Copy {
         /// Volume V_0 of the gas at the precharge pressure [m3], >= 0; 0: none, the supply has the pressure of the
         /// input.
-        volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the gas at the precharge pressure, 0 for no accumulator");
+        volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the gas at the precharge \
+            pressure, 0 for no accumulator");
         /// Pressure of the gas without oil [Pa], above -p_0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Pressure of the gas without oil");
         /// Polytropic exponent n of the gas [1], > 0.
@@ -185,19 +214,23 @@ keys! {
         /// Flow up to the pressure `full_pressure` [m3/s], >= 0.
         max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at low pressure");
         /// Pressure up to which it gives all its flow [Pa].
-        full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which the pump gives all its flow");
+        full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which the pump gives \
+            all its flow");
         /// Pressure from which it gives none [Pa], above `full_pressure`.
-        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure from which the pump gives no flow");
+        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure from which the pump gives no \
+            flow");
     }
 
     /// Command of the valve as a function of time since the start, added to the input.
     pub struct Command: Copy {
         /// Height of a ramp that begins at the start [1].
-        ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Height of a ramp of the command from the start");
+        ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Height of a ramp of the command from the \
+            start");
         /// Duration of the ramp [s], >= 0; 0: a step.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp, 0 for a step");
         /// Amplitude of a sine that begins at the start [1].
-        sine_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Amplitude of a sine of the command from the start");
+        sine_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Amplitude of a sine of the command from \
+            the start");
         /// Frequency of the sine [Hz], >= 0.
         sine_frequency: f64 = 0.0 => number(Hertz, NonNegative).parameter(Circuit, "Frequency of the sine");
     }

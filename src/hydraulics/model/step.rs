@@ -1,7 +1,7 @@
 //! Initialisation and steps of a model.
 //!
-//! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was. It
-//! must not know outputs.
+//! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
+//! It must not know outputs.
 use super::warnings::{self, Warning, Warnings};
 use super::{Model, point};
 use crate::format::Range;

@@ -50,8 +50,8 @@ impl Warnings {
         }
     }
 
-    /// What the steps have raised and when it is looked for, written or read. What depends on the outputs that a host has
-    /// read is not part of it, and may be raised again.
+    /// What the steps have raised and when it is looked for, written or read. What depends on the outputs that a host
+    /// has read is not part of it, and may be raised again.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.pending = [false; KINDS];
         self.raised[BY_STEPS..].fill(false);
@@ -101,7 +101,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
     match kind {
         Warning::Clipped => clipping(numbers[0]),
         Warning::Drift => format!(
-            "actuator.length = {one} m, but actuator.speed led to {two} m: connect both to the same motion, and set the \
+            "actuator.length = {one} m, but actuator.speed led to {two} m: connect both to the same motion, and set \
+             the \
              speed's derivatives if the step is long"
         ),
         Warning::Horizon => format!(
@@ -109,7 +110,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
              preview.horizon to the next step"
         ),
         Warning::Unstable => format!(
-            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: held inputs make the force grow; \
+            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: held inputs make the force \
+             grow; \
              shorten the step, or give the mechanism preview.force or preview.force_mean"
         ),
         Warning::Toggle => format!(
@@ -117,7 +119,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
              actuator: no motion is foreseen there"
         ),
         Warning::Unforeseen => format!(
-            "no motion is found with actuator.reduced_mass = {one} kg under actuator.holding_force = {two} N: preview.force \
+            "no motion is found with actuator.reduced_mass = {one} kg under actuator.holding_force = {two} N: \
+             preview.force \
              is the present force; check both"
         ),
     }
@@ -133,8 +136,8 @@ pub fn blind(warnings: &mut Warnings, blind: Blind, inputs: &Inputs, h: f64) {
     }
 }
 
-/// Raise what a step of size h gives reason for. `begin`: the point of the laws at its beginning; `previewed`: whether the
-/// host uses the foreseen motion.
+/// Raise what a step of size h gives reason for. `begin`: the point of the laws at its beginning; `previewed`: whether
+/// the host uses the foreseen motion.
 pub fn watch(
     warnings: &mut Warnings,
     setting: &Setting<'_>,

@@ -4,10 +4,10 @@
 //! In: the state after a step, the element of the inputs. Out: the motion of the mechanism under the force that it was
 //! told, and the force of the next step. It must not know variables.
 //!
-//! The mechanism has the mean force of the motion that was *told*. So the step keeps that motion, even if the motion set
-//! meanwhile differs from it; and where the mechanism is at the end follows from the motion set, under the force told.
-//! The next foresight begins there. What the mechanism's speed differs from this prediction by is the element's error
-//! alone, and its correction does not see the delay: the pair has the eigenvalues of one without a delay.
+//! The mechanism has the mean force of the motion that was *told*. So the step keeps that motion, even if the motion
+//! set meanwhile differs from it; and where the mechanism is at the end follows from the motion set, under the force
+//! told. The next foresight begins there. What the mechanism's speed differs from this prediction by is the element's
+//! error alone, and its correction does not see the delay: the pair has the eigenvalues of one without a delay.
 use super::{Blind, Foreseen, Preview, Setting, State};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::Input;

@@ -84,8 +84,8 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// [`Self::step`] of order 8, whose interpolant is within the tolerance: for a step that goes on beyond the end of a
-    /// span.
+    /// [`Self::step`] of order 8, whose interpolant is within the tolerance: for a step that goes on beyond the end of
+    /// a span.
     ///
     /// # Errors
     /// As [`Self::step`].

@@ -12,8 +12,8 @@ const DOPRI5_BELOW: f64 = 1.5;
 /// Least ratio of the proposed step to a span that a step may go beyond: a step with its interpolant costs about as
 /// many short steps.
 const BEYOND: f64 = 3.0;
-/// Largest ratio of a step that goes beyond a span to that span: its cost then counts for nothing, and where nothing acts
-/// steps would grow without bound.
+/// Largest ratio of a step that goes beyond a span to that span: its cost then counts for nothing, and where nothing
+/// acts steps would grow without bound.
 const FARTHEST: f64 = 1e4;
 
 impl<const N: usize> Integrator<N> {

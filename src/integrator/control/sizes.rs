@@ -30,9 +30,9 @@ const SMALLEST: f64 = 1e-14;
 const LONG: f64 = 1e3;
 /// Longest step that is proposed [s]: still finite after it has grown.
 pub const LONGEST: f64 = 1e300;
-/// Largest h |lambda| of a proposed step: in DOP853's interval of stability, which ends at 6.4, where a decaying component
-/// and its errors shrink to a sixteenth in each step. Without this limit steps go on beyond the interval until the errors
-/// that grow there are as large as several tolerances.
+/// Largest h |lambda| of a proposed step: in DOP853's interval of stability, which ends at 6.4, where a decaying
+/// component and its errors shrink to a sixteenth in each step. Without this limit steps go on beyond the interval
+/// until the errors that grow there are as large as several tolerances.
 const STABLE: f64 = 5.0;
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;

@@ -75,8 +75,8 @@ impl Stiffness {
         }
     }
 
-    /// An explicit step at this h |lambda| has been taken back, as its interpolant was too coarse; one of the size h might
-    /// not be.
+    /// An explicit step at this h |lambda| has been taken back, as its interpolant was too coarse; one of the size h
+    /// might not be.
     pub fn too_coarse(&mut self, h: f64, h_lambda: f64) {
         if h_lambda > HELD_BACK {
             *self = Self { implicit: true, hits: 0, misses: 0, saved: 0.0, explicit_h: h, ..*self };
@@ -102,9 +102,10 @@ impl Stiffness {
     }
 }
 
-/// The largest |eigenvalue| of a real matrix whose columns after the first `leading` are 0, from the trace of its eighth power: at most the factor N^(1/8) too large.
-/// It needs no scaling of the components, as a trace does not depend on their units. Too small where the largest are a
-/// complex pair whose eighth powers are nearly imaginary: oscillation, which is not stiffness.
+/// The largest |eigenvalue| of a real matrix whose columns after the first `leading` are 0, from the trace of its
+/// eighth power: at most the factor N^(1/8) too large. It needs no scaling of the components, as a trace does not
+/// depend on their units. Too small where the largest are a complex pair whose eighth powers are nearly imaginary:
+/// oscillation, which is not stiffness.
 pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N], leading: usize) -> f64 {
     let square = |m: &[[f64; N]; N]| -> [[f64; N]; N] {
         let mut square = [[0.0; N]; N];

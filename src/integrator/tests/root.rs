@@ -147,7 +147,8 @@ proptest! {
         let terms = std::array::from_fn(|i| terms[i] * 8f64.powi(amplify * (i as i32) / 2));
         let dense = dense(if leaving { level } else { start }, terms);
         let direction = if rising { Rising } else { Falling };
-        let (found, sampled) = (dense.first_passage(0, level, direction, leaving), sampled(&dense, level, direction, leaving));
+        let (found, sampled) = (dense.first_passage(0, level, direction, leaving), sampled(&dense, level, direction,
+            leaving));
         let size = terms.iter().fold(1.0, |m: f64, t| m.max(t.abs()));
         if let Some((low, high)) = sampled {
             let s = found.expect("a passage was missed");

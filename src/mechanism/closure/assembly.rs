@@ -10,7 +10,8 @@ use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
 const CLOSED: f64 = 1e-14;
-/// Largest gap of redundant loops, relative to the linkage's size, that is blamed on their lengths and not on the guess.
+/// Largest gap of redundant loops, relative to the linkage's size, that is blamed on their lengths and not on the
+/// guess.
 const CONTRADICTION: f64 = 1e-2;
 /// Part of the length of a loop that is stretched flat by which its longest side is shorter by rounding.
 pub(super) const FLAT: f64 = 1e-9;
@@ -37,10 +38,10 @@ pub(super) fn rank(matrix: &DMatrix<f64>, least: f64) -> usize {
 
 /// Closed coordinates near a guess, by Newton's method with least-norm corrections.
 ///
-/// Redundant loop equations contradict each other until they are closed: the singular value that is 0 for closed loops is
-/// then a small one, along which a correction would lead far away. There corrections are those of Levenberg and Marquardt,
-/// (J^T J + g I) step = -J^T gap, with g the norm of the gaps, which converge quadratically whatever the rank (Fan and Yuan
-/// 2005).
+/// Redundant loop equations contradict each other until they are closed: the singular value that is 0 for closed loops
+/// is then a small one, along which a correction would lead far away. There corrections are those of Levenberg and
+/// Marquardt, (J^T J + g I) step = -J^T gap, with g the norm of the gaps, which converge quadratically whatever the
+/// rank (Fan and Yuan 2005).
 pub(super) fn close(linkage: &Linkage, guess: &[f64], w: &[f64]) -> Result<Vec<f64>, AssemblyError> {
     const ITERATIONS: usize = 200;
     const STRIDE: f64 = 0.5;
@@ -152,7 +153,8 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                 let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
                     (Some(_), _) => {
                         format!(
-                            "the ground holds this body, so that it does not turn: remove this key; the coordinates are {all}"
+                            "the ground holds this body, so that it does not turn: remove this key; the coordinates \
+                             are {all}"
                         )
                     }
                     (None, Some(joint)) if matches!(joint.freedom, Freedom::Coupling(_)) => {
@@ -162,7 +164,8 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                         format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
                     }
                     (None, Some(_)) => format!(
-                        "its position follows from those of other prismatic joints between the same bodies: leave it out; \
+                        "its position follows from those of other prismatic joints between the same bodies: leave it \
+                         out; \
                          the coordinates are {all}"
                     ),
                     (None, None) => format!("gives no coordinate; those are {all}"),

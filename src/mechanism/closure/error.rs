@@ -50,13 +50,16 @@ impl fmt::Display for AssemblyError {
             Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
             Self::Open { joint, gap, contradicts: true } => write!(
                 f,
-                "the loops do not close: {joint} stays open by {gap:.3e} m, as other joints hold its bodies too and the lengths \
-                 contradict each other; correct the lengths by as much, to the last digit (snap does not help here), or leave \
+                "the loops do not close: {joint} stays open by {gap:.3e} m, as other joints hold its bodies too and \
+                 the lengths \
+                 contradict each other; correct the lengths by as much, to the last digit (snap does not help here), \
+                 or leave \
                  out a joint that the others make needless"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
-                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess closer"
+                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess \
+                 closer"
             ),
             Self::TooLong { joint, side, is_slide, length, others } => {
                 let told = Decimal::rounded;
@@ -90,7 +93,8 @@ impl fmt::Display for AssemblyError {
             ),
             Self::Crossing => write!(
                 f,
-                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is meant \
+                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is \
+                 meant \
                  (start may still state the crossing itself)"
             ),
         }

@@ -91,8 +91,8 @@ impl Factors {
         regular
     }
 
-    /// [`Self::push`] of a row with an entry in every column, in their order: the same numbers, without a search for what
-    /// is to be eliminated.
+    /// [`Self::push`] of a row with an entry in every column, in their order: the same numbers, without a search for
+    /// what is to be eliminated.
     pub fn push_whole(&mut self, row: &[f64], weights: &[f64]) -> bool {
         let Self { upper, upper_ends, lower, lower_ends, pivots, pivot_rows, entries, .. } = self;
         entries.copy_from_slice(row);

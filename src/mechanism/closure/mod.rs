@@ -72,8 +72,8 @@ fn rounding_at(q: &[f64], angles: usize, w: &[f64]) -> f64 {
     q.iter().zip(w).skip(angles).fold(1.0, |most: f64, (s, w)| most.max((s * w).abs() / NEAR))
 }
 
-/// Two sizes for the independent loop equation with index `i`, of either sign. The signs tell two loops apart; beyond, sizes
-/// follow no pattern, as the gaps that are amplified may: the same ones in two loops with opposite signs, say.
+/// Two sizes for the independent loop equation with index `i`, of either sign. The signs tell two loops apart; beyond,
+/// sizes follow no pattern, as the gaps that are amplified may: the same ones in two loops with opposite signs, say.
 fn probes(i: usize) -> [f64; 2] {
     let size = if i < 4 { 1.0 } else { 1.25 + 0.25 * (1.0 + 3.7 * i as f64).sin() };
     [0, 1].map(|k| if (i >> k).is_multiple_of(2) { size } else { -size })
@@ -113,8 +113,8 @@ impl Closure {
         Ok((Self::of_independent(linkage, independent_rows(&j, n - 1), w), q))
     }
 
-    /// The loop equations of which those with these indices are independent, as [`Self::assemble`] has found them; None if
-    /// they are none of this linkage.
+    /// The loop equations of which those with these indices are independent, as [`Self::assemble`] has found them; None
+    /// if they are none of this linkage.
     pub fn of_rows(linkage: Arc<Linkage>, rows: Vec<usize>) -> Option<Self> {
         let w = weights(&linkage);
         let ascending = rows.windows(2).all(|pair| pair[0] < pair[1]);
@@ -132,7 +132,8 @@ impl Closure {
         self.rows.len() < self.linkage.rows()
     }
 
-    /// Whether all loop equations together leave more than one degree of freedom at `q`, which is accurate to 1e-6 of it.
+    /// Whether all loop equations together leave more than one degree of freedom at `q`, which is accurate to 1e-6 of
+    /// it.
     pub fn loses_rank(&self, q: &[f64]) -> bool {
         const ACCURACY: f64 = 1e-6;
         let j = scaled_jacobian(&self.linkage, &self.linkage.positions(q), q, &self.weights);
@@ -246,8 +247,8 @@ impl Closure {
     }
 
     /// Newton's method from `q` to the closed position on the plane normal . (q - base) = along, which replaces `q`.
-    /// `scratch` then holds the positions of the bodies and the loop equations linearised there. None if the method does
-    /// not converge.
+    /// `scratch` then holds the positions of the bodies and the loop equations linearised there. None if the method
+    /// does not converge.
     pub fn on_plane(
         &self,
         scratch: &mut Scratch,

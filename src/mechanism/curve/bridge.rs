@@ -167,8 +167,8 @@ pub(super) struct Bridge {
 }
 
 impl Bridge {
-    /// The bridge over a crossing at the distance `distance` from `base`, `half` on both sides of it. None where positions
-    /// on both sides are not those of one analytic curve.
+    /// The bridge over a crossing at the distance `distance` from `base`, `half` on both sides of it. None where
+    /// positions on both sides are not those of one analytic curve.
     pub fn new(
         closure: &Closure,
         gapped: &Gapped,

@@ -44,8 +44,8 @@ impl Curve {
         found
     }
 
-    /// Whether other branches cross the curve at one of its [`Self::crossings`]. Where joints are redundant, the independent
-    /// loop equations may be singular at a position where all of them together are not.
+    /// Whether other branches cross the curve at one of its [`Self::crossings`]. Where joints are redundant, the
+    /// independent loop equations may be singular at a position where all of them together are not.
     pub fn branches_cross(&self, sigma: f64) -> bool {
         !self.closure.redundant() || self.closure.loses_rank(&self.configuration(sigma).q)
     }

@@ -53,29 +53,35 @@ impl fmt::Display for CurveError {
         match self {
             Self::Massless(position) => write!(
                 f,
-                "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a mass or an inertia to a body that does"
+                "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a \
+                 mass or an inertia to a body that does"
             ),
             Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that rounding decides; \
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that \
+                 rounding decides; \
                  change a length by a part in 1e5 or more, or make them cross to the last digit"
             ),
             Self::NearCrossing { position, miss: Some(miss), .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of the size of \
-                 the mechanism, so little that rounding decides; give \"snap\": {:e} or more if the motion is to go straight \
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of the \
+                 size of \
+                 the mechanism, so little that rounding decides; give \"snap\": {:e} or more if the motion is to go \
+                 straight \
                  on there, or change a length by a part in 1e5 or more",
                 cure(*miss)
             ),
             Self::Stuck { position, .. } => {
                 write!(
                     f,
-                    "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the lengths"
+                    "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the \
+                     lengths"
                 )
             }
             Self::Unwound { position, revolutions } => write!(
                 f,
-                "an angle has made {revolutions:.1e} revolutions at {position}, where the rounding of angles, {:.0e} rad, no \
+                "an angle has made {revolutions:.1e} revolutions at {position}, where the rounding of angles, {:.0e} \
+                 rad, no \
                  longer keeps the wheels of the couplings in mesh: numbers of teeth whose angles all return within 100 \
                  revolutions have no such limit",
                 revolutions * TAU * f64::EPSILON
@@ -88,7 +94,8 @@ impl fmt::Display for CurveError {
             }
             Self::Inconsistent { joint, gap, position } => write!(
                 f,
-                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct its points so that it fits everywhere, or remove it"
+                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct its points so that it fits \
+                 everywhere, or remove it"
             ),
         }
     }

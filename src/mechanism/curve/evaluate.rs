@@ -49,8 +49,8 @@ pub struct Curve {
     pub crossings: Vec<f64>,
     /// Positions where branches almost cross, as far as they were looked for.
     pub near: Near,
-    /// Whether the start decides how much of the curve is traced, as the guess is beyond a stop: sigma = 0 is then where the
-    /// curve gets to the travel, unless the start is not on that part of the travel.
+    /// Whether the start decides how much of the curve is traced, as the guess is beyond a stop: sigma = 0 is then
+    /// where the curve gets to the travel, unless the start is not on that part of the travel.
     pub by_start: bool,
     /// Number of positions closed in tracing, those of bridges and rejected panels included: the cost.
     pub closed: usize,

@@ -1,7 +1,7 @@
 //! A traced curve as a record, to be taken instead of tracing it again.
 //!
-//! In: a curve; or a record and the loop equations of the same linkage. Out: the record; or the curve. It must not know where
-//! records are kept.
+//! In: a curve; or a record and the loop equations of the same linkage. Out: the record; or the curve. It must not know
+//! where records are kept.
 use super::evaluate::{Curve, Ends};
 use super::near::Near;
 use super::panel::Panel;
@@ -13,8 +13,8 @@ use crate::numerics::chebyshev::Transform;
 const KINDS: usize = 5;
 
 impl Curve {
-    /// Write the curve, if a record can hold it: not one of which the points were moved, or the start decides the range, or
-    /// with near misses, which are told in words.
+    /// Write the curve, if a record can hold it: not one of which the points were moved, or the start decides the
+    /// range, or with near misses, which are told in words.
     pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Damaged> {
         if self.near != Near::default() || self.by_start {
             return Err(Damaged("branches almost cross on the curve, or its guess is beyond a stop".to_owned()));

@@ -69,8 +69,8 @@ impl Candidate {
         Self { sigma: None, q: q.to_vec(), crosses: false }
     }
 
-    /// The place near it where the `drawn` linkage almost lets branches cross; `closure`: loop equations of the linkage on
-    /// the curve. None if there is no such place, or if the branches do cross.
+    /// The place near it where the `drawn` linkage almost lets branches cross; `closure`: loop equations of the linkage
+    /// on the curve. None if there is no such place, or if the branches do cross.
     pub fn place(&self, closure: &Closure, drawn: &Linkage) -> Option<Place> {
         let gaps = || drawn.gaps(&drawn.positions(&self.q));
         if self.crosses && gaps().iter().all(|gap| gap.abs() < ROUNDING * drawn.size) {
@@ -169,8 +169,8 @@ impl Curve {
         (0..count).filter(is_peak).map(sigma).filter(inside).collect()
     }
 
-    /// All nodes in order, and the length of the curve. A panel on a bridge, whose crossing is known, counts as one node
-    /// of infinite amplification, which is no peak.
+    /// All nodes in order, and the length of the curve. A panel on a bridge, whose crossing is known, counts as one
+    /// node of infinite amplification, which is no peak.
     fn nodes(&self) -> (Vec<Node>, f64) {
         let (mut nodes, mut u) = (Vec::new(), 0.0);
         for (index, panel) in self.panels.iter().enumerate() {

@@ -129,8 +129,8 @@ impl Panel {
         Ok((Self { tip, amplification: least, ..panel }, tangent, wider))
     }
 
-    /// Build the panel of this width that starts at `base` on a bridge, at the bridge's distance `from`. `visit` and the
-    /// result as for [`Self::build`].
+    /// Build the panel of this width that starts at `base` on a bridge, at the bridge's distance `from`. `visit` and
+    /// the result as for [`Self::build`].
     ///
     /// # Errors
     /// A [`Rejection`].

@@ -4,9 +4,9 @@
 //! of the joints' points with which it misses none of several places. It must not know the curve.
 //!
 //! Branches cross at a configuration q where the loops are closed, g(q) = 0, and k combinations of the loop equations
-//! do not change to first order: J(q)^T l = 0 for the columns l of an m x k matrix L. With lengths that miss the crossing a
-//! little, g = L mu instead: the miss. For k = 1 this is Moore's system, a stationary point of |g|. The moves p of the
-//! joints' points that make the branches cross are those of least norm with
+//! do not change to first order: J(q)^T l = 0 for the columns l of an m x k matrix L. With lengths that miss the
+//! crossing a little, g = L mu instead: the miss. For k = 1 this is Moore's system, a stationary point of |g|. The
+//! moves p of the joints' points that make the branches cross are those of least norm with
 //!
 //! | equations | number |
 //! |---|---|

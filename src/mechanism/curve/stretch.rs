@@ -3,9 +3,9 @@
 //! In: a curve that is open at an end. Out: the stretch of it beyond that end. It must not know who needs it.
 //!
 //! Each stretch goes [`RATIO`] times as far from the guess as the one before. Far away a linkage moves along its
-//! asymptotes, so that panels there may be as long as their distance from the guess: some [`STRETCHES`] times a few panels
-//! reach as far as numbers tell positions apart. A stretch depends on the one before and on nothing else, so the panels
-//! are the same in whatever order they were needed.
+//! asymptotes, so that panels there may be as long as their distance from the guess: some [`STRETCHES`] times a few
+//! panels reach as far as numbers tell positions apart. A stretch depends on the one before and on nothing else, so the
+//! panels are the same in whatever order they were needed.
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends};
 use super::near::Near;
@@ -21,13 +21,13 @@ const RATIO: f64 = 8.0;
 /// Largest width of a panel relative to its distance from the guess: positions near its base are as exact as those near
 /// its tip.
 const PART: f64 = 1.0;
-/// Number of stretches beyond an open end: 1e11 sizes of the linkage from the guess, where positions differ by 1e-5 of a
-/// size at least.
+/// Number of stretches beyond an open end: 1e11 sizes of the linkage from the guess, where positions differ by 1e-5 of
+/// a size at least.
 pub const STRETCHES: usize = 10;
 
 impl Curve {
-    /// The stretch of the curve beyond its low end (side 0) or its high end (side 1), which [`Self::is_open`]. Its other
-    /// end is closed off; the far end is open, unless travel is permitted only up to there. `margin`: as in
+    /// The stretch of the curve beyond its low end (side 0) or its high end (side 1), which [`Self::is_open`]. Its
+    /// other end is closed off; the far end is open, unless travel is permitted only up to there. `margin`: as in
     /// [`Self::trace`]. If tracing fails, the stretch ends there, and the next one has the error.
     ///
     /// # Errors

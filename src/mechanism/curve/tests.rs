@@ -60,7 +60,8 @@ fn derivatives_along_the_curve_are_differences_and_loops_stay_closed() {
 fn a_flat_parallelogram_is_crossed_straight_on() {
     let text = r#"{ "name": "Parallelogram",
       "bodies": { "ground": { "length": 2 }, "a": { "length": 1, "mass": 1, "shape": "uniform_rod" },
-        "b": { "length": 2, "mass": 1, "shape": "uniform_rod" }, "c": { "length": 1, "mass": 1, "shape": "uniform_rod" } },
+        "b": { "length": 2, "mass": 1, "shape": "uniform_rod" }, "c": { "length": 1, "mass": 1,
+            "shape": "uniform_rod" } },
       "joints": { "p": { "type": "revolute", "first": "ground.origin", "second": "a.origin" },
         "q": { "type": "revolute", "first": "a.end", "second": "b.origin" },
         "r": { "type": "revolute", "first": "b.end", "second": "c.end" },

@@ -18,9 +18,9 @@ impl Curve {
     /// Trace the curve through the closed position `q`, where sigma is 0: the whole curve, or with a `margin` as far as
     /// travel is permitted, which is in each direction up to the first zero of `margin`, a continuous function of the
     /// positions that is >= 0 at `q` but for rounding. The range of sigma ends exactly at the zero; the panel with the
-    /// zero is traced to its end. Without a zero the result is the whole curve: a closed one also if the motion away from
-    /// a limit on one side returns with coordinates that have grown, as it may go on so for ever. Where a prismatic joint
-    /// goes far from its guess, the curve is open and goes on in stretches: see [`Self::stretch`].
+    /// zero is traced to its end. Without a zero the result is the whole curve: a closed one also if the motion away
+    /// from a limit on one side returns with coordinates that have grown, as it may go on so for ever. Where a
+    /// prismatic joint goes far from its guess, the curve is open and goes on in stretches: see [`Self::stretch`].
     ///
     /// # Errors
     /// [`CurveError`].
@@ -85,8 +85,8 @@ impl Curve {
         Self { closure, transform, panels, guess, farthest, range, ends, crossings, near, by_start, closed }.checked()
     }
 
-    /// The nearest position on the curve through the closed position `q` at which `outside`, a continuous function of the
-    /// positions that is > 0 at `q`, becomes 0; none within a few panels.
+    /// The nearest position on the curve through the closed position `q` at which `outside`, a continuous function of
+    /// the positions that is > 0 at `q`, becomes 0; none within a few panels.
     pub fn entry(closure: &Closure, q: &[f64], outside: &mut dyn FnMut(&Positions) -> f64) -> Option<Vec<f64>> {
         /// Most panels that are followed in each direction: about 1 rad.
         const NEAREST: usize = 3;

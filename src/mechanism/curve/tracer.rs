@@ -99,8 +99,8 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Distance of a position from the guess: the largest of a prismatic joint's position, in sizes of the linkage, and, if
-    /// couplings let bodies turn on and on, of an angle in revolutions.
+    /// Distance of a position from the guess: the largest of a prismatic joint's position, in sizes of the linkage,
+    /// and, if couplings let bodies turn on and on, of an angle in revolutions.
     fn distance(&self, q: &[f64]) -> f64 {
         self.distance_slid(q).max(self.revolutions(q))
     }
@@ -118,7 +118,8 @@ impl<'a> Tracer<'a> {
         both.fold(0.0, |most: f64, (s, guess)| most.max((s - guess).abs())) / linkage.size
     }
 
-    /// Number of the first coordinates, all angles, that count as going far. Without couplings, angles that go on return.
+    /// Number of the first coordinates, all angles, that count as going far. Without couplings, angles that go on
+    /// return.
     fn turning(&self) -> usize {
         let linkage = &*self.closure.linkage;
         if linkage.couplings.is_empty() { 0 } else { linkage.angles }

@@ -9,13 +9,14 @@ keys! {
         /// Point (`body.point`) of another body to which the body is rigidly fixed, with its origin there.
         fixed_to: Option<String> => point();
         /// Angle of a fixed body's x axis from the x axis of the other body [rad]; with `fixed_to` only.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x axis").absent("0");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x \
+            axis").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass [kg], >= 0.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Distribution of the mass: `uniform_rod` is even from `origin` to `end`. Where absent, the mass is at `center`,
-        /// with `inertia`.
+        /// Distribution of the mass: `uniform_rod` is even from `origin` to `end`. Where absent, the mass is at
+        /// `center`, with `inertia`.
         shape: Option<Shape>;
         /// Centre of mass in the body's frame [m]; not with `shape`.
         center: Option<[f64; 2]> =>
@@ -41,8 +42,8 @@ keys! {
 
     /// Connection of two bodies.
     pub struct Joint {
-        /// Kind of joint. `revolute`: the two points coincide. `prismatic`: the second point slides on a line through the
-        /// first, and the bodies do not turn relatively.
+        /// Kind of joint. `revolute`: the two points coincide. `prismatic`: the second point slides on a line through
+        /// the first, and the bodies do not turn relatively.
         kind as "type": JointKind => Key::PLAIN.required();
         /// Point (`body.point`) of the first body. The joint's reaction is the force of the first body on the second.
         first: String => point().required();
@@ -64,16 +65,16 @@ keys! {
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction");
     }
 
-    /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4): mu(v) rises
-    /// in proportion to the slip speed v to the static coefficient at `static_speed`, then falls by a cubic step to the
-    /// kinetic one at `kinetic_speed`. With the law `stick` mu is the static coefficient up to `static_speed`, and at rest
-    /// friction holds.
+    /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4): mu(v)
+    /// rises in proportion to the slip speed v to the static coefficient at `static_speed`, then falls by a cubic step
+    /// to the kinetic one at `kinetic_speed`. With the law `stick` mu is the static coefficient up to `static_speed`,
+    /// and at rest friction holds.
     pub struct Friction: Copy {
         /// Whether the joints have friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "Whether the joints have friction").absent("false");
-        /// Law below `static_speed`: `viscous`, in proportion to the slip speed, or `stick`, Coulomb's law, which holds at
-        /// rest.
+        /// Law below `static_speed`: `viscous`, in proportion to the slip speed, or `stick`, Coulomb's law, which holds
+        /// at rest.
         law: FrictionLaw => Key::PLAIN.brief();
         /// Coefficient of static friction mu_S [1], >= 0; not below the kinetic one if the law is `stick`.
         static_coefficient: f64 => number(One, Range::NonNegative)
@@ -101,7 +102,8 @@ words! {
     pub enum JointKind {
         /// The two points coincide.
         Revolute = "revolute",
-        /// The second point lies on a line through the first, fixed in the first body; the bodies do not turn relatively.
+        /// The second point lies on a line through the first, fixed in the first body; the bodies do not turn
+        /// relatively.
         Prismatic = "prismatic",
     }
 

@@ -20,8 +20,8 @@ keys! {
         law: CamLaw => Key::PLAIN.required();
         /// Angle of the cam over which it goes [rad], > 0; of the last segment the rest of the revolution where absent.
         angle: Option<f64> => number(Radian, Range::Revolution);
-        /// Growth of the lift, of any sign [m or rad], rad of an oscillating follower; none of a dwell; of the last segment
-        /// back to 0 where absent.
+        /// Growth of the lift, of any sign [m or rad], rad of an oscillating follower; none of a dwell; of the last
+        /// segment back to 0 where absent.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }
@@ -92,7 +92,8 @@ impl Coupling {
                 );
             }
             (None, None) => {
-                let message = "the follower has no motion: add joint, in which it slides, or second, the centre about which it turns";
+                let message = "the follower has no motion: add joint, in which it slides, or second, the centre about \
+                    which it turns";
                 return refused(key.to_owned(), message);
             }
             (Some(_), None) if self.carrier.is_some() => {
@@ -188,7 +189,8 @@ fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Re
         Some(lift) => Ok(lift),
         None => refused(
             format!("{key}.points"),
-            "give 3 or more points [angle, lift] of finite numbers with ascending angles, from the first to the last less \
+            "give 3 or more points [angle, lift] of finite numbers with ascending angles, from the first to the last \
+             less \
              than 2 pi: the first follows on the last by itself",
         ),
     }

@@ -1,5 +1,5 @@
-//! Curves by points: pull of a spring over its length, of a damper over its speed, force of a drive over its speed, push of
-//! a bumper over its depth.
+//! Curves by points: pull of a spring over its length, of a damper over its speed, force of a drive over its speed,
+//! push of a bumper over its depth.
 //!
 //! In: the definition of a spring, a drive or a stop. Out: faults of its curves, and warnings about curves that are
 //! probably not those that are meant. It must not know geometry.
@@ -76,7 +76,8 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
             let message = format!(
-                "beyond the speed {speed} its size goes on falling, through 0, so that it drives: add a point with a force \
+                "beyond the speed {speed} its size goes on falling, through 0, so that it drives: add a point with a \
+                 force \
                  that is no smaller"
             );
             refused(key, message)

@@ -27,10 +27,11 @@ keys! {
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the points");
         /// Whether the mechanism has this stop.
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether @ is there");
-        /// Whether the stop is rigid, with `restitution`; else a bumper, a spring and damper that only pushes. Must be given
-        /// where there is a stiffness, a damping or a curve.
+        /// Whether the stop is rigid, with `restitution`; else a bumper, a spring and damper that only pushes. Must be
+        /// given where there is a stiffness, a damping or a curve.
         rigid: Option<bool> => Key::PLAIN
-            .parameter(Role::Load, "Whether @ is rigid; else it is a spring and damper that only pushes").absent("true");
+            .parameter(Role::Load, "Whether @ is rigid; else it is a spring and damper that only \
+                pushes").absent("true");
         /// Rigid: speed after an impact over the speed before [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Restitution");
         /// Bumper: stiffness [N/m or N.m/rad], >= 0.
@@ -46,8 +47,8 @@ keys! {
         flag: Option<String> => element();
     }
 
-    /// Holds the mechanism at a stop while its input `<name>.engage` is true, by a force at a point along the path of the
-    /// point.
+    /// Holds the mechanism at a stop while its input `<name>.engage` is true, by a force at a point along the path of
+    /// the point.
     pub struct Lock {
         /// Stop at which the lock holds.
         stop: String => element().required();

@@ -13,11 +13,11 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// One equation between two motions relative to a carrier: with the angle u1 of the first wheel, and the angle of the
-    /// second wheel or the position of the rack u2, u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
+    /// One equation between two motions relative to a carrier: with the angle u1 of the first wheel, and the angle of
+    /// the second wheel or the position of the rack u2, u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
     pub struct Coupling {
-        /// Kind of coupling. `gears`: two wheels with teeth. `rack`: a wheel and a rack. `belt`: a belt or chain around two
-        /// pulleys. `elliptic_gears`: two equal wheels of variable ratio. `cam`: a disc cam and its follower.
+        /// Kind of coupling. `gears`: two wheels with teeth. `rack`: a wheel and a rack. `belt`: a belt or chain around
+        /// two pulleys. `elliptic_gears`: two equal wheels of variable ratio. `cam`: a disc cam and its follower.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre of the first wheel or of the cam (`body.point`), where it is hinged on the carrier.
         first: String => point().required();
@@ -33,8 +33,8 @@ keys! {
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
         /// Elliptic gears: number of lobes of each wheel [1], a whole number; 1: ellipses about a focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Lobes of each wheel").absent("1");
-        /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch curve
-        /// [rad].
+        /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch
+        /// curve [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex").absent("0");
         /// Cam: what touches it.
@@ -46,16 +46,16 @@ keys! {
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis of an
-        /// oscillating follower, where absent.
+        /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis
+        /// of an oscillating follower, where absent.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
         /// Cam: u1 at which the first segment begins, or at which the angle of the table is 0 [rad].
         start_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift begins").absent("0");
         /// Cam: the lift over a revolution, segment after segment.
         segments: Option<Vec<CamSegment>>;
-        /// Cam: points of the lift in place of segments: pairs of angle and lift [rad, m or rad], angles ascending, of one
-        /// revolution.
+        /// Cam: points of the lift in place of segments: pairs of angle and lift [rad, m or rad], angles ascending, of
+        /// one revolution.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
         /// Cam: curve through the points.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
@@ -64,7 +64,8 @@ keys! {
         /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
-        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second wheel");
+        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second \
+            wheel");
         /// Gears: whether the wheel with more teeth is a ring around the other.
         internal: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: radius of the first pulley [m], > 0.
@@ -86,8 +87,8 @@ keys! {
         pressure_angle: Option<f64> => number(Radian, Range::Pressure).parameter(Role::Load, "Pressure angle");
         /// u2 at u1 = 0 [m or rad], m of a rack; as in the guess where absent. Not of a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
-        /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss where
-        /// absent.
+        /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss
+        /// where absent.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
     }
 }
@@ -119,8 +120,8 @@ words! {
 }
 
 impl CouplingKind {
-    /// Keys that a coupling of this kind must have, and the others that it may have, next to `type`, `first` and, but for a
-    /// cam, `phase`.
+    /// Keys that a coupling of this kind must have, and the others that it may have, next to `type`, `first` and, but
+    /// for a cam, `phase`.
     pub fn keys(self) -> (&'static [&'static str], &'static [&'static str]) {
         match self {
             Self::Gears => {
@@ -196,12 +197,14 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: give the key \
+            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: give the \
+                key \
                            screw of an actuator, or write rack for a wheel that turns in the plane";
             return refused("type", message);
         }
         if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
-            let message = "couplings of variable ratio pass on all power: remove it, and give the efficiency of a drive, or the \
+            let message = "couplings of variable ratio pass on all power: remove it, and give the efficiency of a \
+                drive, or the \
                            friction of joints";
             return refused("efficiency", message);
         }

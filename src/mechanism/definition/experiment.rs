@@ -15,8 +15,8 @@ keys! {
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Speed of the joint or body [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// Whether the mechanism starts at the stable equilibrium that is nearest to the stated position under the loads at
-        /// the start.
+        /// Whether the mechanism starts at the stable equilibrium that is nearest to the stated position under the
+        /// loads at the start.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
@@ -25,8 +25,8 @@ keys! {
         /// Relative tolerance of the integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the integration").required();
-        /// Least speed to which errors are relative, as a part of that which the present force along the curve would give
-        /// over the length of 1 rad [1], > 0 and <= 1. Small values make slow creep exact.
+        /// Least speed to which errors are relative, as a part of that which the present force along the curve would
+        /// give over the length of 1 rad [1], > 0 and <= 1. Small values make slow creep exact.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads",
@@ -35,14 +35,15 @@ keys! {
         /// `rigid_fem` and transitions at events count.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
-        /// Formulation of the motion, start value of the variable `solver.method`. `reduced`: rigid bodies. `rigid_fem`:
-        /// binary links as rods with `axial_stiffness`, by Newmark's method. Where absent `reduced`, and no variable.
+        /// Formulation of the motion, start value of the variable `solver.method`. `reduced`: rigid bodies.
+        /// `rigid_fem`: binary links as rods with `axial_stiffness`, by Newmark's method. Where absent `reduced`, and
+        /// no variable.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
         /// With `method` only: largest step of Newmark's method [s], >= 1e-9; 1e-5 where absent.
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of the rigid finite elements");
-        /// Start value of the Boolean variable `solver.tables`: whether the right-hand side is read from tables; else each
-        /// evaluation closes the loops, at some hundred times the cost.
+        /// Start value of the Boolean variable `solver.tables`: whether the right-hand side is read from tables; else
+        /// each evaluation closes the loops, at some hundred times the cost.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
             "Whether the right-hand side is read from tables; else it is computed anew each time",

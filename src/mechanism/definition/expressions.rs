@@ -392,7 +392,8 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
 fn unknown_name(name: &str, places: &[Place]) -> String {
     let nearest = nearest(places.iter().map(|place| place.name.as_str()), name).join(", ");
     format!(
-        "no parameter of the file is called {name}: the nearest are {nearest}; a number under a name of its own stands in \
+        "no parameter of the file is called {name}: the nearest are {nearest}; a number under a name of its own stands \
+         in \
          \"parameters\""
     )
 }

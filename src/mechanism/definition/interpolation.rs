@@ -1,4 +1,5 @@
-//! Curves through the points of a table whose second derivative is an acceleration: the lift of a cam, the motion of a drive.
+//! Curves through the points of a table whose second derivative is an acceleration: the lift of a cam, the motion of a
+//! drive.
 //!
 //! In: points and the kind of curve that the definition states. Out: the curve, and a warning where it goes beyond its
 //! points. It must not know geometry.
@@ -12,7 +13,8 @@ use crate::numerics::piecewise::Piecewise;
 use crate::numerics::spline::spline;
 use std::f64::consts::TAU;
 
-/// Part of the points' range by which a curve may go beyond it: at 12 points a revolution a sine does by 0.9 of a hundred.
+/// Part of the points' range by which a curve may go beyond it: at 12 points a revolution a sine does by 0.9 of a
+/// hundred.
 const BEYOND: f64 = 0.02;
 /// Number of samples between two points.
 const SAMPLES: usize = 16;
@@ -22,14 +24,15 @@ const DENSE: usize = 24;
 const DIGITS: i32 = 12;
 /// Part of the largest second derivative that rounding of the values may make up.
 const ROUNDED: f64 = 0.1;
-/// Second derivative of a spline by a rounding of its values by half a unit, in units over the square of the spacing: the mean over
-/// random roundings is less than half of it.
+/// Second derivative of a spline by a rounding of its values by half a unit, in units over the square of the spacing:
+/// the mean over random roundings is less than half of it.
 const SHARPNESS: f64 = 3.0;
 
 words! {
     /// Curve through the points of a table.
     pub enum Interpolation {
-        /// Quintic spline: its acceleration tends to that of a smooth law through the points, and it may go beyond them.
+        /// Quintic spline: its acceleration tends to that of a smooth law through the points, and it may go beyond
+        /// them.
         Spline = "spline",
         /// Curve that rises or falls only where the points do, at the price of its acceleration beside an extreme.
         Monotone = "monotone",

@@ -12,8 +12,8 @@ use crate::variables::Unit::{
 use std::f64::consts::TAU;
 
 keys! {
-    /// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle). Gives the input
-    /// `load_factor`.
+    /// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle). Gives the
+    /// input `load_factor`.
     pub struct Gravity {
         /// Acceleration of free fall [m/s2], >= 0.
         acceleration: f64 => number(MetrePerSecondSquared, Range::Size)
@@ -38,22 +38,24 @@ keys! {
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
         /// Start value of the input `<name>.torque` [N.m]; in a revolute joint or with a screw.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta [1], > 0 and <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the mechanism,
-        /// and back from it.
+        /// Efficiency eta [1], > 0 and <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the
+        /// mechanism, and back from it.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Curve of a further force over the speed of the drive, times the input `<name>.command`: pairs of speed and force
-        /// [m/s or rad/s, N or N.m], speeds ascending; straight on beyond the first and the last. Not with `hydraulics` or
-        /// `motion`.
-        points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
+        /// Curve of a further force over the speed of the drive, times the input `<name>.command`: pairs of speed and
+        /// force [m/s or rad/s, N or N.m], speeds ascending; straight on beyond the first and the last. Not with
+        /// `hydraulics` or `motion`.
+        points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
+            Range::Coordinate).brief();
         /// Start value of the input `<name>.command` [1]; with `points` only.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
-        /// The screw through which a motor drives along the line, so that the drive is its rotation and has a torque; not in
-        /// a revolute joint.
+        /// The screw through which a motor drives along the line, so that the drive is its rotation and has a torque;
+        /// not in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
-        /// The hydraulic circuit that drives it, of one drive at most; not in a revolute joint. The force is then an output.
+        /// The hydraulic circuit that drives it, of one drive at most; not in a revolute joint. The force is then an
+        /// output.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
-        /// The motion of the drive, which can be prescribed, so that the force is what it takes; of one drive at most, and
-        /// not with `hydraulics`.
+        /// The motion of the drive, which can be prescribed, so that the force is what it takes; of one drive at most,
+        /// and not with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
@@ -70,7 +72,8 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components [N]: start values of `<name>.force_x` and `<name>.force_y`, parameters if `constant`, inputs else.
+        /// Components [N]: start values of `<name>.force_x` and `<name>.force_y`, parameters if `constant`, inputs
+        /// else.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// Whether the components are parameters; inputs else.
         constant: bool;
@@ -86,11 +89,11 @@ keys! {
         constant: bool;
     }
 
-    /// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping d(length)/dt
-    /// pulls the points together; in a prismatic joint it pulls the second body back, with the joint's position as length.
-    /// In a revolute joint the torque preload + stiffness (angle - free_angle) + damping d(angle)/dt turns the second body
-    /// clockwise, where angle is the angle of the second body less the angle of the first. A characteristic, by points or of
-    /// a gas, is added.
+    /// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping
+    /// d(length)/dt pulls the points together; in a prismatic joint it pulls the second body back, with the joint's
+    /// position as length. In a revolute joint the torque preload + stiffness (angle - free_angle) + damping
+    /// d(angle)/dt turns the second body clockwise, where angle is the angle of the second body less the angle of the
+    /// first. A characteristic, by points or of a gas, is added.
     pub struct Spring {
         /// One end (`body.point`).
         first: Option<String> => point();
@@ -109,13 +112,14 @@ keys! {
         /// Angle without torque but the preload [rad]; in a revolute joint only.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
         /// Pull at the free length or angle [N or N.m].
-        preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load, "Preload").absent("0");
-        /// Curve of a further pull: pairs of length, position or angle and pull [m or rad, N or N.m], ascending; straight on
-        /// beyond the first and the last.
+        preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
+            "Preload").absent("0");
+        /// Curve of a further pull: pairs of length, position or angle and pull [m or rad, N or N.m], ascending;
+        /// straight on beyond the first and the last.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
         /// Curve of a further pull over the speed of lengthening or turning: pairs of speed and pull
-        /// [m/s or rad/s, N or N.m], ascending, with [0, 0], no pull against its speed; straight on beyond the first and the
-        /// last.
+        /// [m/s or rad/s, N or N.m], ascending, with [0, 0], no pull against its speed; straight on beyond the first
+        /// and the last.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Gas that the spring compresses; between two points, or along a prismatic joint.
@@ -129,14 +133,17 @@ keys! {
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
         /// Area on which the gas acts [m2], > 0: the rod's cross section if gas is on both sides of the piston.
-        area: f64 => number(SquareMetre, Range::Positive).parameter(Role::Load, "Area on which the gas acts").required();
+        area: f64 => number(SquareMetre, Range::Positive).parameter(Role::Load, "Area on which the gas \
+            acts").required();
         /// Volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
         /// Polytropic exponent [1], from 1 (slow, isothermal) to 2; 1.4 for fast changes of nitrogen.
-        exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the gas").required();
+        exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
+            gas").required();
         /// Absolute pressure around the spring [Pa], >= 0; the standard atmosphere where absent.
-        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient pressure");
+        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient \
+            pressure");
     }
 
     /// Air in uniform flow. Gives the input `airspeed`.
@@ -156,9 +163,9 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// A surface with drag: a strip along the line between two points of one body, or an area at a point. The drag [N] is
-    /// 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u ([HF08]
-    /// (1)).
+    /// A surface with drag: a strip along the line between two points of one body, or an area at a point. The drag [N]
+    /// is 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u
+    /// ([HF08] (1)).
     pub struct Surface {
         /// One end of a strip (`body.point`).
         from: Option<String> => point();

@@ -30,8 +30,8 @@ keys! {
         description: String => line();
         /// Author, copyright and licence of the model, which the description of the FMU shows.
         about: About => Key::PLAIN.brief();
-        /// Path of a file of named parameters that several definitions share, from the folder of this file; in an FMU the
-        /// path and the contents.
+        /// Path of a file of named parameters that several definitions share, from the folder of this file; in an FMU
+        /// the path and the contents.
         shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
         /// Parameters under names of their own, which expressions read: a number, an expression, or an object.
         parameters: Named<NamedParameter> => Key::PLAIN.brief();
@@ -73,11 +73,11 @@ keys! {
         locks: Named<Lock>;
         /// Where the run begins; the word `equilibrium`: at the stable equilibrium nearest to the guess.
         start: Start => Key::PLAIN.required();
-        /// Which assembly is meant: a rough position of each prismatic joint and a rough angle, -1e6 to 1e6, of each turning
-        /// body [m or rad]. Drawn bodies need none.
+        /// Which assembly is meant: a rough position of each prismatic joint and a rough angle, -1e6 to 1e6, of each
+        /// turning body [m or rad]. Drawn bodies need none.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
-        /// Largest miss of a crossing of branches that is put right, relative to the size of the mechanism [1], from 0 to
-        /// 0.01: lengths that almost let branches cross are taken as letting them cross. 0: none is.
+        /// Largest miss of a crossing of branches that is put right, relative to the size of the mechanism [1], from 0
+        /// to 0.01: lengths that almost let branches cross are taken as letting them cross. 0: none is.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// Whether eigenfrequency and damping ratio of small motions about the present state are outputs.
         linearisation: bool => Key::PLAIN.brief();

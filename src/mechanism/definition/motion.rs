@@ -11,11 +11,13 @@ use crate::variables::Unit::{
 use std::fmt;
 
 keys! {
-    /// Motion of a drive: by the inputs `<name>.motion.position`, `.speed` and `.acceleration`, or by a profile over time.
+    /// Motion of a drive: by the inputs `<name>.motion.position`, `.speed` and `.acceleration`, or by a profile over
+    /// time.
     pub struct PrescribedMotion {
         /// Start value of the input `<name>.motion.enabled`: whether the motion is prescribed; else the force acts.
         enabled: bool = true;
-        /// Without a profile: start value of the input `<name>.motion.position`, the length, position or angle [m or rad].
+        /// Without a profile: start value of the input `<name>.motion.position`, the length, position or angle [m or
+        /// rad].
         position: Option<f64> => either([Metre, Radian], Range::Finite);
         /// Law of the motion over time; where absent, position, speed and acceleration are inputs.
         profile: Option<ProfileKind>;

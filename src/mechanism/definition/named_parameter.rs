@@ -1,7 +1,7 @@
 //! Parameters of a mechanism under names of their own, which expressions read: in the definition, or shared by several.
 //!
-//! In: a number, an expression, or an object with unit and description. Out: a parameter that a host sets, or whose value
-//! follows from others. It must not know the expressions that read it.
+//! In: a number, an expression, or an object with unit and description. Out: a parameter that a host sets, or whose
+//! value follows from others. It must not know the expressions that read it.
 use crate::format::{
     DefinitionError, Key, Named, Numbers, Parameter, Range, Role, Short, Visit, keys, line, number, read_with,
 };
@@ -18,8 +18,8 @@ keys! {
         description: String => line();
     }
 
-    /// Named parameters that several definitions share: the path of a file from the folder of the definition; in an FMU the
-    /// path and the contents.
+    /// Named parameters that several definitions share: the path of a file from the folder of the definition; in an FMU
+    /// the path and the contents.
     pub struct Shared or (Short::First) {
         /// Path of the file.
         file: String => Key::PLAIN.required();

@@ -333,7 +333,8 @@ impl Mechanism {
         let given = [("stiffness", s.stiffness != 0.0), ("damping", s.damping != 0.0), ("points", s.points.is_some())];
         for (k, is_given) in given {
             if s.rigid.is_none() && is_given {
-                let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true says \
+                let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true \
+                    says \
                                that it waits for the parameter to change)";
                 return refused(format_args!("{key}.{k}"), message);
             }

@@ -230,8 +230,8 @@ impl Mechanism {
         }
     }
 
-    /// Numbers that look as if they were in another unit, whatever stands beside them: a gravity in mm/s2, a mechanism as
-    /// large as a bridge, a moment of inertia that no body of this size has.
+    /// Numbers that look as if they were in another unit, whatever stands beside them: a gravity in mm/s2, a mechanism
+    /// as large as a bridge, a moment of inertia that no body of this size has.
     fn warn_of_sizes(&self, all: &mut Vec<Finding>) {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {

@@ -148,7 +148,8 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         evaluator.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)
     }
 
-    /// Whether the right-hand side jumps where sigma_dot changes its sign: a drive has an efficiency, or friction sticks.
+    /// Whether the right-hand side jumps where sigma_dot changes its sign: a drive has an efficiency, or friction
+    /// sticks.
     pub fn reverses(&self) -> bool {
         self.state_loads.is_some_and(|s| s.reverses)
     }
@@ -159,8 +160,9 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Acceleration from rest at a sigma, were the drives with an efficiency to work in this direction, against static
-    /// friction. Where friction that sticks has no solution together with the reactions that cause it, no load overcomes
-    /// it: the acceleration without it then stands for how far the mechanism is from setting off, against the direction.
+    /// friction. Where friction that sticks has no solution together with the reactions that cause it, no load
+    /// overcomes it: the acceleration without it then stands for how far the mechanism is from setting off, against the
+    /// direction.
     pub fn setting_off(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
         self.mode.direction = direction;
         if !self.sticks() {
@@ -201,8 +203,8 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         self.settle_in(direction, sigma, sigma_dot)
     }
 
-    /// [`Self::settle`] in a known direction. Where drives or friction hold the mechanism at rest, each delivers a force
-    /// between its forward and its backward value: the common share at which all is in balance.
+    /// [`Self::settle`] in a known direction. Where drives or friction hold the mechanism at rest, each delivers a
+    /// force between its forward and its backward value: the common share at which all is in balance.
     pub fn settle_in(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         let Some(state_loads) = self.state_loads.filter(|s| direction == 0.0 && s.reverses) else {
             return self.heading(direction, sigma, sigma_dot);

@@ -1,7 +1,7 @@
 //! The equation of motion with the hydraulic circuit of a drive, as one system.
 //!
-//! In: the equation of motion, the laws of the circuit, pressures of its ports and the command as functions of time. Out:
-//! rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
+//! In: the equation of motion, the laws of the circuit, pressures of its ports and the command as functions of time.
+//! Out: rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
 use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SPOOL, SUPPLY};
@@ -44,8 +44,8 @@ pub struct Ports<'a> {
     laws: &'a Equations,
     /// Index of the drive's load.
     load: usize,
-    /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives, on the stretch of the
-    /// curve with the guess.
+    /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives, on the stretch of
+    /// the curve with the guess.
     length: &'a Table,
     surroundings: Surroundings,
     /// Instants at which the command has a kink [s], ascending; the last ones infinite.
@@ -90,9 +90,9 @@ impl<'a> Ports<'a> {
     }
 }
 
-/// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of the
-/// chambers A and B begin [m], two pressures between which the pump reduces its flow [Pa], two positions of the spool at
-/// which an edge opens. None where there is no such border.
+/// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of
+/// the chambers A and B begin [m], two pressures between which the pump reduces its flow [Pa], two positions of the
+/// spool at which an edge opens. None where there is no such border.
 pub fn border_of(laws: &Equations, border: usize) -> Option<f64> {
     match border {
         0 | 1 => laws.borders()[border],

@@ -29,7 +29,8 @@ pub enum NoForce {
 }
 
 impl<T: Differentiable> EquationOfMotion<'_, T> {
-    /// Delivered force of a drive, with that of its curve, after the loss of the drive if it has one; as last evaluated.
+    /// Delivered force of a drive, with that of its curve, after the loss of the drive if it has one; as last
+    /// evaluated.
     pub fn delivered(&self, drive: usize) -> T {
         let of = |load: usize| {
             let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));

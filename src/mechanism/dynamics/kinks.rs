@@ -1,5 +1,5 @@
-//! Kinks of the laws by which the state sizes loads, as borders in the space of states: points of curves, surfaces that the
-//! air flows along.
+//! Kinks of the laws by which the state sizes loads, as borders in the space of states: points of curves, surfaces that
+//! the air flows along.
 //!
 //! In: the equation of motion, a state. Out: how far a quantity is beyond a point of its curve. It must not know steps.
 use crate::mechanism::dynamics::equation::EquationOfMotion;
@@ -33,8 +33,8 @@ impl EquationOfMotion<'_> {
         if beyond.abs() <= kink.near { 0.0 } else { beyond }
     }
 
-    /// Component across a surface of the flow relative to a place on it, over the speed of that flow and [`SLOW`]: without a
-    /// jump where the flow turns round.
+    /// Component across a surface of the flow relative to a place on it, over the speed of that flow and [`SLOW`]:
+    /// without a jump where the flow turns round.
     fn facing(&self, (surface, place): (usize, f64), [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         let (Some(state_loads), Some(air)) = (self.state_loads, &self.reduced.loading().air) else { return 0.0 };
         let airspeed = self.applied.air(t);

@@ -7,8 +7,8 @@
 //! s(t) = p + v t + a t^2 / 2 + a_1 t^3 / 6 + a_2 t^4 / 24
 //! ```
 //!
-//! with the input derivatives a_1, a_2 of the acceleration, 0 unless set. In: inputs, a profile and where it began. Out:
-//! position, speed, acceleration and jerk at a time of the step; kinks. It must not know the curve.
+//! with the input derivatives a_1, a_2 of the acceleration, 0 unless set. In: inputs, a profile and where it began.
+//! Out: position, speed, acceleration and jerk at a time of the step; kinks. It must not know the curve.
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::loads::laws::profile::{Kinematics, Profile, Since};
 use crate::mechanism::loads::resolved::MotionDrive;

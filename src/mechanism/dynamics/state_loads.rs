@@ -253,8 +253,8 @@ impl<T: Number> StateLoadEvaluator<T> {
 
     /// Replace the delivered forces, sigma_ddot without friction, the reactions and the friction that holds at rest by
     /// share * last + (1 - share) * kept evaluation. At rest reactions are affine in the delivered forces and in the
-    /// friction, so the mean of two evaluations, driven forward and backward, is the evaluation for the mean of these. Of
-    /// static friction mu |R| forward and -mu |R'| backward, the mean is within mu times the mean of R and R'.
+    /// friction, so the mean of two evaluations, driven forward and backward, is the evaluation for the mean of these.
+    /// Of static friction mu |R| forward and -mu |R'| backward, the mean is within mu times the mean of R and R'.
     pub fn mix(&mut self, state_loads: &StateLoads, share: T) {
         // Friction without a law that sticks is 0 at rest.
         let friction = if state_loads.sticks { state_loads.free() } else { self.loads.len() };

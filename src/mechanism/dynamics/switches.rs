@@ -1,5 +1,5 @@
-//! Quantities whose signs select a law: the normal force of a prismatic joint with friction, whose magnitude counts, and
-//! the force along the curve of a drive with an efficiency, which gains or loses by it.
+//! Quantities whose signs select a law: the normal force of a prismatic joint with friction, whose magnitude counts,
+//! and the force along the curve of a drive with an efficiency, which gains or loses by it.
 //!
 //! At a change of sign the right-hand side has a kink. Within a step the sign is held, so that the laws are smooth; the
 //! samples that a step has taken tell whether the quantity may pass 0 in it. In: values, times. Out: signs that count,

@@ -37,7 +37,8 @@ pub struct Sweep {
     pub angles: usize,
     /// Name and values of each coordinate [rad, then m]; of a body its own angle.
     pub coordinates: Vec<(String, Vec<f64>)>,
-    /// Variable of each drive's displacement, such as `cylinder.length`, whether it is an angle, and its values [m or rad].
+    /// Variable of each drive's displacement, such as `cylinder.length`, whether it is an angle, and its values [m or
+    /// rad].
     pub drives: Vec<(String, bool, Vec<f64>)>,
     /// sigma of the start.
     pub start: f64,
@@ -185,7 +186,8 @@ fn offset(linkage: &Linkage, coordinate: &str) -> f64 {
     body.map_or(0.0, |body| body.offset)
 }
 
-/// The part of the travel that is shown: of many revolutions some, and of a slide without an end what is near the start.
+/// The part of the travel that is shown: of many revolutions some, and of a slide without an end what is near the
+/// start.
 fn shown(reduced: &Reduced, [low, high]: [f64; 2], here: f64) -> [f64; 2] {
     if let Some(period) = reduced.period() {
         let reach = 0.5 * REVOLUTIONS * period;

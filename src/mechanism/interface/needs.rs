@@ -64,8 +64,8 @@ pub(super) enum Cause {
 }
 
 impl Needs<'_> {
-    /// Whether the value follows from one of the causes, which are ascending. A parameter may act on all markers and all
-    /// loads, so causes are looked up and not gone through.
+    /// Whether the value follows from one of the causes, which are ascending. A parameter may act on all markers and
+    /// all loads, so causes are looked up and not gone through.
     pub fn meet(&self, causes: &[Cause]) -> bool {
         let acts = |cause: Cause| causes.binary_search(&cause).is_ok();
         let any = |of: fn(usize) -> Cause| between(causes, of(0), of(usize::MAX));

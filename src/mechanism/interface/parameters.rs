@@ -72,8 +72,9 @@ impl Known {
             b.known("solver.method".into(), text, Parameter, start, Quantity::Method);
         }
     }
-    /// Which numbers may change between two steps: those of laws and of the integration, unless one that may not follows
-    /// from them; a named parameter, if all that follow from it may; one that follows from others, if all these may.
+    /// Which numbers may change between two steps: those of laws and of the integration, unless one that may not
+    /// follows from them; a named parameter, if all that follow from it may; one that follows from others, if all these
+    /// may.
     fn tunable(&self, expressions: &Expressions) -> Vec<bool> {
         let role = |index: usize| self.numbers[index].role;
         let mut tunable: Vec<bool> = self.numbers.iter().map(|number| number.role.is_tunable()).collect();

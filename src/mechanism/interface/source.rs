@@ -68,8 +68,8 @@ impl<'a> Source<'a> {
         first..first + self.loading.locks.len()
     }
 
-    /// Inputs and loads that an output follows from, with those of a drive whose motion can be prescribed; none where no
-    /// drive has a motion.
+    /// Inputs and loads that an output follows from, with those of a drive whose motion can be prescribed; none where
+    /// no drive has a motion.
     pub fn moved(&self, (inputs, loads): (&[usize], &[usize]), is_moved: bool) -> Option<(Vec<usize>, Vec<usize>)> {
         let motion = self.loading.motion.as_ref().filter(|_| is_moved)?;
         let given = motion.first_input.map_or(0..0, |first| first..first + MOTION);

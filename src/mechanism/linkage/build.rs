@@ -217,8 +217,8 @@ impl Linkage {
         Ok(())
     }
 
-    /// Merge the groups of one angle of a prismatic joint's bodies: second angle = first angle + relative. `groups`: the
-    /// bodies of each leading body's group.
+    /// Merge the groups of one angle of a prismatic joint's bodies: second angle = first angle + relative. `groups`:
+    /// the bodies of each leading body's group.
     fn join_angles(&mut self, groups: &mut [Vec<usize>], joint: usize, relative: f64) -> Result<(), DefinitionError> {
         let (a, b) = (self.joints[joint].first.body, self.joints[joint].second.body);
         // Until the coordinates are numbered, `angle_coordinate` holds the index of the group's leading body.

@@ -54,8 +54,8 @@ impl Cam {
         }
     }
 
-    /// Pressure angle, from the direction in which a lift moves the follower where it touches to the normal out of the cam
-    /// [rad], and its derivative with respect to u1, for u2, F' and F''.
+    /// Pressure angle, from the direction in which a lift moves the follower where it touches to the normal out of the
+    /// cam [rad], and its derivative with respect to u1, for u2, F' and F''.
     pub fn pressure_angle(&self, [u2, slope, curvature]: [f64; 3]) -> [f64; 2] {
         let Placed { x, v, w, normal } = self.placed(u2);
         // Multiples of sine and cosine, with derivatives.
@@ -81,8 +81,8 @@ impl Cam {
         [y[0].atan2(x[0]), (x[0] * y[1] - y[0] * x[1]) / (x[0] * x[0] + y[0] * y[0])]
     }
 
-    /// Radius of curvature of the pitch curve, the path of the roller's centre in the cam, or of the profile under a flat
-    /// face [m], for u2, F' and F'': positive where it is convex.
+    /// Radius of curvature of the pitch curve, the path of the roller's centre in the cam, or of the profile under a
+    /// flat face [m], for u2, F' and F'': positive where it is convex.
     pub fn radius_of_curvature(&self, [u2, slope, curvature]: [f64; 3]) -> f64 {
         let Placed { x, v, w, normal } = self.placed(u2);
         match (self.face, self.guide) {

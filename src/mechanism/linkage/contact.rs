@@ -1,7 +1,7 @@
 //! What couplings exert.
 //!
-//! In: positions of the bodies. Out: force and moment of a coupling on its two bodies. It must not know definitions, loads
-//! or time.
+//! In: positions of the bodies. Out: force and moment of a coupling on its two bodies. It must not know definitions,
+//! loads or time.
 use super::coupling::{Coupling, Kind, Second};
 use super::motion::Positions;
 use super::structure::{Linkage, Point};
@@ -17,8 +17,8 @@ pub struct Contact {
     /// Moment about this point [m].
     pub moment: f64,
     /// Force transmitted along the motion [1]: force of gears across the line between their centres, of racks along the
-    /// rack, difference of the tensions of a belt; it is positive if it drives the second body towards larger u2. Of a cam
-    /// the force along the normal of its profile, positive if it presses the follower away.
+    /// rack, difference of the tensions of a belt; it is positive if it drives the second body towards larger u2. Of a
+    /// cam the force along the normal of its profile, positive if it presses the follower away.
     pub transmitted: f64,
     /// Unit vector of the force on the second body that does no work: away from the first wheel for the teeth of gears
     /// outside one another and of racks, and for belts; towards it for a pinion in a ring.
@@ -32,9 +32,9 @@ impl Contact {
     /// The force on the second body that does no work, for a force |F_t| tan(alpha) of 1 N. `lean`: tan(alpha) with the
     /// sign of the transmitted force.
     ///
-    /// The flank that bears is inclined by the pressure angle alpha to the common tangent of the pitch curves, this tangent
-    /// by atan(q) to circular ones: the force has the part F_t (q + tan alpha) / (1 - q tan alpha) apart, of which F_t q is
-    /// that of the coupling without pressure angle.
+    /// The flank that bears is inclined by the pressure angle alpha to the common tangent of the pitch curves, this
+    /// tangent by atan(q) to circular ones: the force has the part F_t (q + tan alpha) / (1 - q tan alpha) apart, of
+    /// which F_t q is that of the coupling without pressure angle.
     pub fn separation(&self, lean: f64) -> Vec2 {
         let q = self.inclination;
         (1.0 + q * q) / (1.0 - lean * q) * self.apart
@@ -80,8 +80,8 @@ impl Linkage {
                     let transmitted = scale / normal.dot(&velocity);
                     return Contact { at: touching, force: transmitted * normal, transmitted, ..Contact::default() };
                 };
-                // A flat face touches where both velocities have one part along its normal. That may be far away, so the
-                // moment about the cam's centre stands for the place.
+                // A flat face touches where both velocities have one part along its normal. That may be far away, so
+                // the moment about the cam's centre stands for the place.
                 let normal = p.vector(follower, face);
                 let transmitted = match second {
                     Second::Position { .. } => scale / normal.dot(&velocity),

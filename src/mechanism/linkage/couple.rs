@@ -1,7 +1,7 @@
 //! From the definition to the couplings of a linkage.
 //!
-//! In: a checked definition, a linkage with its joints and coordinates. Out: the same linkage with couplings, each with a
-//! joint of its own behind those of the definition. It must not know how loops close.
+//! In: a checked definition, a linkage with its joints and coordinates. Out: the same linkage with couplings, each with
+//! a joint of its own behind those of the definition. It must not know how loops close.
 use super::coupling::{Coupling, Kind, Second};
 use super::law::Law;
 use super::structure::{Freedom, Joint, Linkage, Point};
@@ -135,7 +135,8 @@ impl Linkage {
 
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
         let message = format!(
-            "{center} is not hinged on {}, which carries this coupling: let a revolute joint hold it there, or name the \
+            "{center} is not hinged on {}, which carries this coupling: let a revolute joint hold it there, or name \
+             the \
              body that does",
             self.bodies[carrier].name
         );
@@ -199,7 +200,8 @@ impl Linkage {
                 if distance <= least {
                     let between = if crossed { "sum" } else { "difference" };
                     let message = format!(
-                        "its centres are {} m apart, which must be more than the {between} of the radii = {} m: change a radius, \
+                        "its centres are {} m apart, which must be more than the {between} of the radii = {} m: change \
+                         a radius, \
                          or move a centre",
                         Decimal::rounded(distance),
                         Decimal::rounded(least)
@@ -222,7 +224,8 @@ impl Linkage {
                 let ratio = sign * teeth[0] / teeth[1];
                 if !RATIOS.contains(&ratio.abs()) {
                     let message = format!(
-                        "with first_teeth = {} the ratio would be {}, which must be from {} to {}: change a number of teeth",
+                        "with first_teeth = {} the ratio would be {}, which must be from {} to {}: change a number of \
+                         teeth",
                         Decimal(teeth[0]),
                         Decimal::rounded(ratio.abs()),
                         Decimal(*RATIOS.start()),

@@ -3,10 +3,10 @@
 //! In: positions and rates of the bodies. Out: the residual of a coupling with its derivatives. It must not know
 //! definitions, loads or time.
 //!
-//! The first wheel turns by u1 relative to the carrier. The second body turns by u2, or it slides by u2 along a prismatic
-//! joint of the carrier. The coupling holds u2 = F(u1), and its residual is scale (u2 - F(u1)) [m]. With the multiplier
-//! lambda [N] of this equation, the power that the coupling gives to the second body is lambda scale u2_dot, and it takes
-//! as much from the first.
+//! The first wheel turns by u1 relative to the carrier. The second body turns by u2, or it slides by u2 along a
+//! prismatic joint of the carrier. The coupling holds u2 = F(u1), and its residual is scale (u2 - F(u1)) [m]. With the
+//! multiplier lambda [N] of this equation, the power that the coupling gives to the second body is lambda scale u2_dot,
+//! and it takes as much from the first.
 use super::cam::Cam;
 use super::law::Law;
 use super::motion::{Positions, Rates};
@@ -56,8 +56,8 @@ pub enum Second {
 /// How a coupling transmits its force.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// Teeth in contact at the pitch point on the line between the centres, with a common tangent of the pitch curves that is
-    /// across this line for a constant ratio.
+    /// Teeth in contact at the pitch point on the line between the centres, with a common tangent of the pitch curves
+    /// that is across this line for a constant ratio.
     Gears,
     /// Teeth in contact at the pitch point at the foot of the first wheel's centre on the pitch line of the rack.
     Rack,

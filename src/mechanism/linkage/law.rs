@@ -17,8 +17,8 @@ pub enum Law {
         /// u2 at u1 = 0 [rad, or m].
         phase: f64,
     },
-    /// Two equal elliptic gears of the eccentricity e with n lobes. With theta = u1 + vertex, which is 0 where the first
-    /// wheel touches the second with the vertex nearest to its centre,
+    /// Two equal elliptic gears of the eccentricity e with n lobes. With theta = u1 + vertex, which is 0 where the
+    /// first wheel touches the second with the vertex nearest to its centre,
     ///
     /// ```text
     /// tan(n (phase - F) / 2) = (1 - e) / (1 + e) tan(n theta / 2)

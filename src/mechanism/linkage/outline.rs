@@ -1,5 +1,5 @@
-//! Outlines of couplings: pitch curves of wheels, racks, belts, profiles of cams, rollers and flat faces, for whoever draws
-//! them.
+//! Outlines of couplings: pitch curves of wheels, racks, belts, profiles of cams, rollers and flat faces, for whoever
+//! draws them.
 //!
 //! In: a coupling. Out: lines in the frames of the linkage's bodies. It must not know positions.
 use super::coupling::{Coupling, Kind, Second};
@@ -40,7 +40,8 @@ fn wheel(center: Point, radius: f64) -> Outline {
 }
 
 impl Linkage {
-    /// The pitch line of a rack, as long as six radii of its wheel, around the point of the rack in its prismatic joint.
+    /// The pitch line of a rack, as long as six radii of its wheel, around the point of the rack in its prismatic
+    /// joint.
     fn pitch_line(&self, coupling: &Coupling) -> Option<Outline> {
         /// Half the length of the line, in radii of the wheel.
         const HALF: f64 = 3.0;
@@ -112,7 +113,8 @@ impl Linkage {
             (Kind::Gears, Second::Angle { shift }) => {
                 let [one, other] = self.hinges(coupling.carrier, joint);
                 let between = other - one;
-                // The pitch point seen from each wheel, over as many revolutions of the first as the second turns by one.
+                // The pitch point seen from each wheel, over as many revolutions of the first as the second turns by
+                // one.
                 let mut wheels = [Vec::new(), Vec::new()];
                 let ratio = coupling.law.at(TAU)[0] - coupling.law.at(0.0)[0];
                 for (wheel, whole) in [(0, TAU), (1, TAU * TAU / ratio.abs())] {

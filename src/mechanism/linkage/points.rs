@@ -1,7 +1,7 @@
 //! Points of the joints, and the same linkage with these points moved.
 //!
-//! In: a linkage, a move of each point. Out: a linkage with other joint points and the same bodies. It must not know why
-//! points are moved.
+//! In: a linkage, a move of each point. Out: a linkage with other joint points and the same bodies. It must not know
+//! why points are moved.
 use super::structure::{Branch, Linkage, Point};
 use crate::numerics::plane::Vec2;
 

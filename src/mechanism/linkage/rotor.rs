@@ -1,10 +1,10 @@
 //! Rotors: masses that move with a stroke of the linkage, such as screws that turn about an axis in the plane.
 //!
-//! In: positions, rates and accelerations of the bodies. Out: the stroke's derivatives and the force that a rotor takes. It
-//! must not know definitions, loads or time.
+//! In: positions, rates and accelerations of the bodies. Out: the stroke's derivatives and the force that a rotor
+//! takes. It must not know definitions, loads or time.
 //!
-//! A screw with the moment of inertia J and the lead h turns by 2 pi / h for each metre of its stroke s, so that its kinetic
-//! energy is m s_dot^2 / 2 with m = J (2 pi / h)^2.
+//! A screw with the moment of inertia J and the lead h turns by 2 pi / h for each metre of its stroke s, so that its
+//! kinetic energy is m s_dot^2 / 2 with m = J (2 pi / h)^2.
 use super::motion::{Positions, Rates};
 use super::structure::{Linkage, Point};
 use crate::numerics::plane::Vec2;

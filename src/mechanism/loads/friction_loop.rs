@@ -16,8 +16,8 @@ use std::fmt;
 ///
 /// where u is the part of sigma_ddot due to friction, and P_g the force due to friction without motion, which is the
 /// same, up to its sign, for all joints of a group g. The sign has no effect on |R_i|. Vectors are pairs of x and y
-/// [N]; where only the component normal to an axis matters, it is x, and y is 0: then P_g is the pair of a force and its
-/// change with the joint's lever l_i, and it adds P_g,x + l_i P_g,y to x.
+/// [N]; where only the component normal to an axis matters, it is x, and y is 0: then P_g is the pair of a force and
+/// its change with the joint's lever l_i, and it adds P_g,x + l_i P_g,y to x.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<'a, T> {
     /// R_i without friction [N].
@@ -44,8 +44,8 @@ pub struct Balance<'a, T> {
 pub struct FrictionLoop<T> {
     /// Arms m_j [m, or 1], with the sign of the slip.
     pub arm: Vec<T>,
-    /// Magnitudes |R_i| [N]: the solution. With a held sign s_i, s_i times the component x of R_i, the normal force of a
-    /// prismatic joint: equal to |R_i| up to where the normal force passes 0, and smooth beyond.
+    /// Magnitudes |R_i| [N]: the solution. With a held sign s_i, s_i times the component x of R_i, the normal force of
+    /// a prismatic joint: equal to |R_i| up to where the normal force passes 0, and smooth beyond.
     pub size: Vec<T>,
     /// Held signs s_i of normal forces; 0 where the magnitude counts.
     pub sign: Vec<f64>,

@@ -1,8 +1,8 @@
 //! The loads of a mechanism, resolved: loads of unit size, and the laws that size them.
 //!
 //! In: a definition and its linkage. Out: loads in a fixed order - those sized by inputs, those of constant size,
-//! springs, those sized by a state: stops, springs with a part of that kind, surfaces, friction - with their laws. It must
-//! not know the state.
+//! springs, those sized by a state: stops, springs with a part of that kind, surfaces, friction - with their laws. It
+//! must not know the state.
 mod air;
 mod couplings;
 mod ends;
@@ -137,14 +137,15 @@ pub struct Drive {
 /// Curve of a drive: command times a function of the speed is added to the force of the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveCurve {
-    /// Index of the load that it sizes, which is like that of the drive; the input of the same index is the command [1].
+    /// Index of the load that it sizes, which is like that of the drive; the input of the same index is the command
+    /// [1].
     pub load: usize,
     /// Force [N or N.m] over speed [m/s or rad/s] for the command 1.
     pub force: Piecewise,
 }
 
-/// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the joint
-/// turns round and round.
+/// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
+/// joint turns round and round.
 fn is_sized_by_state(spring: &definition::Spring, load: &Load) -> bool {
     spring.damping_points.is_some() || (spring.points.is_some() && matches!(load, Load::Couple { .. }))
 }

@@ -51,8 +51,8 @@ pub enum Load {
         /// Whether S is one in every position, so that its derivatives are 0 and not rounding.
         is_idle: bool,
     },
-    /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one another
-    /// do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
+    /// The force that pushes the second body of a coupling away from the first, as the teeth of gears outside one
+    /// another do, for a force |F_t| tan(alpha) of 1 N: the force of the coupling that does no work. S is 0.
     Separation {
         /// Index of the coupling.
         coupling: usize,
@@ -60,7 +60,8 @@ pub enum Load {
         /// ratio; else 0.
         lean: f64,
     },
-    /// 1 N.m on a screw that pushes along a line. S is the screw's angle [rad], `ratio` times the displacement along the line.
+    /// 1 N.m on a screw that pushes along a line. S is the screw's angle [rad], `ratio` times the displacement along
+    /// the line.
     Screw {
         /// The load along the line of 1 N.
         along: Box<Self>,

@@ -14,8 +14,8 @@ pub const INPUT_ORDER: i32 = 2;
 
 impl Model {
     /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no derivative
-    /// in this state, of which [`Self::undefined_derivative`] tells why.
+    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
+    /// derivative in this state, of which [`Self::undefined_derivative`] tells why.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, `solver.method` = "`rigid_fem`".

@@ -49,8 +49,8 @@ impl Model {
         interface::vectors(self.variables())
     }
 
-    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts on
-    /// this stop and the time of the last one. None for any other variable.
+    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts
+    /// on this stop and the time of the last one. None for any other variable.
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         let variables = self.variables();
         let Some(Quantity::AtStop(stop)) = variables.quantity(flag) else { return None };

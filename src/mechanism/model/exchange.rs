@@ -1,11 +1,11 @@
 //! Model exchange: the motion as differential equations with events, which the host's solver integrates.
 //!
-//! The states are x = sigma, counted on over whole revolutions, and v = sigma_dot. sigma is regular everywhere, while the
-//! angle of a body turns back at a dead centre. The kinetic energy is T = sigma_dot^2 / 2, so that sigma is the path in m
-//! of a mass of 1 kg with the same kinetic energy.
+//! The states are x = sigma, counted on over whole revolutions, and v = sigma_dot. sigma is regular everywhere, while
+//! the angle of a body turns back at a dead centre. The kinetic energy is T = sigma_dot^2 / 2, so that sigma is the
+//! path in m of a mass of 1 kg with the same kinetic energy.
 //!
-//! In: states that the host's solver tries, events that it has found. Out: derivatives, event indicators, the state after
-//! an event. What a stop does to the motion is the law of co-simulation. It must not know FMI's life cycle.
+//! In: states that the host's solver tries, events that it has found. Out: derivatives, event indicators, the state
+//! after an event. What a stop does to the motion is the law of co-simulation. It must not know FMI's life cycle.
 mod transitions;
 
 use super::{Formulation, Model, ModelError};
@@ -66,8 +66,8 @@ fn counted(reduced: &Reduced, state: &State) -> f64 {
 }
 
 impl Model {
-    /// The variables that a host's solver integrates; none where the state has more than the motion, as with a hydraulic
-    /// circuit.
+    /// The variables that a host's solver integrates; none where the state has more than the motion, as with a
+    /// hydraulic circuit.
     pub fn continuous_time(&self) -> Option<ContinuousTime> {
         let mut all = ContinuousTime::default();
         for reference in 0..self.original.variables.list().len() as Reference {
@@ -147,8 +147,8 @@ impl Model {
         Ok([self.reduced()?.scale(); 2])
     }
 
-    /// Take the states that the host's solver tries. Where the curve ends at a rigid stop, the derivatives are continued
-    /// beyond with those at its end.
+    /// Take the states that the host's solver tries. Where the curve ends at a rigid stop, the derivatives are
+    /// continued beyond with those at its end.
     ///
     /// # Errors
     /// A state that is not finite, or beyond an end of the curve where no rigid stop is; nothing has changed.

@@ -1,7 +1,7 @@
 //! Parameters that a host changes between two steps.
 //!
-//! In: parameters of laws and of the integration with new values, each in its range. Out: the same state of motion under the
-//! laws with these values, or a refusal that changes nothing. It must not know any law.
+//! In: parameters of laws and of the integration with new values, each in its range. Out: the same state of motion
+//! under the laws with these values, or a refusal that changes nothing. It must not know any law.
 use super::{Formulation, Model, ModelError};
 use crate::mechanism::designs::{decides_reduced, shares_reduced};
 use crate::mechanism::parameters::ParameterValues;
@@ -19,10 +19,10 @@ pub struct Untuned {
 }
 
 impl Model {
-    /// Give tunable parameters these values, which [`Self::check_real`] and [`Self::check_together`] accept, and leave the
-    /// motion as it is. The reduced model keeps the curve and all tables that the values do not change. Energy that the change
-    /// stores, as in a bumper that is pressed and becomes stiffer, is work from outside. Values that are set back before the
-    /// next step leave no trace. Before there is a state they are set as parameters are.
+    /// Give tunable parameters these values, which [`Self::check_real`] and [`Self::check_together`] accept, and leave
+    /// the motion as it is. The reduced model keeps the curve and all tables that the values do not change. Energy that
+    /// the change stores, as in a bumper that is pressed and becomes stiffer, is work from outside. Values that are set
+    /// back before the next step leave no trace. Before there is a state they are set as parameters are.
     ///
     /// # Errors
     /// The values together give no law, or `solver.method` = "`rigid_fem`"; nothing has changed.

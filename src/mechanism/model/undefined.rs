@@ -10,8 +10,8 @@ use crate::variables::Reference;
 const HUGE: f64 = 1e100;
 
 impl Model {
-    /// Why an output has no value in the present state under the present inputs; None if it has one, for what is no Real
-    /// output, and for `energy.drift` in model exchange but the first time. Costs as much as the output.
+    /// Why an output has no value in the present state under the present inputs; None if it has one, for what is no
+    /// Real output, and for `energy.drift` in model exchange but the first time. Costs as much as the output.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
         if let Some(Quantity::State(_) | Quantity::Indicator(_)) = self.original.variables.quantity(reference) {
@@ -98,7 +98,8 @@ impl Model {
                 format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
             }
             Err(OutputError::Locked) => format!(
-                "friction locks the mechanism near {} under the present inputs, most of it in {}: friction and reactions \
+                "friction locks the mechanism near {} under the present inputs, most of it in {}: friction and \
+                 reactions \
                  have no common solution; reduce the coefficients or pin radii, or let stops end the travel before",
                 state.describe(reduced),
                 reduced.locking_joint(state.sigma)

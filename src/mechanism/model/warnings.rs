@@ -1,7 +1,7 @@
 //! What a step tells its host without refusing it, once after the initialisation.
 //!
-//! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not change
-//! the state.
+//! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not
+//! change the state.
 use super::{Formulation, Model};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::clipping;
@@ -50,8 +50,8 @@ impl Clipped {
 /// Part of the natural size of a force of the mechanism below which a contact force is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Contacts that only pressure keeps closed: of followers on cams without a groove, and of belts, of which a host is told
-/// once each where one parts.
+/// Contacts that only pressure keeps closed: of followers on cams without a groove, and of belts, of which a host is
+/// told once each where one parts.
 #[derive(Clone, Debug, Default)]
 pub struct Parting {
     contacts: Vec<Contact>,
@@ -138,8 +138,8 @@ impl Model {
         })
     }
 
-    /// Look for a contact that parts in the present state, at the time `time` [s] of the host if it tells one. What has no
-    /// value is not told.
+    /// Look for a contact that parts in the present state, at the time `time` [s] of the host if it tells one. What has
+    /// no value is not told.
     #[cold]
     #[inline(never)]
     pub(super) fn look_for_parting(&mut self, time: Option<f64>) {
@@ -169,8 +169,8 @@ impl Model {
         }
     }
 
-    /// Warnings about contacts that would part at the start: followers that lift off their cams, spans of belts that are
-    /// slack. The model is left at its start; none if it has no start. What has no value is not told.
+    /// Warnings about contacts that would part at the start: followers that lift off their cams, spans of belts that
+    /// are slack. The model is left at its start; none if it has no start. What has no value is not told.
     pub fn warnings_at_start(&mut self) -> Vec<Finding> {
         let mut all = Vec::new();
         self.reset();
@@ -189,8 +189,8 @@ impl Model {
     }
 }
 
-/// Size of a contact force that is rounding [N]: a part of the size of the loads along the curve, and of the kinetic energy
-/// over the size of the mechanism.
+/// Size of a contact force that is rounding [N]: a part of the size of the loads along the curve, and of the kinetic
+/// energy over the size of the mechanism.
 fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f64 {
     let (scale, size, kinetic) = (reduced.scale(), reduced.linkage().size, motion.state.kinetic());
     let acceleration = motion.read(reduced, inputs, |view| view.forces()).map(|forces| forces.free);
@@ -201,7 +201,8 @@ fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f
 #[cold]
 fn lifting_words(name: &str, force: f64, when: &str) -> [String; 2] {
     let message = format!(
-        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here on",
+        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here \
+         on",
         Decimal::rounded(force)
     );
     let remedy = format!(

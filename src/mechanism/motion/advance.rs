@@ -2,8 +2,9 @@
 //!
 //! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
 //! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
-//! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant of a step; impacts are
-//! polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It must not know what moves.
+//! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant
+//! of a step; impacts are polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It
+//! must not know what moves.
 use crate::hydraulics::circuit::Left;
 use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
@@ -82,8 +83,8 @@ pub struct Progress {
     refinements: u32,
 }
 
-/// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way to the
-/// knot, and its error estimate sees what is there, however narrow.
+/// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way
+/// to the knot, and its error estimate sees what is there, however narrow.
 const BEYOND_KNOT: f64 = 1.1;
 /// Part of a step before which no knot may be passed.
 const FARTHEST_KNOT: f64 = 0.8;
@@ -108,10 +109,11 @@ enum Instant {
     Moves,
 }
 
-// All, with the modules below, is inlined into `run`, so that no reference to the advance escapes and its fields stay in registers.
+// All, with the modules below, is inlined into `run`, so that no reference to the advance escapes and its fields stay
+// in registers.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
-    /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in impacts
-    /// [J].
+    /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in
+    /// impacts [J].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
         if let Some(place) = self.contact.take_arrival() {
             self.meet(place, z)?;
@@ -273,8 +275,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
     }
 
-    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may lie
-    /// where the force differs, so that neither the step nor its error estimate tells anything of it.
+    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
+    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
     #[inline(always)]
     fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
         let is_knot = match found.event {

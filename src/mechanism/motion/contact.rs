@@ -12,7 +12,7 @@
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
 //! | Resting | Free | [`Contact::released`]: nothing holds the mechanism, or the loads draw it off a rigid stop |
 //! | Free | Resting, Latched | [`Contact::rests`]: of two stops at one place the other holds what the first let go |
-//! | Free | Arrived | [`Contact::arrives`]: an advance that pauses at events has come to a stop; what the stop does is to follow |
+//! | Free | Arrived | [`Contact::arrives`]: an advance that pauses at events has come to a stop |
 //! | Arrived | Free | [`Contact::take_arrival`]: it follows, as of a mechanism that is free |
 //!
 //! Each bumper for itself, whether the mechanism rests or not:
@@ -61,8 +61,8 @@ pub struct Travel {
     pub rigid: [Option<RigidEnd>; 2],
     /// Bumpers, in the order of the state loads.
     pub bumpers: Vec<BumperPlaces>,
-    /// sigma at the low and at the high side where two ends of a drive, a spring or a stop coincide: unless a rigid stop
-    /// is met before, the motion cannot go on there.
+    /// sigma at the low and at the high side where two ends of a drive, a spring or a stop coincide: unless a rigid
+    /// stop is met before, the motion cannot go on there.
     pub ends_meet: [Option<f64>; 2],
     /// Side and index of each stop at the very place of a rigid stop that acts, so that it never acts itself.
     pub beside: Vec<(usize, usize)>,

@@ -13,8 +13,8 @@ use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::{TablePosition, polynomial};
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
-/// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction joints are the three kinds of parts that
-/// switch their laws; by default there are none.
+/// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction
+/// joints are the three kinds of parts that switch their laws; by default there are none.
 pub trait Dynamics<const N: usize>: System<N> {
     /// State the time since the start of the span [s] at which inputs are evaluated.
     fn set_time(&mut self, t: f64);
@@ -30,7 +30,8 @@ pub trait Dynamics<const N: usize>: System<N> {
     /// State whether the mechanism is held at rest, for [`System::derivative`].
     fn set_held(&mut self, _held: bool) {}
 
-    /// The next instant after t [s] at which the right-hand side is less smooth than elsewhere; infinite if there is none.
+    /// The next instant after t [s] at which the right-hand side is less smooth than elsewhere; infinite if there is
+    /// none.
     fn next_kink(&self, _t: f64) -> f64 {
         f64::INFINITY
     }
@@ -81,8 +82,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         false
     }
 
-    /// Inputs whose signs decide a law at rest, by an index from 0 on: value and two time derivatives at the start of the
-    /// span. Between the zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most.
+    /// Inputs whose signs decide a law at rest, by an index from 0 on: value and two time derivatives at the start of
+    /// the span. Between the zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most.
     fn switching_input(&self, _index: usize) -> Option<[f64; 3]> {
         None
     }
@@ -100,8 +101,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         [Enclosure::constant(0.0); 2]
     }
 
-    /// Whether a drive has an efficiency or friction sticks, so that the right-hand side jumps where sigma_dot changes its
-    /// sign.
+    /// Whether a drive has an efficiency or friction sticks, so that the right-hand side jumps where sigma_dot changes
+    /// its sign.
     fn has_reversals(&self) -> bool {
         false
     }

@@ -1,10 +1,10 @@
 //! Events: where within a step a contact, a regime of friction or the direction of the drives changes.
 //!
 //! In: a step, the places of the stops and the contact there. Out: the earliest event in the step, a root on its
-//! interpolant. Bounds rule out first what cannot be, as most steps have no event. Where they do not, roots are isolated
-//! by bounds as well: of sigma and sigma_dot by Bernstein coefficients, of the push of a bumper and the slip speed of a
-//! joint by interval bounds of the composed polynomials, so that an event is not missed because another one undoes it
-//! soon. It must not know what follows from an event.
+//! interpolant. Bounds rule out first what cannot be, as most steps have no event. Where they do not, roots are
+//! isolated by bounds as well: of sigma and sigma_dot by Bernstein coefficients, of the push of a bumper and the slip
+//! speed of a joint by interval bounds of the composed polynomials, so that an event is not missed because another one
+//! undoes it soon. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
@@ -21,8 +21,8 @@ use switches::{may_switch, passage_of_switch};
 /// Part of a step within which a change of regime is located: a law followed so much too far errs by the square of it.
 pub const REGIME_TOLERANCE: f64 = 1e-11;
 
-/// Part of a step by which a change of regime must come before a reversal to be an event of its own: where the motion ends,
-/// all slip speeds pass 0.
+/// Part of a step by which a change of regime must come before a reversal to be an event of its own: where the motion
+/// ends, all slip speeds pass 0.
 const BEFORE_REVERSAL: f64 = 1e-9;
 
 /// Part of a step by which a bumper that lets go must come before a lock at its place to be an event of its own.
@@ -96,8 +96,8 @@ pub struct Found<const N: usize> {
     pub event: Event,
 }
 
-/// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The change of a regime or
-/// a sign in `held` does not take place in the step.
+/// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The change of a regime
+/// or a sign in `held` does not take place in the step.
 pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     integrator: &mut Integrator<N>,
@@ -214,7 +214,8 @@ fn passed_knot<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> 
     ((step.end[0] - knot) * direction + bulge > AT_KNOT * dynamics.length()).then_some((knot, direction))
 }
 
-/// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it rests.
+/// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it
+/// rests.
 fn may_reverse<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> bool {
     let [start, end] = [step.start[1], step.end[1]].map(|speed| speed * dynamics.direction());
     end < 0.0 || (dynamics.sticks() && start.min(end) < step.bulge(1))
@@ -263,8 +264,9 @@ fn back_to_lock<const N: usize>(
     comes_back.then(|| dense.first_passage(0, position, towards(-place.outward()), false))?
 }
 
-/// How far a state at the time t of the span [s] is past an event, in the unit of what decides: the speed, a push, the slip
-/// speed of a joint or a switching quantity. 0 at the event, negative before. Places of stops are told by sigma alone.
+/// How far a state at the time t of the span [s] is past an event, in the unit of what decides: the speed, a push, the
+/// slip speed of a joint or a switching quantity. 0 at the event, negative before. Places of stops are told by sigma
+/// alone.
 pub fn excess<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     contact: &Contact,

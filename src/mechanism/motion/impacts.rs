@@ -61,8 +61,8 @@ impl Impact {
         self.slope * self.before
     }
 
-    /// Magnitude of the impulse along S: sigma has the unit mass, so that it is |change of sigma_dot| / |dS / d sigma|. At
-    /// a dead centre of S no finite impulse stops the mechanism: the largest number stands for it.
+    /// Magnitude of the impulse along S: sigma has the unit mass, so that it is |change of sigma_dot| / |dS / d sigma|.
+    /// At a dead centre of S no finite impulse stops the mechanism: the largest number stands for it.
     pub fn impulse(&self) -> f64 {
         match (self.after - self.before).abs() {
             0.0 => 0.0,

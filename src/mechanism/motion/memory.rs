@@ -12,8 +12,8 @@ use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
 
-/// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step allocates
-/// nothing, so there is no box where a step may go from one to another.
+/// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step
+/// allocates nothing, so there is no box where a step may go from one to another.
 #[derive(Clone, Debug)]
 pub enum Memory {
     /// No power is lost: the state is (sigma, sigma_dot).

@@ -11,7 +11,8 @@ const SAMPLES: usize = 8;
 /// Most samples of a travel that goes round many times: whole revolutions between the ends change nothing but counts.
 const REVOLUTIONS: f64 = 2.0;
 
-/// Ends of the travel: at the first rigid stop on each side, else where two ends coincide, else of the curve, else one revolution.
+/// Ends of the travel: at the first rigid stop on each side, else where two ends coincide, else of the curve, else one
+/// revolution.
 pub fn ends(reduced: &Reduced, travel: &Travel, here: f64) -> [f64; 2] {
     let (first, last) = reduced.curve().range;
     let [low, high] = [0, 1].map(|side| travel.end(side));

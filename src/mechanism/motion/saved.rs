@@ -45,8 +45,8 @@ pub struct SavedState {
     pub time: Elapsed,
     /// Impacts on each stop.
     pub impacts: Vec<Impacts>,
-    /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be applied.
-    /// None is always right, and what a state has that was read.
+    /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be
+    /// applied. None is always right, and what a state has that was read.
     pub in_force: Option<EngagedLocks>,
     pub memory: Memory,
     /// The prescribed motion of a drive; none where no drive has a motion.
@@ -193,7 +193,8 @@ impl SavedState {
                         let drive = loading.hydraulics.as_ref();
                         drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
                     };
-                    let what = "there is no such gap of the friction table, point of a curve, cushion, pump or edge of a valve";
+                    let what = "there is no such gap of the friction table, point of a curve, cushion, pump or edge of \
+                        a valve";
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);
                     (is_one, format!("index of an event = {border}: {what}"))
                 }

@@ -162,8 +162,8 @@ impl State {
         is_other
     }
 
-    /// Advance by exactly `h` [s] under these inputs, or to the first event if the witness pauses there. On an error the
-    /// state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached.
+    /// Advance by exactly `h` [s] under these inputs, or to the first event if the witness pauses there. On an error
+    /// the state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached.
     ///
     /// # Errors
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
@@ -315,7 +315,8 @@ impl State {
         }
     }
 
-    /// A step of `h` [s] is done, from `point` [s] on in the host's time if it has told one: what stops have met counts.
+    /// A step of `h` [s] is done, from `point` [s] on in the host's time if it has told one: what stops have met
+    /// counts.
     #[inline(always)]
     pub fn pass(&mut self, point: Option<f64>, h: f64) {
         let Self { saved, witness, .. } = self;

@@ -1,9 +1,9 @@
 //! What has happened within a step: impacts for the outputs of stops and, if somebody listens, every occurrence for the
 //! log.
 //!
-//! In: transitions of an advance. Out: impacts of each stop, occurrences in order. A step in which nothing happens costs
-//! nothing here, and nothing is allocated unless somebody listens. What a failed step has met is forgotten. It must not
-//! know words.
+//! In: transitions of an advance. Out: impacts of each stop, occurrences in order. A step in which nothing happens
+//! costs nothing here, and nothing is allocated unless somebody listens. What a failed step has met is forgotten. It
+//! must not know words.
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::impacts::{Impact, Impacts};
 
@@ -17,7 +17,8 @@ pub enum What {
     Impact { stop: usize, speed: f64, impulse: f64, is_rigid: bool },
     /// It comes to rest at a stop.
     Rests { stop: usize },
-    /// The motion of a drive is prescribed from now on, which changes the speed of the drive by so much, with an impulse.
+    /// The motion of a drive is prescribed from now on, which changes the speed of the drive by so much, with an
+    /// impulse.
     Gripped { change: f64, impulse: f64 },
     /// A bumper begins to push.
     Touched { stop: usize },

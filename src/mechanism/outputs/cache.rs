@@ -189,8 +189,8 @@ impl PresentLoads {
     }
 }
 
-/// Polynomials of the reactions of up to [`ROW`] joints on the panels where sigma was last: joints 0 to [`ROW`] - 1 are a
-/// group, and so on.
+/// Polynomials of the reactions of up to [`ROW`] joints on the panels where sigma was last: joints 0 to [`ROW`] - 1 are
+/// a group, and so on.
 #[derive(Clone, Debug, Default)]
 pub struct GroupReactions {
     /// Number of parts - force x, force y, moment - of the joint with the most.
@@ -224,8 +224,8 @@ impl<N: Number> GroupValues<N> {
     }
 }
 
-/// Polynomials of a group of joints: term by term and part by part a row, with a function for each joint. Each joint has a
-/// table of its own, whose panels differ from those of the others where one needs shorter ones.
+/// Polynomials of a group of joints: term by term and part by part a row, with a function for each joint. Each joint
+/// has a table of its own, whose panels differ from those of the others where one needs shorter ones.
 #[derive(Clone, Debug)]
 pub struct GroupRows {
     /// First sigma for which the polynomials of all joints hold, and the first for which one no longer does.
@@ -265,8 +265,8 @@ impl GroupRows {
         std::array::from_fn(|joint| sigma.chain(x(joint), self.inverse[joint]))
     }
 
-    /// Enter the panels at sigma of the joints' tables, without polynomials. Where a joint has no table the others hold at
-    /// sigma alone, so that it is asked for again elsewhere.
+    /// Enter the panels at sigma of the joints' tables, without polynomials. Where a joint has no table the others hold
+    /// at sigma alone, so that it is asked for again elsewhere.
     pub fn enter(&mut self, tables: &[Option<PanelTable>], sigma: f64) {
         self.rows.clear();
         (self.low, self.high) = (f64::NEG_INFINITY, f64::INFINITY);

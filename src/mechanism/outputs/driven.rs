@@ -1,8 +1,9 @@
-//! What outputs show of a prescribed motion: the state that the inputs prescribe now, and the force that the motion takes.
+//! What outputs show of a prescribed motion: the state that the inputs prescribe now, and the force that the motion
+//! takes.
 //!
-//! Inputs that are set at a communication point take effect in the state with the next step. Outputs show it at once, by a
-//! copy of the state, so that reading them changes nothing. In: a state, inputs. Out: the copy, the size of the drive's load
-//! with its derivatives. It must not know any law.
+//! Inputs that are set at a communication point take effect in the state with the next step. Outputs show it at once,
+//! by a copy of the state, so that reading them changes nothing. In: a state, inputs. Out: the copy, the size of the
+//! drive's load with its derivatives. It must not know any law.
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::Prescribed;
 use crate::mechanism::motion::state::State;

@@ -75,7 +75,8 @@ impl<N: Reading> View<'_, N> {
     /// Derivative along sigma of [`Self::others_at_rest`].
     fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence_slope) = (self.sigma(), self.influence_slope(drive));
-        // A drive with a circuit gives what its pressures do, one with a curve what that has at rest, as evaluated there.
+        // A drive with a circuit gives what its pressures do, one with a curve what that has at rest, as evaluated
+        // there.
         let loading = self.reduced.loading();
         let has_circuit = loading.hydraulics.as_ref().is_some_and(|own| own.load == drive);
         let is_own = has_circuit || loading.drives[drive].curve.is_some();

@@ -20,8 +20,8 @@ type Parts<N> = [N; PARTS];
 const ZERO: &Series = &[0.0; NODES];
 
 impl<'a, N: Reading> View<'a, N> {
-    /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it transmits
-    /// along the motion [N].
+    /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it
+    /// transmits along the motion [N].
     pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
         self.find_sums(joint / ROW)?;
         if let Some(value) = self.cache.reactions[joint] {
@@ -37,8 +37,8 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(value)
     }
 
-    /// Add the reaction to the force |F_t| tan(alpha) that pushes the teeth of a mesh apart. It does no work, so that it
-    /// changes neither the motion nor any tangential force F_t.
+    /// Add the reaction to the force |F_t| tan(alpha) that pushes the teeth of a mesh apart. It does no work, so that
+    /// it changes neither the motion nor any tangential force F_t.
     #[cold]
     #[inline(never)]
     fn add_separation(&mut self, mesh: usize, joint: usize, value: &mut Parts<N>) -> Result<(), OutputError> {
@@ -147,7 +147,8 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(())
     }
 
-    /// Find the sums of a group of joints for this state, and the reactions of these joints if they are no more than that.
+    /// Find the sums of a group of joints for this state, and the reactions of these joints if they are no more than
+    /// that.
     #[inline]
     fn find_sums(&mut self, group: usize) -> Result<(), OutputError> {
         if self.cache.groups[group].are_known {
@@ -250,8 +251,8 @@ impl<'a, N: Reading> View<'a, N> {
         *has_applied = true;
     }
 
-    /// Take the polynomials of a group of joints at sigma for the loads that the state sizes: their tables, made when one of
-    /// these loads acts, are tables of their own.
+    /// Take the polynomials of a group of joints at sigma for the loads that the state sizes: their tables, made when
+    /// one of these loads acts, are tables of their own.
     #[cold]
     fn enter_state(&mut self, group: usize) {
         let (reduced, sigma, joints) = (self.reduced, self.state.sigma, self.joints(group));
@@ -348,8 +349,8 @@ impl<'a, N: Reading> View<'a, N> {
     }
 }
 
-/// For each of so many parts the sum over the terms of a group, joint by joint: of the first `leading` terms, at most one,
-/// the value, of those after it the value times its size.
+/// For each of so many parts the sum over the terms of a group, joint by joint: of the first `leading` terms, at most
+/// one, the value, of those after it the value times its size.
 #[inline]
 fn sum_terms<N: Reading>(
     group: &GroupRows,

@@ -148,8 +148,8 @@ impl<'a, N: Reading> View<'a, N> {
         polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
     }
 
-    /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. The forces
-    /// found before are forgotten, as delivered forces and state loads are those of the last evaluation.
+    /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. The
+    /// forces found before are forgotten, as delivered forces and state loads are those of the last evaluation.
     #[inline(always)]
     pub fn equation(&mut self) -> Result<EquationOfMotion<'_, N>, OutputError> {
         self.cache.forces = None;

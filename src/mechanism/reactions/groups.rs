@@ -15,8 +15,8 @@ pub struct Groups {
     pub of: Vec<usize>,
     /// Sign of each joint's reaction relative to the first joint of its group.
     pub signs: Vec<f64>,
-    /// Effect of the second force of its group on each joint: on the component x by its lever in a prismatic joint, on y in
-    /// others. The first force is the component x of the first joint.
+    /// Effect of the second force of its group on each joint: on the component x by its lever in a prismatic joint, on
+    /// y in others. The first force is the component x of the first joint.
     pub seconds: Vec<[f64; 2]>,
     /// The first joint of each group, and the one that is farthest from it.
     ends: Vec<[usize; 2]>,
@@ -71,14 +71,15 @@ struct Member {
     first: usize,
     /// Sign of the joint's reaction relative to that of the first joint.
     sign: f64,
-    /// Position of a prismatic joint along the axis of the first one, from there, over the size of the linkage. The normal
-    /// forces of the joints of a group are an affine function of it.
+    /// Position of a prismatic joint along the axis of the first one, from there, over the size of the linkage. The
+    /// normal forces of the joints of a group are an affine function of it.
     lever: f64,
 }
 
 /// Groups of joints whose reactions to torques on bodies and to forces along prismatic joints are equal up to their
-/// sign: the two joints of a body with two revolute joints and no other, and revolute joints of the same two bodies at one
-/// point, which share what these give each other. So do prismatic joints from one body to another: a group with levers.
+/// sign: the two joints of a body with two revolute joints and no other, and revolute joints of the same two bodies at
+/// one point, which share what these give each other. So do prismatic joints from one body to another: a group with
+/// levers.
 fn groups(linkage: &Linkage) -> Vec<Member> {
     let alone = |first: usize| Member { first, sign: 1.0, lever: 0.0 };
     let mut groups: Vec<Member> = (0..linkage.joints.len()).map(alone).collect();

@@ -154,8 +154,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// The pair of bodies between which these joints are. What the balance leaves open of their components, but what the
-    /// other components can give, is open no more.
+    /// The pair of bodies between which these joints are. What the balance leaves open of their components, but what
+    /// the other components can give, is open no more.
     fn new(linkage: &Linkage, p: &Positions, joints: Vec<usize>, open: &mut [[Option<Open>; COMPONENTS]]) -> Self {
         let reference = linkage.joints[joints[0]].second;
         // Each component as a unit reaction of its joint, and the wrench that it is about the reference.

@@ -45,8 +45,8 @@ impl Reduced {
         Self::traced(Resolved::new(mechanism)?, mechanism)
     }
 
-    /// On the curve that is traced: between the stops, or the whole curve if the guess is beyond a stop and the start is not
-    /// on the part of the travel that is nearest to it.
+    /// On the curve that is traced: between the stops, or the whole curve if the guess is beyond a stop and the start
+    /// is not on the part of the travel that is nearest to it.
     fn traced(resolved: Resolved, mechanism: &Mechanism) -> Result<Self, ReductionError> {
         let curve = trace(&resolved, mechanism, false)?;
         if curve.by_start {

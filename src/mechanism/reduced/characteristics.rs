@@ -1,7 +1,7 @@
 //! Where nonlinear springs bind a reduced model: borders of panels at the points of their curves, and what they refuse.
 //!
-//! In: a curve, the laws of the springs. Out: the grid of the tables, or why a spring has no force somewhere. It must not
-//! know states or inputs.
+//! In: a curve, the laws of the springs. Out: the grid of the tables, or why a spring has no force somewhere. It must
+//! not know states or inputs.
 use super::error::ReductionError;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
@@ -96,7 +96,8 @@ fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], 
     }));
 }
 
-/// Refuse a gas spring that has no volume somewhere on the curve; `displacement`: the table of the displacement of a load.
+/// Refuse a gas spring that has no volume somewhere on the curve; `displacement`: the table of the displacement of a
+/// load.
 ///
 /// # Errors
 /// A gas has no volume, so that its force is infinite.

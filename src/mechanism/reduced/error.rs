@@ -77,7 +77,8 @@ impl fmt::Display for ReductionError {
             Self::Curve(e) => e.fmt(f),
             Self::EndsMeet { name, position } => write!(
                 f,
-                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its attachments, or let stops end the travel before"
+                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its \
+                 attachments, or let stops end the travel before"
             ),
             Self::NoVolume { name, least, position } => write!(
                 f,
@@ -87,7 +88,8 @@ impl fmt::Display for ReductionError {
             ),
             Self::Table { what, position } => write!(
                 f,
-                "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia to a body that does"
+                "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia \
+                 to a body that does"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
                 let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);
@@ -107,8 +109,10 @@ impl fmt::Display for ReductionError {
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings of its loop, \
-                     which is rigid, and {} move{} freely; remove a joint or a coupling of that loop or add a body to it, and \
+                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings \
+                     of its loop, \
+                     which is rigid, and {} move{} freely; remove a joint or a coupling of that loop or add a body to \
+                     it, and \
                      hold what moves freely",
                     Decimal(*value),
                     moving.join(", "),

@@ -1,6 +1,6 @@
 //! Knots of the motion: positions at which the law of a coupling is only twice continuously differentiable, such as the
-//! borders of the segments of a cam, and those at which the curve of a spring turns, as in a detent, which a step could pass
-//! over unseen. A step that passes a knot ends there.
+//! borders of the segments of a cam, and those at which the curve of a spring turns, as in a detent, which a step could
+//! pass over unseen. A step that passes a knot ends there.
 //!
 //! In: the reduced model, a sigma, a direction. Out: the next knot. It must not know states or inputs.
 use super::model::Reduced;
@@ -12,12 +12,12 @@ use crate::mechanism::loads::resolved::Loading;
 /// its second derivative there, of which the square of this part is left.
 pub const AT_KNOT: f64 = 1e-9;
 
-/// Distance up to which a border of the tables is at a point of a spring's curve, in parts of the change of its displacement
-/// over the panel beside it.
+/// Distance up to which a border of the tables is at a point of a spring's curve, in parts of the change of its
+/// displacement over the panel beside it.
 const AT_POINT: f64 = 1e-9;
 
-/// Values of sigma at which the law of a coupling is not analytic, and those of `borders` at which the curve of a spring turns,
-/// ascending; none for a mechanism that has neither.
+/// Values of sigma at which the law of a coupling is not analytic, and those of `borders` at which the curve of a
+/// spring turns, ascending; none for a mechanism that has neither.
 pub(super) fn knots(curve: &Curve, loading: &Loading, borders: &[f64]) -> Option<Box<[f64]>> {
     let has_knots = curve.linkage().couplings.iter().any(|coupling| coupling.law.has_knots());
     let mut all = if has_knots { curve.law_knots_from_start() } else { Vec::new() };
@@ -57,8 +57,8 @@ impl Reduced {
         self.knots.is_some()
     }
 
-    /// The next knot from a sigma on, in the direction of growing sigma (1) or against it (-1); None if there is none. A
-    /// knot at which the sigma is already is not the next. The open end of a stretch of the curve counts as a knot.
+    /// The next knot from a sigma on, in the direction of growing sigma (1) or against it (-1); None if there is none.
+    /// A knot at which the sigma is already is not the next. The open end of a stretch of the curve counts as a knot.
     #[cold]
     #[inline(never)]
     pub fn next_knot(&self, sigma: f64, direction: f64) -> Option<f64> {

@@ -51,8 +51,8 @@ pub(super) struct Tables {
     pub(super) influence: Table,
     pub(super) coordinates: Result<Table, Unresolved>,
     pub(super) displacements: Vec<OnceLock<Result<Table, Unresolved>>>,
-    /// Displacements under gravity of 1 m/s2 along x, then along y, if there is gravity: that under any other gravity is
-    /// their sum. The influences of both are the last two components of `influence`.
+    /// Displacements under gravity of 1 m/s2 along x, then along y, if there is gravity: that under any other gravity
+    /// is their sum. The influences of both are the last two components of `influence`.
     pub(super) weights: Option<Result<Table, Unresolved>>,
     /// Those that no table resolves everywhere, with gaps.
     pub(super) gapped: Vec<OnceLock<Result<Table, Unresolved>>>,

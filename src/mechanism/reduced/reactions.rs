@@ -1,8 +1,8 @@
 //! Tables of the joints' reactions, each on one panel of a grid, made when a reaction is first read there.
 //!
-//! In: the reduced model. Out: reactions to each load of unit size. They are the dearest tables: an end of a run needs one
-//! panel, a motion those that it passes. A table depends on its panel alone, so that it does not count where a reaction was
-//! read before. It must not know states or inputs.
+//! In: the reduced model. Out: reactions to each load of unit size. They are the dearest tables: an end of a run needs
+//! one panel, a motion those that it passes. A table depends on its panel alone, so that it does not count where a
+//! reaction was read before. It must not know states or inputs.
 use super::model::Reduced;
 use super::stored::{self, Tabulated};
 use crate::mechanism::reactions::{Columns, Reaction};

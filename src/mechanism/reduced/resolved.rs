@@ -37,9 +37,9 @@ pub(super) fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64
 }
 
 /// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
-/// impact evaluate the curve. A guess beyond a stop still identifies a branch: unless the `whole` curve is asked for, the curve
-/// begins where this branch gets to the travel, if that is near. The start need not be on such a curve, which is
-/// [`Curve::by_start`].
+/// impact evaluate the curve. A guess beyond a stop still identifies a branch: unless the `whole` curve is asked for,
+/// the curve begins where this branch gets to the travel, if that is near. The start need not be on such a curve, which
+/// is [`Curve::by_start`].
 pub(super) fn trace(closure: Closure, q: &[f64], loading: &Loading, whole: bool) -> Result<Curve, CurveError> {
     let linkage = Arc::clone(&closure.linkage);
     let Some(margin) = margin(&linkage, loading) else { return Curve::trace(closure, q, None) };

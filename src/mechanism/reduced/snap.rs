@@ -1,7 +1,7 @@
 //! Snapping: lengths that almost let branches of motion cross are taken as letting them cross.
 //!
-//! In: a resolved definition. Out: the curve of its linkage, with the points of joints moved by so little that it misses
-//! no crossing by less than `snap`; the misses that are larger. It must not know tables.
+//! In: a resolved definition. Out: the curve of its linkage, with the points of joints moved by so little that it
+//! misses no crossing by less than `snap`; the misses that are larger. It must not know tables.
 use super::error::ReductionError;
 use super::resolved::{self, Resolved};
 use crate::mechanism::closure::{Closure, guessed, straight};

@@ -51,8 +51,8 @@ impl Reduced {
     }
 
     /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several
-    /// positions the nearest to the guess, where sigma is 0; an open curve is searched stretch by stretch, going out from
-    /// the guess on both sides.
+    /// positions the nearest to the guess, where sigma is 0; an open curve is searched stretch by stretch, going out
+    /// from the guess on both sides.
     ///
     /// # Errors
     /// [`ReductionError::Start`] with the range of the coordinate.
@@ -239,8 +239,8 @@ const RIGID: f64 = 1e-9;
 /// Distance beyond a toggle within which a stated start is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 
-/// Whether a polynomial with these monomial coefficients may have the value `wanted` on its panel, or come as near to it as
-/// counts as that; `value` is the one to which rounding is relative.
+/// Whether a polynomial with these monomial coefficients may have the value `wanted` on its panel, or come as near to
+/// it as counts as that; `value` is the one to which rounding is relative.
 fn may_reach(series: &Series, wanted: f64, value: f64) -> bool {
     /// More than what the range beyond the panel, a toggle and rounding add, relative to the terms and to the value.
     const SLACK: f64 = 1e-6;

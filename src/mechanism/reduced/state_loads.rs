@@ -1,8 +1,8 @@
 //! State loads: loads sized by the state, and their effects in one table that the integration reads.
 //!
 //! In: the curve and the loads. Out: effects of all loads on the motion and on the reactions of the joints with
-//! friction. Without dampers, efficiencies, curves of drives, a hydraulic circuit, bumpers, springs that the state sizes,
-//! friction and moving air there is no such table. It must not know states.
+//! friction. Without dampers, efficiencies, curves of drives, a hydraulic circuit, bumpers, springs that the state
+//! sizes, friction and moving air there is no such table. It must not know states.
 mod kinks;
 
 pub use kinks::{Argument, Kink};
@@ -26,9 +26,9 @@ use std::sync::Arc;
 ///
 /// Two components of the reaction of each joint with friction matter: x and y in a revolute joint; in a prismatic one
 /// the component normal to the axis, and 0; of a coupling the transmitted force, and 0. Those of n joints are stored as
-/// all x, then all y. The joints of a group have equal reactions to friction up to their sign, or normal forces that are an
-/// affine function of their levers. The sign of a reaction has no effect on friction, so all joints of a group get the sign
-/// of the first.
+/// all x, then all y. The joints of a group have equal reactions to friction up to their sign, or normal forces that
+/// are an affine function of their levers. The sign of a reaction has no effect on friction, so all joints of a group
+/// get the sign of the first.
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
@@ -103,8 +103,8 @@ impl StateLoads {
         self.efficient + self.prismatic.len()
     }
 
-    /// Number of ends of gaps of the table. A step ends there, so that none passes over a gap unseen, where friction may
-    /// lock.
+    /// Number of ends of gaps of the table. A step ends there, so that none passes over a gap unseen, where friction
+    /// may lock.
     pub fn gap_borders(&self) -> usize {
         2 * self.table.gaps().len()
     }
@@ -155,9 +155,9 @@ impl StateLoads {
         first..first + 2 * n
     }
 
-    /// In the bundle: the two forces of each group for friction = 1 of each joint without motion: all first ones, then all
-    /// second ones, group by group. They are the components x and y of the reactions of the group; of prismatic joints the
-    /// normal force in the first one, and its change with the lever.
+    /// In the bundle: the two forces of each group for friction = 1 of each joint without motion: all first ones, then
+    /// all second ones, group by group. They are the components x and y of the reactions of the group; of prismatic
+    /// joints the normal force in the first one, and its change with the lever.
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
         first..first + 2 * self.groups.count() * self.friction_joints.len()
@@ -195,8 +195,8 @@ impl StateLoads {
         self.bundled() + row * self.given + k
     }
 
-    /// Tabulate the state loads on a grid; None if there are none. Those of a model with the same curve, loads and springs
-    /// have the same tables if they have the same section.
+    /// Tabulate the state loads on a grid; None if there are none. Those of a model with the same curve, loads and
+    /// springs have the same tables if they have the same section.
     pub(super) fn build(
         source: &Source,
         grid: &Grid,

@@ -107,8 +107,8 @@ fn section<'a>(tables: impl ExactSizeIterator<Item = Result<&'a Table, &'a Unres
 }
 
 impl Reduced {
-    /// The reduced model with the curve and the tables in these sections, which were written for this definition: equal to
-    /// [`Self::new`] to the bit. None if the sections have no such curve.
+    /// The reduced model with the curve and the tables in these sections, which were written for this definition: equal
+    /// to [`Self::new`] to the bit. None if the sections have no such curve.
     pub fn stored(mechanism: &Mechanism, sections: &Arc<Sections>) -> Option<Self> {
         let Resolved { linkage, loading, markers } = Resolved::new(mechanism).ok()?;
         let bytes = sections.read(CURVE)?;
@@ -127,8 +127,8 @@ impl Reduced {
         Self::tabulated(curve, Arc::new(loading), markers, of).ok()
     }
 
-    /// Sections for [`Self::stored`], with every table, made if need be. None for a model of which the curve has no record,
-    /// or only a part of the curve counts.
+    /// Sections for [`Self::stored`], with every table, made if need be. None for a model of which the curve has no
+    /// record, or only a part of the curve counts.
     pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
         let mut all = Sink::default();
         let mut curve = Vec::new();

@@ -1,8 +1,8 @@
 //! Stretches of the reduced model: where the curve is open, it and its tables go on as far as the motion goes.
 //!
-//! In: the reduced model on the stretch of the curve with the guess, a sigma. Out: the reduced model on the stretch that
-//! holds this sigma, made at its first use and shared from then on. Stretches depend on the definition and on nothing
-//! else, in whatever order they are made. It must not know states or inputs.
+//! In: the reduced model on the stretch of the curve with the guess, a sigma. Out: the reduced model on the stretch
+//! that holds this sigma, made at its first use and shared from then on. Stretches depend on the definition and on
+//! nothing else, in whatever order they are made. It must not know states or inputs.
 use super::build::not_smooth;
 use super::error::ReductionError;
 use super::model::Reduced;
@@ -155,8 +155,8 @@ impl Reduced {
         slots.filter_map(|slot| slot.get()?.as_deref().ok())
     }
 
-    /// Whether the start decides which part of the curve this is: the curve ends where two ends of a load coincide, or the
-    /// guess is beyond a stop.
+    /// Whether the start decides which part of the curve this is: the curve ends where two ends of a load coincide, or
+    /// the guess is beyond a stop.
     pub fn is_part(&self) -> bool {
         self.curve().by_start || self.ends_meet.iter().any(Option::is_some)
     }

@@ -1,6 +1,7 @@
 //! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
 //!
-//! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies. It must not know states or inputs.
+//! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies. It must not know states or
+//! inputs.
 use super::model::Reduced;
 use super::stored;
 use crate::mechanism::curve::Configuration;
@@ -100,8 +101,8 @@ impl Reduced {
         all.iter().map(|column| column[joint]).collect()
     }
 
-    /// Name of the joint in which most of the friction is that an acceleration causes: the largest product of the static
-    /// friction's arm, the slip for each d sigma and the reaction to sigma_ddot = 1. For messages.
+    /// Name of the joint in which most of the friction is that an acceleration causes: the largest product of the
+    /// static friction's arm, the slip for each d sigma and the reaction to sigma_ddot = 1. For messages.
     pub fn locking_joint(&self, sigma: f64) -> &str {
         let c = self.curve().configuration(sigma);
         let columns = columns(&self.curve().closure, &c, &[]);

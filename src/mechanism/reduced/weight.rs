@@ -1,7 +1,7 @@
 //! Gravity in the tables: the sum of what 1 m/s2 along x and along y cause.
 //!
-//! In: tables with the displacements and influences under both. Out: those under the gravity of a definition. It must not know
-//! how tables are made.
+//! In: tables with the displacements and influences under both. Out: those under the gravity of a definition. It must
+//! not know how tables are made.
 use super::model::Tables;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;

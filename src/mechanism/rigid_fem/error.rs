@@ -47,11 +47,13 @@ impl fmt::Display for RigidFemError {
             }
             Self::Coupling { coupling } => write!(
                 f,
-                "{coupling} couples two bodies: rigid finite elements know no gears, racks, belts or cams; choose the reduced model"
+                "{coupling} couples two bodies: rigid finite elements know no gears, racks, belts or cams; choose the \
+                 reduced model"
             ),
             Self::Nodes { body, count } => write!(
                 f,
-                "{body} is held by joints at {count} points: a rigid finite element has exactly 2 of them; choose the reduced model"
+                "{body} is held by joints at {count} points: a rigid finite element has exactly 2 of them; choose the \
+                 reduced model"
             ),
             Self::AxialStiffness { body, value } => {
                 let value = Decimal(*value);
@@ -59,12 +61,14 @@ impl fmt::Display for RigidFemError {
             }
             Self::Massless { body, mass } => write!(
                 f,
-                "mass of {body} = {mass} kg: one of its joints can move by a stretch of the rods alone, without moving any mass; \
+                "mass of {body} = {mass} kg: one of its joints can move by a stretch of the rods alone, without moving \
+                 any mass; \
                  give {body} a mass off its pivot or choose the reduced model"
             ),
             Self::Efficiency { drive, value } => write!(
                 f,
-                "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or choose the reduced model"
+                "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or \
+                 choose the reduced model"
             ),
             Self::StepSize { name, value } => {
                 write!(f, "step size {name} = {} s: must be finite and > 0", Decimal(*value))
@@ -74,18 +78,22 @@ impl fmt::Display for RigidFemError {
             }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,
-                "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \
+                "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, \
+                 allowed are {limit:e} m; \
                  take a smaller step or check the sizes of the inputs"
             ),
             Self::Strain { body, strain, limit, h } => write!(
                 f,
-                "{body} is stretched by {strain:.2e} of its length where {limit} is allowed, at steps of {h:e} s: either the steps \
-                 are too long and its vibration grows, or the loads are too large for its axial stiffness; take smaller steps or \
+                "{body} is stretched by {strain:.2e} of its length where {limit} is allowed, at steps of {h:e} s: \
+                 either the steps \
+                 are too long and its vibration grows, or the loads are too large for its axial stiffness; take \
+                 smaller steps or \
                  raise the axial stiffness"
             ),
             Self::Stretch { correction, limit } => write!(
                 f,
-                "no static stretch at the start: the iterations still move a node by {correction:e} m, allowed are {limit:e} m; \
+                "no static stretch at the start: the iterations still move a node by {correction:e} m, allowed are \
+                 {limit:e} m; \
                  raise the axial stiffness or lower the loads"
             ),
         }

@@ -226,8 +226,8 @@ impl RigidFem {
         }
     }
 
-    /// Add springs and dampers to the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx and k = dF/dS, for convergence with
-    /// a stiff spring.
+    /// Add springs and dampers to the tangent: (h^2 k / 4 + h c / 2) g g^T with g = dS/dx and k = dF/dS, for
+    /// convergence with a stiff spring.
     fn add_springs(&self, at: &Present, h: f64, forces: &mut [[Vec2; 2]], g: &mut [f64], tangent: &mut Lu) {
         for spring in &self.springs {
             let load = &self.loads[spring.load];

@@ -16,7 +16,8 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
         let distance = linkage.hinge_distance(coupling.carrier, joint);
         if first + second > distance * (1.0 + TOUCHING) {
             let message = format!(
-                "has pulleys with radii of {} and {} m on centres {} m apart, less than the sum of the radii: the pulleys \
+                "has pulleys with radii of {} and {} m on centres {} m apart, less than the sum of the radii: the \
+                 pulleys \
                  overlap",
                 Decimal::rounded(first),
                 Decimal::rounded(second),
@@ -32,7 +33,8 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
 pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64, when: &str) -> [String; 2] {
     let half = Decimal::rounded(0.5 * transmitted.abs());
     let message = format!(
-        "{name} transmits {} N{when}, half of which, {half} N, is above the pretension of {} N: a belt would be slack in one \
+        "{name} transmits {} N{when}, half of which, {half} N, is above the pretension of {} N: a belt would be slack \
+         in one \
          span, which here pushes with {} N, so that the forces in the joints are wrong",
         Decimal::rounded(transmitted),
         Decimal::rounded(pretension),

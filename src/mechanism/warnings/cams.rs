@@ -1,6 +1,7 @@
 //! Warnings about cams: profiles that no follower can follow, and steep ones.
 //!
-//! In: the couplings of a linkage. Out: warnings. It must not know the curve of positions: they hold for whole revolutions.
+//! In: the couplings of a linkage. Out: warnings. It must not know the curve of positions: they hold for whole
+//! revolutions.
 use crate::inspection::Finding;
 use crate::mechanism::linkage::{Cam, Coupling, Guide, Kind, Linkage};
 use crate::numerics::decimal::Decimal;
@@ -64,7 +65,8 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
     let limit = STEEPEST[usize::from(matches!(cam.guide, Guide::Pivot { .. }))];
     if steepest.value > limit {
         let message = format!(
-            "its pressure angle reaches {} rad ({} deg) at the cam's angle {} rad, and {} deg are usual at most: the follower is \
+            "its pressure angle reaches {} rad ({} deg) at the cam's angle {} rad, and {} deg are usual at most: the \
+             follower is \
              pressed aside more than it is lifted",
             told(steepest.value),
             told(steepest.value * 180.0 / PI),

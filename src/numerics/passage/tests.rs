@@ -63,8 +63,8 @@ proptest! {
         }
     }
 
-    /// A joint that enters the range of a regime at the start and leaves it soon at the other end: from a root at the start
-    /// the function falls, and it rises within the first part of the grid.
+    /// A joint that enters the range of a regime at the start and leaves it soon at the other end: from a root at the
+    /// start the function falls, and it rises within the first part of the grid.
     #[test]
     fn a_rise_after_a_root_at_the_start_is_met(half in 1e-5..0.06f64, rounding in 0.0..1e-16f64) {
         let f = move |s: f64| (s - half).abs() - half + rounding;

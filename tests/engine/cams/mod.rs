@@ -42,7 +42,8 @@ pub fn elliptic(keys: Value) -> String {
 
 /// Segments: rise, dwell, return, dwell.
 fn segments(law: &str, rise: f64) -> Value {
-    json!([{ "law": law, "angle": 1.6, "rise": rise }, { "law": "dwell", "angle": 0.7 }, { "law": law, "angle": 2.2, "rise": -rise },
+    json!([{ "law": law, "angle": 1.6, "rise": rise }, { "law": "dwell", "angle": 0.7 }, { "law": law, "angle": 2.2,
+        "rise": -rise },
         { "law": "dwell" }])
 }
 
@@ -57,7 +58,8 @@ pub fn translating(law: &str, follower: Value) -> String {
             "disc": { "mass": 1.2, "inertia": 0.004, "center": [0.005, 0.002] },
             "stem": { "mass": 0.6, "points": { "tip": [0.0, -0.08] } } },
         "joints": { "bearing": { "type": "revolute", "first": "ground.axis", "second": "disc.origin" },
-            "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin", "axis_angle": PI / 2.0 } },
+            "guide": { "type": "prismatic", "first": "ground.guide", "second": "stem.origin",
+                "axis_angle": PI / 2.0 } },
         "couplings": { "cam": coupling },
         "springs": { "spring": { "joint": "guide", "stiffness": 1000, "free_length": -0.12 } },
         "torques": { "motor": { "on": "disc", "torque": 0.5 } },

@@ -2,8 +2,8 @@
 use super::{BELT, GEARS, assert_near, force, shafts};
 use crate::support::{Run, Vec2};
 
-/// Motion and transmitted force of two shafts: inertia J1 + i^2 J2 on the first, motor 3 N.m, load -1 N.m, speed ratio i.
-/// Returns the run and the transmitted force.
+/// Motion and transmitted force of two shafts: inertia J1 + i^2 J2 on the first, motor 3 N.m, load -1 N.m, speed ratio
+/// i. Returns the run and the transmitted force.
 fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
     let mut run = Run::new(&shafts(coupling)).started();
     let acceleration = (3.0 - ratio) / (0.02 + ratio * ratio * 0.5);
@@ -96,7 +96,8 @@ fn a_belt_pulls_along_its_spans() {
         let cosine = (0.05 - sign * 0.08) / 0.3;
         let sine = f64::sqrt(1.0 - cosine * cosine);
         let [left, right] = [1.0, -1.0].map(|side| sine * along - side * cosine * across);
-        // The left span of an open belt is tight when it drives the second pulley forward, the right one of a crossed belt.
+        // The left span of an open belt is tight when it drives the second pulley forward, the right one of a crossed
+        // belt.
         let (one, other) = (tension + 0.5 * sign * transmitted, tension - 0.5 * sign * transmitted);
         check_hinges(&mut run, -(one * left + other * right));
     }

@@ -14,9 +14,11 @@ fn rolling(slope: f64, second_is_rack: bool) -> String {
     format!(
         r#"{{ "name": "Rolling", "gravity": {{ "acceleration": 9.81, "up_angle": 1.5707963267948966 }},
           "bodies": {{ "ground": {{}}, "cart": {{ "mass": 0.4 }}, "wheel": {{ "mass": 2, "inertia": 0.03 }} }},
-          "joints": {{ "path": {{ "type": "prismatic", "first": "{first}", "second": "{second}", "axis_angle": {slope} }},
+          "joints": {{ "path": {{ "type": "prismatic", "first": "{first}", "second": "{second}",
+              "axis_angle": {slope} }},
             "axle": {{ "type": "revolute", "first": "cart.origin", "second": "wheel.origin" }} }},
-          "couplings": {{ "rack": {{ "type": "rack", "first": "wheel.origin", "joint": "path", "radius": 0.2, "side": "right" }} }},
+          "couplings": {{ "rack": {{ "type": "rack", "first": "wheel.origin", "joint": "path", "radius": 0.2,
+              "side": "right" }} }},
           "start": {{ "joint": "path", "position": 0.1, "speed": 0 }}, "guess": {{ "path": 0, "wheel": 0.3 }} }}"#
     )
 }
@@ -65,7 +67,8 @@ fn planetary(planets: usize) -> String {
         bodies[format!("planet{k}")] = json!({ "mass": 0.7, "inertia": 0.003 });
         joints[format!("j{k}")] =
             json!({ "type": "revolute", "first": format!("arm.p{k}"), "second": format!("planet{k}.origin") });
-        couplings[format!("inner{k}")] = json!({ "type": "gears", "first": "sun.origin", "second": format!("planet{k}.origin"),
+        couplings[format!("inner{k}")] = json!({ "type": "gears", "first": "sun.origin",
+            "second": format!("planet{k}.origin"),
             "carrier": "arm", "first_teeth": 24, "second_teeth": 24 });
         couplings[format!("outer{k}")] = json!({ "type": "gears", "first": "ground.origin", "internal": true,
             "second": format!("planet{k}.origin"), "carrier": "arm", "first_teeth": 72, "second_teeth": 24 });
@@ -122,7 +125,8 @@ fn a_train_passes_on_the_product_of_its_ratios() {
         m["bodies"]["three"] = json!({ "mass": 1, "inertia": 0.3 });
         m["bodies"]["ground"]["points"]["last"] = json!([0.7, 0.1]);
         m["joints"]["c"] = json!({ "type": "revolute", "first": "ground.last", "second": "three.origin" });
-        m["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin", "crossed": true,
+        m["couplings"]["belt"] = json!({ "type": "belt", "first": "two.origin", "second": "three.origin",
+            "crossed": true,
             "first_radius": 0.05, "second_radius": 0.08 });
         m["guess"]["three"] = json!(0.0);
     });

@@ -46,7 +46,8 @@ fn a_progressive_bumper_gives_back_what_it_takes() {
 fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
     let law = monotone(&BUFFER).unwrap();
     let mut text = body(false, [0.3, 2.0]);
-    text["stops"] = json!({ "buffer": { "joint": "way", "limit": "upper", "position": 0.3, "rigid": false, "damping": 25,
+    text["stops"] = json!({ "buffer": { "joint": "way", "limit": "upper", "position": 0.3, "rigid": false,
+        "damping": 25,
                                         "stiffness": 40, "points": BUFFER } });
     let mut run = Run::new(&text.to_string()).started();
     let (mut y, h) = ([0.0, 2.0], 1e-5);

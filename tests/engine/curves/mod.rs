@@ -23,7 +23,8 @@ fn body(is_rotary: bool, [start, speed]: [f64; 2]) -> Value {
     at["speed"] = json!(speed);
     let guess = if is_rotary { json!({ "part": start }) } else { json!({ "way": start }) };
     json!({
-        "name": "Part", "bodies": { "ground": {}, "part": mass }, "joints": { "way": joint }, "start": at, "guess": guess,
+        "name": "Part", "bodies": { "ground": {}, "part": mass }, "joints": { "way": joint }, "start": at,
+            "guess": guess,
         "solver": { "tolerance": 1e-12 },
     })
 }

@@ -9,7 +9,10 @@ use serde_json::{Value, json};
 fn what_is_no_curve_is_refused_by_name() {
     let damper = |points: Value| json!({ "springs": { "d": { "joint": "way", "damping_points": points } } });
     let motor = |drive: Value| json!({ "actuators": { "m": drive } });
-    let buffer = |points: Value| json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1, "rigid": false, "points": points } } });
+    let buffer = |points: Value| {
+        json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1,
+        "rigid": false, "points": points } } })
+    };
     let rigid =
         json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1, "points": [[0, 0], [1, 1]] } } });
     for (more, pieces) in [

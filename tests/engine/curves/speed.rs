@@ -113,7 +113,8 @@ fn a_drive_at_rest_and_its_required_force_know_the_curve() {
     run.initialize();
     assert!((run.get("motor.acting_torque") - holding).abs() < 1e-12);
     assert!(run.get("crank.acceleration").abs() < 1e-9, "{:e}", run.get("crank.acceleration"));
-    // What the demanded acceleration requires is what acts, where that is the acceleration; with losses and friction too.
+    // What the demanded acceleration requires is what acts, where that is the acceleration; with losses and friction
+    // too.
     for efficiency in [None, Some(0.7)] {
         let text = changed(CURVES, |m| {
             let motor = m["actuators"]["motor"].as_object_mut().unwrap();

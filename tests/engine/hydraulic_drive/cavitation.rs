@@ -82,7 +82,8 @@ fn air_holds_pressures_above_absolute_zero_at_any_tolerance() {
     assert!(lowest < 5e3, "no run came near absolute zero: {lowest}");
 }
 
-/// A command beyond the range is clipped, and the host is told once; after a rollback the same step gives the same answer.
+/// A command beyond the range is clipped, and the host is told once; after a rollback the same step gives the same
+/// answer.
 #[test]
 fn a_clipped_command_is_told_once() {
     let mut gear = retraction(1e-6);

@@ -1,5 +1,6 @@
-//! The landing gear with a hydraulic circuit on its actuator, as one system. Reference values are those of an independent
-//! Taylor-series integration of gear and circuit together, whose runs in double and in 80 bit agree to 2e-13.
+//! The landing gear with a hydraulic circuit on its actuator, as one system. Reference values are those of an
+//! independent Taylor-series integration of gear and circuit together, whose runs in double and in 80 bit agree to
+//! 2e-13.
 
 use crate::support::{HYDRAULIC_GEAR, Run, assert_says, cases, changed, read_all};
 use serde_json::json;
@@ -9,8 +10,8 @@ mod cavitation;
 mod faults;
 mod reference;
 
-/// Time [s]; angle [rad] and speed [rad/s] of the crank; pressures of the chambers [Pa]; force [N]; length [m] and speed
-/// [m/s] of the actuator.
+/// Time [s]; angle [rad] and speed [rad/s] of the crank; pressures of the chambers [Pa]; force [N]; length [m] and
+/// speed [m/s] of the actuator.
 type Row = [f64; 8];
 
 const NAMES: [&str; 7] = [
@@ -55,8 +56,8 @@ fn vibration(tolerance: f64) -> Run {
     gear.started()
 }
 
-/// Energy of the mechanism now less that at the start less the work of the piston and of the stops' losses is the drift;
-/// the circuit's energies balance.
+/// Energy of the mechanism now less that at the start less the work of the piston and of the stops' losses is the
+/// drift; the circuit's energies balance.
 #[track_caller]
 fn balances(gear: &mut Run, allowed: f64) {
     let supplied = gear.get("energy.supplied").abs().max(gear.get("energy.throttling").abs());
@@ -121,8 +122,8 @@ fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
     }
 }
 
-/// The time at which a gear that rests sets off is that of the balance of forces, whatever the communication steps and the
-/// tolerance, which decide where the interpolant has it.
+/// The time at which a gear that rests sets off is that of the balance of forces, whatever the communication steps and
+/// the tolerance, which decide where the interpolant has it.
 #[test]
 fn the_gear_sets_off_when_the_pressures_say_so() {
     let angle = |tolerance: f64, steps: u32| {
@@ -162,7 +163,8 @@ fn energies_balance_with_friction_bumpers_and_air() {
     balances(&mut gear, 1e-8);
     let bumper = changed(HYDRAULIC_GEAR, |gear| {
         gear["stops"]["upstop"] = json!({
-            "body": "crank", "limit": "lower", "angle": -1.2, "rigid": false, "stiffness": 1e5, "damping": 1e3, "flag": "retracted"
+            "body": "crank", "limit": "lower", "angle": -1.2, "rigid": false, "stiffness": 1e5, "damping": 1e3,
+                "flag": "retracted"
         });
         gear["stops"]["downstop"]["enabled"] = json!(false);
         let command = &mut gear["actuators"]["actuator"]["hydraulics"]["command"];

@@ -145,7 +145,8 @@ fn bumpers_and_springs_are_in_the_force_and_in_the_balance() {
     let motion = json!({ "profile": "polynomial_345", "duration": 1, "distance": 0.6 });
     let mut definition = lift(&motion);
     definition["stops"] = json!({
-        "buffer": { "joint": "slide", "limit": "upper", "position": 0.9, "rigid": false, "stiffness": 4000, "damping": 50 },
+        "buffer": { "joint": "slide", "limit": "upper", "position": 0.9, "rigid": false, "stiffness": 4000,
+            "damping": 50 },
     });
     definition["springs"] =
         json!({ "spring": { "joint": "slide", "stiffness": 100, "damping": 20, "free_length": 0.2 } });

@@ -19,7 +19,8 @@ fn lift(motion: &Value) -> Value {
         "bodies": { "ground": {}, "load": { "mass": MASS, "inertia": 1, "center": [0, 0] } },
         "joints": {
             "slide": {
-                "type": "prismatic", "first": "ground.origin", "second": "load.origin", "axis_angle": PI / 2.0, "angle": 0,
+                "type": "prismatic", "first": "ground.origin", "second": "load.origin", "axis_angle": PI / 2.0,
+                    "angle": 0,
             },
         },
         "actuators": { "winch": { "joint": "slide", "motion": motion } },

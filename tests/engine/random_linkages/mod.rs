@@ -186,7 +186,8 @@ proptest! {
         let own = coordinates.iter().position(|c| *c == stated).unwrap_or(0);
         let largest = rates.iter().fold(0.0, |a: f64, r| a.max(r.abs()));
         for (i, [q, v, _]) in state.iter().enumerate() {
-            within("built position", (q - linkage.value(coordinates[i])).abs(), ROUNDING * largest / rates[own].abs() / least)?;
+            within("built position", (q - linkage.value(coordinates[i])).abs(),
+                ROUNDING * largest / rates[own].abs() / least)?;
             let expected = speed * rates[i] / rates[own];
             within("built speed", (v - expected).abs(), ROUNDING * speed.abs() * largest / rates[own].abs() / least)?;
         }
@@ -263,7 +264,8 @@ proptest! {
         let ends = |tolerance: f64| {
             let mut run = run.clone();
             given(&linkage, run.simulation.set("solver.tolerance", tolerance))?;
-            Ok::<_, TestCaseError>([given(&linkage, run.end([0.0, 0.0], &whole))?, given(&linkage, run.end([0.0, 0.0], &steps))?])
+            Ok::<_, TestCaseError>([given(&linkage, run.end([0.0, 0.0], &whole))?, given(&linkage, run.end([0.0, 0.0],
+                &steps))?])
         };
         let [(one, few), (_, many)] = ends(tolerance)?;
         let fastest = one.iter().fold(1.0, |a: f64, s| a.max(s[1].abs()));

@@ -1,7 +1,7 @@
 //! Several stops on a side: bumpers with a rigid stop behind them, dead centres behind a bumper, locks at any of them.
-//! Random scenes are held against an integration of their own: the equation of a block or a slider-crank in closed form,
-//! Runge-Kutta's steps of one small size, events by halving such a step. It knows quantities and their stops only, no
-//! places on a curve.
+//! Random scenes are held against an integration of their own: the equation of a block or a slider-crank in closed
+//! form, Runge-Kutta's steps of one small size, events by halving such a step. It knows quantities and their stops
+//! only, no places on a curve.
 
 mod oracle;
 mod release;

@@ -208,7 +208,8 @@ pub fn all() -> Vec<Call> {
             "parameter is NaN" "EEEEE" (|t| &t.parameter, 1, &NAN);
             "parameter is infinite" "EEEEE" (|t| &t.parameter, 1, &INFINITE);
             "parameter is out of its range" "EEEEE" (|t| &t.parameter, 1, &-1.0);
-            "input and parameter out of its range" "EEEEE" (|t| [t.input, t.parameter].as_ptr(), 2, [1.0, -1.0].as_ptr());
+            "input and parameter out of its range" "EEEEE" (|t| [t.input, t.parameter].as_ptr(), 2, [1.0,
+                -1.0].as_ptr());
             "unknown" "EEEEE" (|t| &t.beyond, 1, &0.0);
             "largest reference" "EEEEE" (|_t| &u32::MAX, 1, &0.0);
             "NULL references" "EEEEE" (|_t| null(), 1, &0.0);

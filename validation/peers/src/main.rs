@@ -1,5 +1,5 @@
-//! Scene S1 with this project, by hand and with other Rust solvers, and Andrews' squeezer with this project: run time against
-//! error, one line a setting.
+//! Scene S1 with this project, by hand and with other Rust solvers, and Andrews' squeezer with this project: run time
+//! against error, one line a setting.
 //!
 //! usage: peers modelDescription OUT.csv
 mod explicit;

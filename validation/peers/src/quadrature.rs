@@ -1,9 +1,10 @@
 //! No solver, but what one could do at best: the time to an angle as an integral, from the energy alone.
 //!
 //! From rest and without friction 1/2 I(theta) omega^2 is the work W done since the start, and
-//! t = integral of d(theta) / omega. With theta = theta(s), even in s, the integrand is smooth and even where the motion
-//! starts; so half the nodes of Gauss's rule over [-S, S] give the integral over [0, S]. It answers the easier question:
-//! when is the angle reached, not where is the crank at a time. It serves motions without friction, drag and switches.
+//! t = integral of d(theta) / omega. With theta = theta(s), even in s, the integrand is smooth and even where the
+//! motion starts; so half the nodes of Gauss's rule over [-S, S] give the integral over [0, S]. It answers the easier
+//! question: when is the angle reached, not where is the crank at a time. It serves motions without friction, drag and
+//! switches.
 use crate::four_bar::{self, FourBar, OMEGA, SPAN, START, THETA2};
 use crate::measure::{Point, fastest};
 use std::convert::Infallible;

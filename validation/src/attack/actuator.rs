@@ -1,7 +1,7 @@
 //! Random hydraulic actuators and landing gears with a circuit, with any of what a definition may have.
 //!
-//! In: random numbers. Out: the text of a definition, and the middle and size of what its inputs are set to. It must not
-//! know what is asked of the model.
+//! In: random numbers. Out: the text of a definition, and the middle and size of what its inputs are set to. It must
+//! not know what is asked of the model.
 use super::mechanism::{self, Definition};
 use super::random::Random;
 use serde_json::{Value, json};
@@ -89,7 +89,8 @@ pub fn definition(random: &mut Random) -> Definition {
         });
         let full = random.within(1e7, 2e7);
         json["pump"] = json!({
-            "max_flow": random.decades(1e-5, 1e-3), "full_pressure": full, "max_pressure": full * random.within(1.01, 1.3),
+            "max_flow": random.decades(1e-5, 1e-3), "full_pressure": full, "max_pressure": full * random.within(1.01,
+                1.3),
         });
     }
     mechanism::solver(random, &mut json);

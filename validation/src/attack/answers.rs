@@ -1,5 +1,5 @@
-//! What a random call of a C function may be answered with, for the attacks on each version of FMI, whose statuses have the
-//! same numbers.
+//! What a random call of a C function may be answered with, for the attacks on each version of FMI, whose statuses have
+//! the same numbers.
 use super::probe::Probe;
 use super::random::Random;
 use linkage_fmu::fmi2::host::Message;

@@ -1,6 +1,6 @@
-//! Random calls of the C functions of FMI 3.0, on mechanisms and on the hydraulic actuator, with event mode, early return
-//! and intermediate updates or without: each status is one that the phase allows, a refusal has one line and changes no
-//! Float64, a value that does not exist is told, and the instance goes on.
+//! Random calls of the C functions of FMI 3.0, on mechanisms and on the hydraulic actuator, with event mode, early
+//! return and intermediate updates or without: each status is one that the phase allows, a refusal has one line and
+//! changes no Float64, a value that does not exist is told, and the instance goes on.
 use super::answers::{May, changed, is_early, odd};
 use super::probe::Probe;
 use super::random::Random;
@@ -101,7 +101,8 @@ fn silent(status: Status, values: &[f64]) -> Option<String> {
     is_silent.then(|| format!("values that do not exist without a warning: {values:?}"))
 }
 
-/// What a host does in an intermediate update, given the time [s]: the time at which it asks for the end of the step, if so.
+/// What a host does in an intermediate update, given the time [s]: the time at which it asks for the end of the step,
+/// if so.
 type Update = Box<dyn Fn(&Calls, f64) -> Option<f64>>;
 
 /// What the host does in an intermediate update: reads one variable, sets one, and asks for the end now and then.

@@ -1,5 +1,5 @@
-//! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each is
-//! refused in words, or is a model that starts and steps.
+//! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each
+//! is refused in words, or is a model that starts and steps.
 use super::actuator;
 use super::mechanism;
 use super::probe::Probe;

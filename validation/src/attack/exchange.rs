@@ -1,6 +1,6 @@
-//! Random calls of the C functions of model exchange, of FMI 2.0 and of FMI 3.0: each status is one that the phase allows, a
-//! refusal has one line and changes no Real, no state is taken that is no number, no rate or indicator is given that is none,
-//! and the instance goes on.
+//! Random calls of the C functions of model exchange, of FMI 2.0 and of FMI 3.0: each status is one that the phase
+//! allows, a refusal has one line and changes no Real, no state is taken that is no number, no rate or indicator is
+//! given that is none, and the instance goes on.
 use super::answers::{May, changed, is_early, odd};
 use super::probe::Probe;
 use super::random::Random;
@@ -357,8 +357,8 @@ impl Player<'_> {
 /// A part's case: one instance.
 ///
 /// # Errors
-/// An answer that the phase does not allow, a refusal without a line, or one that changes a Real; states that are taken and
-/// are others; numbers that are none and are told without a warning.
+/// An answer that the phase does not allow, a refusal without a line, or one that changes a Real; states that are taken
+/// and are others; numbers that are none and are told without a warning.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let description = &descriptions()[random.below(descriptions().len())];

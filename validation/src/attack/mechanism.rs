@@ -262,7 +262,8 @@ fn slider_crank(random: &mut Random) -> Parts {
     });
     let radius = |random: &mut Random| crank * random.within(0.0, 0.15);
     json["joints"] = json!({
-        "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": radius(random) },
+        "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin",
+            "pin_radius": radius(random) },
         "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin", "pin_radius": radius(random) },
         "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
         "guide": { "type": "prismatic", "first": "ground.guide", "second": "slider.origin" },

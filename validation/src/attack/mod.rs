@@ -1,8 +1,8 @@
 //! A standing attack: random histories, spoiled states, hostile definitions, scenes against an independent integration,
 //! threads. Each case is made from a seed, which its failure tells.
 //!
-//! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not know
-//! how a mechanism is solved.
+//! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not
+//! know how a mechanism is solved.
 mod actuator;
 mod answers;
 mod calls;
@@ -57,7 +57,8 @@ pub struct Part {
 pub const PARTS: [Part; 12] = [
     Part {
         name: "histories",
-        claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the bit; every state that is written is read back",
+        claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the \
+            bit; every state that is written is read back",
         case: histories::attack,
         count: 12_000,
         share: 0.3,
@@ -65,7 +66,8 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "coupled",
-        claim: "twins of a coupling of gear and actuator, one of them read, saved and restored between any two calls of the exchange, agree to the bit",
+        claim: "twins of a coupling of gear and actuator, one of them read, saved and restored between any two calls \
+            of the exchange, agree to the bit",
         case: coupled::attack,
         count: 1_000,
         share: 0.1,
@@ -73,7 +75,8 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "calls",
-        claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line and changes no Real",
+        claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line \
+            and changes no Real",
         case: calls::attack,
         count: 1_000,
         share: 0.05,
@@ -81,7 +84,8 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "calls3",
-        claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
+        claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one \
+            that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
         case: calls3::attack,
         count: 42_000,
         share: 0.1,
@@ -89,7 +93,9 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "exchange",
-        claim: "random C calls of model exchange in FMI 2.0 and FMI 3.0: each answer is one that the phase allows; a refusal has one line and changes no Real; states that are taken are those that were set; no rate and no indicator is other than a number",
+        claim: "random C calls of model exchange in FMI 2.0 and FMI 3.0: each answer is one that the phase allows; a \
+            refusal has one line and changes no Real; states that are taken are those that were set; no rate and no \
+        indicator is other than a number",
         case: exchange::attack,
         count: 5_000,
         share: 0.05,
@@ -113,7 +119,8 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "scenes",
-        claim: "the motion is within 100 times the tolerance, or what the scene makes of a state moved by it, of an independent integration",
+        claim: "the motion is within 100 times the tolerance, or what the scene makes of a state moved by it, of an \
+            independent integration",
         case: scenes::attack,
         count: 1_000,
         share: 0.28,
@@ -121,7 +128,9 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "kinds",
-        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the tolerance, or what it makes of a state moved by it",
+        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, \
+            rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the \
+        tolerance, or what it makes of a state moved by it",
         case: kinds::attack,
         count: 300,
         share: 0.1,
@@ -129,7 +138,8 @@ pub const PARTS: [Part; 12] = [
     },
     Part {
         name: "metamorphic",
-        claim: "a mechanism that is written in another way (joints twice or the other way round, bodies fixed to others, other units, names, places and scales) gives the outputs that follow, to 1e-6 of the largest",
+        claim: "a mechanism that is written in another way (joints twice or the other way round, bodies fixed to \
+            others, other units, names, places and scales) gives the outputs that follow, to 1e-6 of the largest",
         case: metamorphic::attack,
         count: 10_000,
         share: 0.1,

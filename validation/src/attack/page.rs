@@ -23,7 +23,8 @@ pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
     let only: String = asked.only.iter().map(|part| format!(" --only {part}")).collect();
     let words = format!(
         "`cargo fmu bench attack{only}`, {time} on {} threads, seeds from {}. Case k of a part has the seed {} + k; \
-         `--seed SEED --only PART --count 1 --verbose` runs it alone. A call may take {LONGEST} s of its thread's time.",
+         `--seed SEED --only PART --count 1 --verbose` runs it alone. A call may take {LONGEST} s of its thread's \
+         time.",
         asked.threads, asked.seed, asked.seed
     );
     let mut page = measure::page("Attack", &words);

@@ -1,7 +1,7 @@
 //! What the outputs of a mechanism that is written in another way say of those of the first.
 //!
-//! In: name and unit of an output, the outputs of the other mechanism. Out: the value that follows. It must not know how the
-//! other definition was made.
+//! In: name and unit of an output, the outputs of the other mechanism. Out: the value that follows. It must not know
+//! how the other definition was made.
 use linkage_fmu::variables::Unit;
 use std::collections::BTreeMap;
 

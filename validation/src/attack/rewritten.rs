@@ -1,8 +1,8 @@
 //! The same mechanism written in another way: joints given twice or with their sides exchanged, bodies fixed to a body
 //! without mass, other units and names, the whole moved, mirrored or rescaled.
 //!
-//! In: a definition in SI units without expressions. Out: another one, and what its outputs say of those of the first. It
-//! must not know how a mechanism is solved.
+//! In: a definition in SI units without expressions. Out: another one, and what its outputs say of those of the first.
+//! It must not know how a mechanism is solved.
 use super::relation::{Relation, factor};
 use linkage_fmu::format::written;
 use linkage_fmu::mechanism::definition::{Mechanism, Role};
@@ -161,8 +161,8 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or(0.0)
 }
 
-/// A joint given twice; the second time a prismatic one is shifted along its axis. Nothing is claimed of reactions, which
-/// are shared; friction would follow them.
+/// A joint given twice; the second time a prismatic one is shifted along its axis. Nothing is claimed of reactions,
+/// which are shared; friction would follow them.
 pub fn cloned(definition: &Value, joint: &str, shift: f64) -> Option<Rewritten> {
     if definition["friction"]["enabled"] == true || definition["solver"].get("method").is_some() {
         return None;

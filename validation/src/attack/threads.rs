@@ -1,5 +1,5 @@
-//! Instances of one mechanism that step in threads at once, while the tables they share are built, give the bits of each
-//! alone.
+//! Instances of one mechanism that step in threads at once, while the tables they share are built, give the bits of
+//! each alone.
 use super::histories::{length, outputs, set, written};
 use super::mechanism::{Prepared, definition};
 use super::probe::Probe;

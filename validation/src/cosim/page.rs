@@ -90,7 +90,8 @@ pub fn table(fmus: &Fmus) -> Result<Pages, String> {
         "Coupling of the gear and its hydraulic actuator",
         &format!(
             "The FMU `LandingGearRetraction` (tolerance 1e-12) and {side}, coupled through the functions of FMI 2.0 by \
-             every scheme. Largest error of the crank angle [rad] over the run at communication points, against the run \
+             every scheme. Largest error of the crank angle [rad] over the run at communication points, against the \
+             run \
              of \"{REFERENCE}\" in steps of {FINEST:e} s; x: unstable, a force error of more than {UNSTABLE} N."
         ),
     );

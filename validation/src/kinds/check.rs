@@ -2,8 +2,8 @@
 //! equation.
 //!
 //! Positions: all angles and positions in slides against the closed form at the engine's own coordinate. Speeds and
-//! accelerations likewise. Reactions: Newton and Euler's equations of every body, in which the engine's reactions act and
-//! the accelerations are those of the closed form. Motion: the coordinate against Lagrange's equation.
+//! accelerations likewise. Reactions: Newton and Euler's equations of every body, in which the engine's reactions act
+//! and the accelerations are those of the closed form. Motion: the coordinate against Lagrange's equation.
 use super::angle_apart;
 use super::jet::{Jet, Vector};
 use super::lagrange::{End, Motion, Place};
@@ -109,8 +109,8 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
 }
 
 /// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference, `strongest` the
-/// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the closed
-/// form.
+/// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the
+/// closed form.
 ///
 /// # Errors
 /// An output is refused, or is not finite.
@@ -243,7 +243,8 @@ fn between(sketch: &Sketch, one: &Motion<'_>, other: &Motion<'_>, fastest: f64) 
     Ok(apart(sketch, x, y).abs().max((v - w).abs() / fastest))
 }
 
-/// The farthest that a state moved by the tolerance at one of some instants of a motion, `h` apart, leads from its last.
+/// The farthest that a state moved by the tolerance at one of some instants of a motion, `h` apart, leads from its
+/// last.
 fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
     let Some((last, before)) = track.split_last() else { return 0.0 };
     let mut farthest = 0.0_f64;

@@ -6,8 +6,8 @@ use super::sketch::Miss;
 /// travel, and by what moves it the motion cannot be told.
 const FLAT: f64 = 0.05;
 
-/// The point at the distances `r` from `a` and `s` from `b`: on the left of the line from a to b (side 1) or on its right
-/// (side -1).
+/// The point at the distances `r` from `a` and `s` from `b`: on the left of the line from a to b (side 1) or on its
+/// right (side -1).
 ///
 /// # Errors
 /// The circles are apart or one is in the other; or they nearly touch.

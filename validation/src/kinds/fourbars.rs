@@ -21,8 +21,8 @@ pub const KINDS: &[Kind] = &[
     ("pantograph", pantograph),
 ];
 
-/// A four-bar linkage: ground d, crank a, coupler b with a point in its frame, follower c; on which side of the line from
-/// the crank's end to the follower's bearing their pin is.
+/// A four-bar linkage: ground d, crank a, coupler b with a point in its frame, follower c; on which side of the line
+/// from the crank's end to the follower's bearing their pin is.
 pub fn four_bar(name: &'static str, [d, a, b, c]: [f64; 4], point: [f64; 2], start: f64, side: f64) -> Sketch {
     Sketch::new(name, start, move |t| {
         let (o, far) = (fixed(0.0, 0.0), fixed(d, 0.0));
@@ -84,8 +84,8 @@ fn antiparallelogram(vary: &mut Vary) -> Sketch {
     .rod("follower", 1, 3, a)
 }
 
-/// Ground and crank are equal, coupler and follower too: their pin is on the crank's bisector, and the follower makes one
-/// turn for two of the crank.
+/// Ground and crank are equal, coupler and follower too: their pin is on the crank's bisector, and the follower makes
+/// one turn for two of the crank.
 fn kite(vary: &mut Vary) -> Sketch {
     let [a, l] = vary.lengths([0.1, 0.25]);
     Sketch::new("Kite", vary.angle(1.0, 0.5), move |t| {

@@ -40,7 +40,8 @@ pub struct Motion<'a> {
     pub fastest: f64,
     /// Whether a stop holds it.
     pub held: bool,
-    /// Sign of the rate with which it left a stop from rest. Without a damper it comes back to that stop at rest: a graze.
+    /// Sign of the rate with which it left a stop from rest. Without a damper it comes back to that stop at rest: a
+    /// graze.
     released: f64,
     step: f64,
     taken: u32,

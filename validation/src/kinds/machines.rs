@@ -21,8 +21,8 @@ fn barrel(foot: Vector, to: Vector, length: f64) -> Vector {
     foot + (Jet::from(length) / apart.norm()) * apart
 }
 
-/// With a cylinder: its barrel from the point `foot` to the point `end`, its rod at the point `at`. The position in it is
-/// the coordinate.
+/// With a cylinder: its barrel from the point `foot` to the point `end`, its rod at the point `at`. The position in it
+/// is the coordinate.
 fn cylinder(sketch: Sketch, [foot, end, at]: [usize; 3], length: f64) -> Sketch {
     let (barrel, slide) = (sketch.bodies.len(), sketch.slides.len());
     sketch.rod("barrel", foot, end, length).block("rod", at, barrel, foot, 0.0).by(Coordinate::Position(slide))

@@ -71,8 +71,8 @@ fn stephenson_one(vary: &mut Vary) -> Sketch {
     .rod("upper", 5, 6, q)
 }
 
-/// Input and floating body have three pins each, and two rods between them: a four-bar linkage that moves as a whole. The
-/// angle in it is the parameter: the distance of the third pins then gives how it stands.
+/// Input and floating body have three pins each, and two rods between them: a four-bar linkage that moves as a whole.
+/// The angle in it is the parameter: the distance of the third pins then gives how it stands.
 fn stephenson_two(vary: &mut Vary) -> Sketch {
     let [e, a, b, c, g, rocker] = vary.lengths([0.3, 0.1, 0.28, 0.25, 0.45, 0.3]);
     let (foot, third) = ([0.1, -0.15], [0.15, 0.15]);

@@ -281,8 +281,8 @@ impl Sketch {
         }
     }
 
-    /// How far the closed form leaves the points of the bodies from where their lengths have them, and blocks from their
-    /// guides, as a part of the size; None where it has no value.
+    /// How far the closed form leaves the points of the bodies from where their lengths have them, and blocks from
+    /// their guides, as a part of the size; None where it has no value.
     pub fn gap(&self, parameter: f64) -> Option<f64> {
         let places = (self.places)(Jet::variable(parameter)).ok()?;
         let poses = self.poses(&places);

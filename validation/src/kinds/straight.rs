@@ -20,8 +20,9 @@ pub const KINDS: &[Kind] = &[
     ("level-luffing jib", jib),
 ];
 
-/// Arms l and a rhombus s, of which O, P, A, Q are corners and ends: |OP| |OQ| = l^2 - s^2, so that Q moves on a straight
-/// line if P does on a circle through O. The parameter is the angle of the rhombus, which passes both flat positions.
+/// Arms l and a rhombus s, of which O, P, A, Q are corners and ends: |OP| |OQ| = l^2 - s^2, so that Q moves on a
+/// straight line if P does on a circle through O. The parameter is the angle of the rhombus, which passes both flat
+/// positions.
 fn peaucellier(vary: &mut Vary) -> Sketch {
     let [l, s, c] = vary.lengths([0.5, 0.2, 0.45]);
     Sketch::new("Peaucellier", vary.angle(0.9, 0.3), move |beta| {

@@ -66,7 +66,8 @@ pub fn contact(root: Node) -> Option<String> {
     let first = touching.next()?;
     let other = touching.find(|geom| geom.parent() != first.parent())?;
     Some(format!(
-        "contact between geoms, such as {} and {}, is left out: bodies pass through each other; let stops end the travel",
+        "contact between geoms, such as {} and {}, is left out: bodies pass through each other; let stops end the \
+         travel",
         at(first),
         at(other)
     ))

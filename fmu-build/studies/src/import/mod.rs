@@ -1,7 +1,7 @@
 //! `cargo fmu import`: mechanisms of other programs as definitions.
 //!
-//! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF) or ROS (URDF), or a table of joints. Out: the text
-//! of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
+//! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF) or ROS (URDF), or a table of joints. Out: the
+//! text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
 
 mod defaults;
 mod left_out;

@@ -1,7 +1,7 @@
 //! Files and links of PMKS+, the web program: sections between dots, numbers with the base 64.
 //!
-//! In: text. Out: the planar linkage with its masses and forces. Versions from 2023 on are read; a later version adds to
-//! the records of an earlier one.
+//! In: text. Out: the planar linkage with its masses and forces. Versions from 2023 on are read; a later version adds
+//! to the records of an earlier one.
 
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use super::pmks::unescaped;
@@ -308,8 +308,8 @@ impl<'a> Builder<'a> {
         (0..self.roots.len()).filter(|&at| holds(&self.roots[at])).map(|at| at + 1).collect()
     }
 
-    /// Bodies that a welded joint holds together: a bar of parts that meet there with blocks, as PMKS+ welds all bars that
-    /// are there into one, and pins those that come later. Without such a bar, all that are there.
+    /// Bodies that a welded joint holds together: a bar of parts that meet there with blocks, as PMKS+ welds all bars
+    /// that are there into one, and pins those that come later. Without such a bar, all that are there.
     fn welded(&self, pin: &Pin, bodies: &[usize]) -> Vec<usize> {
         let meets = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
         let is_weld = |body: &usize| {
@@ -401,7 +401,8 @@ impl<'a> Builder<'a> {
             None if is_grounded => (0, pin.angle),
             None => bail!("the slide is neither grounded nor in a link"),
         };
-        // Without a block of its own the links are hinged on one without mass, or slide themselves where they do not turn.
+        // Without a block of its own the links are hinged on one without mass, or slide themselves where they do not
+        // turn.
         let rider = match block {
             Some(block) => block,
             None if pin.is_welded => *bodies.first().context("nothing slides")?,

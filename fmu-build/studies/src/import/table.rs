@@ -1,4 +1,5 @@
-//! Joints in a table, as PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it joins.
+//! Joints in a table, as PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it
+//! joins.
 //!
 //! In: text of Pyslvs or CSV. Out: rows, and the linkage that rows give. No such program has masses.
 
@@ -121,8 +122,9 @@ fn parts(text: &str) -> Result<Vec<&str>> {
     Ok(all)
 }
 
-/// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven` where
-/// wanted. Spreadsheets of half the world write semicolons and decimal commas, which are taken too, as are tabulators.
+/// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven`
+/// where wanted. Spreadsheets of half the world write semicolons and decimal commas, which are taken too, as are
+/// tabulators.
 ///
 /// # Errors
 /// A column is missing, a row is none.

@@ -21,7 +21,8 @@ use std::path::Path;
 
 /// Most frames.
 const FRAMES: usize = 120;
-/// Shortest and longest time that a film plays [s]: a motion that takes less is slowed down, one that takes more sped up.
+/// Shortest and longest time that a film plays [s]: a motion that takes less is slowed down, one that takes more sped
+/// up.
 const PLAYED: [f64; 2] = [3.0, 8.0];
 /// Shortest time for which a frame is shown, in hundredths of a second: browsers show those of less for longer.
 const SHORTEST: f64 = 3.0;

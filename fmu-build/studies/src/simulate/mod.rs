@@ -1,7 +1,7 @@
 //! `cargo fmu simulate`: a run of a model by the engine itself, with the options that FMPy has.
 //!
-//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV or
-//! Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
+//! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV
+//! or Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
 
 mod film;
 mod parquet;

@@ -68,7 +68,8 @@ pub fn write(path: &Path, picture: &Picture) -> Result<()> {
     let (panels, left_out) = panels(picture);
     if left_out > 0 {
         eprintln!(
-            "note: {left_out} variables are not drawn, as a picture has {PANELS} panels of {LINES} lines at most; name those to \
+            "note: {left_out} variables are not drawn, as a picture has {PANELS} panels of {LINES} lines at most; name \
+             those to \
              draw by --output-variables"
         );
     }
@@ -122,8 +123,8 @@ where
     Ok(area.present()?)
 }
 
-/// One panel. `is_joined`: each line is one path; else each of its segments is one, as the corners of wide lines stick far
-/// out in bitmaps where a line turns back.
+/// One panel. `is_joined`: each line is one path; else each of its segments is one, as the corners of wide lines stick
+/// far out in bitmaps where a line turns back.
 fn draw_panel<B: DrawingBackend>(
     area: &DrawingArea<B, Shift>,
     panel: &Panel,

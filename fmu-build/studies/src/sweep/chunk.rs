@@ -1,7 +1,7 @@
 //! A chunk of runs: the unit in which a study is made, kept and resumed.
 //!
-//! In: a design, a runner, the number of the chunk. Out: its bytes: for each run the values of factors and responses; then
-//! the remarks, each with its run and whether it is why the run failed.
+//! In: a design, a runner, the number of the chunk. Out: its bytes: for each run the values of factors and responses;
+//! then the remarks, each with its run and whether it is why the run failed.
 
 use super::design::Design;
 use super::run::Runner;

@@ -1,7 +1,7 @@
 //! A cluster of Dask that makes the chunks of a study.
 //!
-//! In: the chunks to be made. Out: their bytes, in the order in which they are done. A program in Python hands them to the
-//! workers, which run the packed FMU through FMPy; Dask makes the chunk of a worker that is lost again.
+//! In: the chunks to be made. Out: their bytes, in the order in which they are done. A program in Python hands them to
+//! the workers, which run the packed FMU through FMPy; Dask makes the chunk of a worker that is lost again.
 
 use super::chunk::{self, Cut};
 use super::design::Design;
@@ -54,8 +54,8 @@ pub struct Work<'a> {
     pub cut: &'a Cut,
 }
 
-/// The FMU of the mechanism at this path: itself, if it is of FMI 2.0 and of this program, so that its variables and its bits
-/// are those of the model here; else one that is packed into the folder.
+/// The FMU of the mechanism at this path: itself, if it is of FMI 2.0 and of this program, so that its variables and
+/// its bits are those of the model here; else one that is packed into the folder.
 ///
 /// # Errors
 /// The FMU cannot be read; none can be packed.
@@ -150,8 +150,8 @@ pub fn run(
         };
         let result = next();
         if result.is_err() || left > 0 {
-            // The program leaves the workers as they were when its plan is gone. The pipes end with it, and with them the
-            // two threads.
+            // The program leaves the workers as they were when its plan is gone. The pipes end with it, and with them
+            // the two threads.
             let _ = fs::remove_file(&told);
             let patience = Instant::now() + PATIENCE;
             while matches!(child.try_wait(), Ok(None)) && Instant::now() < patience {

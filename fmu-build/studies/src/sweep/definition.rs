@@ -1,7 +1,7 @@
 //! A study as its file states it.
 //!
-//! In: the text of `study.json`. Out: its sections, each key with a value of its type. It must not know the model: names of
-//! variables are only texts here.
+//! In: the text of `study.json`. Out: its sections, each key with a value of its type. It must not know the model:
+//! names of variables are only texts here.
 
 use anyhow::{Context, Result};
 use fmu_build::files;
@@ -141,8 +141,8 @@ words! {
         LatinHypercube = "latin_hypercube",
         /// Sobol's sequence with a random digital shift.
         Sobol = "sobol",
-        /// Saltelli's design for Sobol's indices, made of Sobol's sequence: `count` points and as many again, and for each
-        /// factor the first ones with its values from the second.
+        /// Saltelli's design for Sobol's indices, made of Sobol's sequence: `count` points and as many again, and for
+        /// each factor the first ones with its values from the second.
         Saltelli = "saltelli",
     }
 }

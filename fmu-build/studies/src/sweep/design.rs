@@ -1,8 +1,8 @@
 //! The design of a study: which values the factors have in each run.
 //!
-//! In: factors, samples, points of a file. Out: the values of any run, the same whichever was asked for before. Every point
-//! of the file is combined with every point of the grid, and these with every sample; runs are in this order, and of the
-//! grid the factor stated last changes first. It must not know how a run is made.
+//! In: factors, samples, points of a file. Out: the values of any run, the same whichever was asked for before. Every
+//! point of the file is combined with every point of the grid, and these with every sample; runs are in this order, and
+//! of the grid the factor stated last changes first. It must not know how a run is made.
 
 use super::definition::{self, Definition, Normal, Setting};
 use super::points::Points;

@@ -31,7 +31,8 @@ pub fn warning(
     }
     if design.runs() > MOST {
         bail!(
-            "{} runs: at most {MOST} are made; take fewer values for the factors, or samples (sampling) in the place of a full grid",
+            "{} runs: at most {MOST} are made; take fewer values for the factors, or samples (sampling) in the place \
+             of a full grid",
             design.runs()
         );
     }
@@ -57,8 +58,10 @@ pub fn warning(
 fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
     let all = runs as f64;
     format!(
-        "{runs} runs: the results will take about {} on the disk, and as much besides until all runs are made; at {} a run, \
-         as the first ones take, the study will take about {} on one core; it has {chunks} parts for --resume to go on from; \
+        "{runs} runs: the results will take about {} on the disk, and as much besides until all runs are made; at {} a \
+         run, \
+         as the first ones take, the study will take about {} on one core; it has {chunks} parts for --resume to go on \
+         from; \
          take fewer values for the factors, or samples (sampling) in the place of a full grid",
         amount(all * bytes, &BYTES),
         amount(seconds, &TIMES),

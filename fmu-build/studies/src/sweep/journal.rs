@@ -1,7 +1,8 @@
 //! The journal of a study: the chunks that are done, in the order in which they were.
 //!
-//! In: chunks with their bytes. Out: which chunks are done, and their bytes again. A record has a check sum; what was being
-//! written when a run was ended is cut off, so that a chunk is there whole or not at all. It must not know what a chunk holds.
+//! In: chunks with their bytes. Out: which chunks are done, and their bytes again. A record has a check sum; what was
+//! being written when a run was ended is cut off, so that a chunk is there whole or not at all. It must not know what a
+//! chunk holds.
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::codec::checksum::fnv1a;
@@ -28,8 +29,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Open the journal of the study with this identity: a new one, or with `resumes` the one that stands there, if there is
-    /// one.
+    /// Open the journal of the study with this identity: a new one, or with `resumes` the one that stands there, if
+    /// there is one.
     ///
     /// # Errors
     /// The file cannot be made or read; one stands there and is not to be resumed, is of another study, or is in use.
@@ -63,7 +64,8 @@ impl Journal {
         let known = journal(&mut file).with_context(|| format!("{shown}: cannot be read"))?;
         let Some((done, end)) = known else {
             bail!(
-                "{shown}: is of another study, or the study or its mechanism has changed since; name another folder with --out"
+                "{shown}: is of another study, or the study or its mechanism has changed since; name another folder \
+                 with --out"
             );
         };
         file.set_len(end).with_context(|| format!("{shown}: cannot be written"))?;

@@ -1,7 +1,7 @@
 //! `cargo fmu sweep`: many runs of a mechanism, as a study states them.
 //!
-//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design, whatever
-//! the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
+//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design,
+//! whatever the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
 
 mod bar;
 mod chunk;
@@ -79,7 +79,8 @@ struct Study {
 /// Make the runs of a study and write their results.
 ///
 /// # Errors
-/// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no error.
+/// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no
+/// error.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let study = Study::read(workspace, &arguments.study)?;
     let columns = results::columns(&study.task)?;

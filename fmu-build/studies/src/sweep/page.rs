@@ -1,7 +1,7 @@
 //! The pictures of a study: a page for the browser and PNG files, drawn by a program in Python from the results.
 //!
-//! In: the results, and what their columns stand for. Out: files in the folder of the results. It must not know how a run
-//! is made.
+//! In: the results, and what their columns stand for. Out: files in the folder of the results. It must not know how a
+//! run is made.
 
 use super::definition::{Definition, Method};
 use super::results::{Column, Content};

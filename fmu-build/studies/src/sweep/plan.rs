@@ -1,6 +1,7 @@
 //! What the workers of a cluster need to know of a study, as JSON.
 //!
-//! In: what all runs share. Out: variables by reference, steps, responses; texts of messages, so that they are the same there.
+//! In: what all runs share. Out: variables by reference, steps, responses; texts of messages, so that they are the same
+//! there.
 
 use super::responses::{Measure, Responses};
 use super::run::Task;

@@ -1,8 +1,8 @@
 //! The points of a study in a file: a column for each factor, a line for each point.
 //!
-//! In: a CSV file. Out: the values of any line. The file is read once and checked; then blocks of lines are read where they
-//! are wanted, so that memory stays constant. It must not change meanwhile: a line that cannot be read again gives NaN,
-//! which no model takes.
+//! In: a CSV file. Out: the values of any line. The file is read once and checked; then blocks of lines are read where
+//! they are wanted, so that memory stays constant. It must not change meanwhile: a line that cannot be read again gives
+//! NaN, which no model takes.
 
 use super::definition::Setting;
 use super::design::{Factor, coded, variable};

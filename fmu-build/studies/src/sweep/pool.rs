@@ -1,7 +1,7 @@
 //! The threads that make the chunks of a study on this machine.
 //!
-//! In: the chunks to be made. Out: their bytes, in the order in which they are done. Each thread has a model of its own, so
-//! that threads share nothing that is written.
+//! In: the chunks to be made. Out: their bytes, in the order in which they are done. Each thread has a model of its
+//! own, so that threads share nothing that is written.
 
 use super::chunk::{self, Cut};
 use super::design::Design;
@@ -16,8 +16,8 @@ use std::sync::mpsc::sync_channel;
 /// Chunks of each thread that may wait to be kept.
 const WAITING: usize = 4;
 
-/// Make these chunks on so many threads; `keep` is called here with each that is done. With `stop_wish`, chunks that are
-/// being made are left.
+/// Make these chunks on so many threads; `keep` is called here with each that is done. With `stop_wish`, chunks that
+/// are being made are left.
 ///
 /// # Errors
 /// The threads cannot be made; a model cannot be made; an error of `keep`.

@@ -1,6 +1,7 @@
 //! The responses of a study: what is told of each run.
 //!
-//! In: the model at the communication instants of a run. Out: numbers, in the order of the columns; NaN where there is none.
+//! In: the model at the communication instants of a run. Out: numbers, in the order of the columns; NaN where there is
+//! none.
 
 use super::definition::{self, Definition};
 use super::scenario::{Event, Scenario, event};
@@ -95,8 +96,8 @@ impl Responses {
     /// The responses that a study states.
     ///
     /// # Errors
-    /// A name that no variable has, a response of no or of several kinds, one that needs communication instants where the
-    /// scenario has none, an instant after the end.
+    /// A name that no variable has, a response of no or of several kinds, one that needs communication instants where
+    /// the scenario has none, an instant after the end.
     pub fn new(study: &Definition, scenario: &Scenario, model: &Component) -> Result<Self> {
         let mut all = Self { list: Vec::new(), events: Vec::new(), columns: Vec::new() };
         for (name, stated) in study.responses.iter() {

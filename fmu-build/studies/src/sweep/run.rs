@@ -1,7 +1,7 @@
 //! One run of a study.
 //!
-//! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then ready
-//! for the next run. Every run begins with an initialisation, so that none depends on those before it.
+//! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then
+//! ready for the next run. Every run begins with an initialisation, so that none depends on those before it.
 
 use super::design::{Call, Factor};
 use super::responses::{Measure, Progress, Responses};
@@ -11,8 +11,8 @@ use fmu_build::start_values::set_reals;
 use linkage_fmu::component::{Component, Snapshot, Stepped};
 use linkage_fmu::numerics::decimal::Decimal;
 
-/// Time after an event at which its state is looked for first, relative to the time: rounding has a step that ends nearer
-/// mostly end before it.
+/// Time after an event at which its state is looked for first, relative to the time: rounding has a step that ends
+/// nearer mostly end before it.
 const JUST_AFTER: f64 = 64.0 * f64::EPSILON;
 /// Most steps that the search for an event takes.
 const MOST_HALVINGS: u32 = 1100;
@@ -159,8 +159,8 @@ impl<'a> Runner<'a> {
         Ok(Some((event, self.time_of(event, step)?)))
     }
 
-    /// Tell the times of events that this step is the first to meet, until `end` [s]; that of the event that ends the run
-    /// is known.
+    /// Tell the times of events that this step is the first to meet, until `end` [s]; that of the event that ends the
+    /// run is known.
     fn find_events(&mut self, step: &Step, stop: Option<(Event, f64)>, end: f64, values: &mut [f64]) -> Result<()> {
         let responses = &self.task.responses;
         for (index, event) in responses.events.iter().enumerate() {
@@ -187,8 +187,8 @@ impl<'a> Runner<'a> {
         Ok(self.model.restore(before)?)
     }
 
-    /// Time of the first impact of an event that this step, which is made, has met [s]. The model tells the time of the last
-    /// one; of several, the step is halved until it has the first one only.
+    /// Time of the first impact of an event that this step, which is made, has met [s]. The model tells the time of the
+    /// last one; of several, the step is halved until it has the first one only.
     fn time_of(&mut self, event: Event, step: &Step) -> Result<f64> {
         if self.count(event)? == 1.0 {
             return Ok(self.model.real(event.time)?);

@@ -1,7 +1,8 @@
 //! The scenario of a study: the steps of a run and what the inputs are set to in each.
 //!
-//! In: stop time, interval, inputs over time, instants of responses. Out: the steps, the same for all runs. They are those
-//! that `cargo fmu simulate` makes, and end besides at every corner of an input over time and at every instant that a response names.
+//! In: stop time, interval, inputs over time, instants of responses. Out: the steps, the same for all runs. They are
+//! those that `cargo fmu simulate` makes, and end besides at every corner of an input over time and at every instant
+//! that a response names.
 
 use super::definition::{Definition, Input, Setting};
 use super::design::{settable, shown};
@@ -78,7 +79,8 @@ impl Scenario {
             && !(interval > 0.0 && interval.is_finite() && stop / interval <= MOST_STEPS)
         {
             bail!(
-                "scenario.output_interval = {interval:?}: must be > 0 s, and at most {MOST_STEPS:e} make the stop time {stop:?} s"
+                "scenario.output_interval = {interval:?}: must be > 0 s, and at most {MOST_STEPS:e} make the stop time \
+                 {stop:?} s"
             );
         }
         let mut start = constants("start_values", study.start_values.iter(), model)?;
@@ -220,7 +222,8 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
         Some(variable) if variable.causality != Causality::Input => {
             let what = variable.causality.word().to_lowercase();
             bail!(
-                "{key}: is no input but a {what}; state it in start_values, or as a factor if it differs from run to run"
+                "{key}: is no input but a {what}; state it in start_values, or as a factor if it differs from run to \
+                 run"
             )
         }
         _ => Ok(()),

@@ -1,7 +1,7 @@
 //! Samples in the unit cube: independent ones, a Latin hypercube, Sobol's sequence.
 //!
-//! In: a method, the number of samples and of dimensions, a seed. Out: any coordinate of any sample, the same whichever was
-//! asked for before. It must not know what a coordinate stands for.
+//! In: a method, the number of samples and of dimensions, a seed. Out: any coordinate of any sample, the same whichever
+//! was asked for before. It must not know what a coordinate stands for.
 
 use super::definition::{Method, Sampling};
 use rand_chacha::ChaCha8Rng;
@@ -34,7 +34,8 @@ pub fn each(method: Method, factors: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct UnitCube {
     sampling: Sampling,
-    /// Of each dimension: its stream of random bits, at the place that was read last. Samples in their order go on in it.
+    /// Of each dimension: its stream of random bits, at the place that was read last. Samples in their order go on in
+    /// it.
     random: Vec<ChaCha8Rng>,
     /// Of each dimension: direction numbers of Sobol's sequence, and its shift.
     sobol: Vec<(Vec<u64>, u64)>,
@@ -100,8 +101,9 @@ impl UnitCube {
         random.next_u64()
     }
 
-    /// The part of a factor's range that a sample of the Latin hypercube is in: a permutation of the samples. A network of
-    /// Feistel permutes the numbers of an even number of bits, and is repeated until the result is one of the samples.
+    /// The part of a factor's range that a sample of the Latin hypercube is in: a permutation of the samples. A network
+    /// of Feistel permutes the numbers of an even number of bits, and is repeated until the result is one of the
+    /// samples.
     fn permuted(&self, sample: u64, dimension: usize) -> u64 {
         let count = self.sampling.count;
         let half = (64 - (count - 1).leading_zeros()).div_ceil(2).max(1);
@@ -203,7 +205,8 @@ mod tests {
         assert_eq!([open(0), open(u64::MAX)].map(|x| x > 0.0 && x < 1.0), [true; 2]);
     }
 
-    /// The order that SALib's analysis takes: the first point, for each factor this with its value from the second, the second.
+    /// The order that SALib's analysis takes: the first point, for each factor this with its value from the second, the
+    /// second.
     #[test]
     fn saltellis_design_changes_one_factor_at_a_time() {
         let mut cube = UnitCube::new(Sampling { method: Method::Saltelli, count: 4, seed: 3 }, 3);

@@ -123,7 +123,8 @@ fn pyslvs_and_a_table() {
     // Three points of the lever at 0, 0.3 and 0.9 m: centre 0.4 m, square 0.14 m2.
     let inputs = [("drive.torque", 1.5), ("motor.torque", 1.5)];
     compare(Form::Pyslvs, pyslvs, &hand, inputs, &pairs);
-    let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground link_2,\n\
+    let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground \
+        link_2,\n\
                  R,-0.4,0,,link_2,\n";
     let notes = compare(Form::Table, table, &hand, inputs, &pairs);
     assert!(!notes.join("\n").contains("no drive"));
@@ -194,7 +195,8 @@ fn mjcf() {
     assert_says(&refusal(Form::Mjcf, "<mujoco"), &["no XML"]);
     for (geom, told) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
         let text = format!(
-            "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" {geom}/></body></worldbody></mujoco>"
+            "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" \
+             {geom}/></body></worldbody></mujoco>"
         );
         assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be below 0"]);
     }
@@ -206,11 +208,13 @@ fn mjcf() {
 /// A pendulum with a bob fixed to it, turned by its origins.
 const URDF: &str = r#"<robot name="pendulum">
   <link name="base"/>
-  <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/><inertia ixx="0.01" iyy="0.02" izz="0.001"/></inertial></link>
+  <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/>
+    <inertia ixx="0.01" iyy="0.02" izz="0.001"/></inertial></link>
   <link name="bob"><inertial><mass value="2"/><inertia ixx="0.003" iyy="0.003" izz="0.003"/></inertial></link>
   <joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0.1 0 1" rpy="0 0.4 0"/>
     <axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="1" velocity="1"/><dynamics damping="0.05"/></joint>
-  <joint name="weld" type="fixed"><parent link="arm"/><child link="bob"/><origin xyz="0 0 -0.4" rpy="1.5708 0 0"/></joint>
+  <joint name="weld" type="fixed"><parent link="arm"/><child link="bob"/>
+    <origin xyz="0 0 -0.4" rpy="1.5708 0 0"/></joint>
 </robot>"#;
 
 #[test]

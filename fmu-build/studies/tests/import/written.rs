@@ -85,7 +85,8 @@ fn link_of_pmks_plus() {
         ("E.x", "tip.x", 0.0),
         ("E.velocity_x", "tip.velocity_x", 0.0),
     ];
-    // The weld is at the joint of the parts, where the coupler is pinned; and at the ground, which is no part of a weld.
+    // The weld is at the joint of the parts, where the coupler is pinned; and at the ground, which is no part of a
+    // weld.
     let at_pin = PLUS_LINK.replacen(".GC,C,", ".OC,C,", 1).replacen(".OE,E,", ".GE,E,", 1);
     let at_ground = at_pin.replacen(".KD,D,", ".SD,D,", 1);
     assert!(at_pin != PLUS_LINK && at_ground != at_pin);
@@ -145,11 +146,12 @@ fn slots_of_pmks_plus() {
 #[test]
 fn json_of_pmks() {
     let text = "name=Imported\nmech=\nground,crank,R,0.000,0.000,tfft\ncrank,coupler,R,80.000,60.000,tfff\n\
-                coupler,rocker,R,280.000,180.000,tfff\nrocker,ground,R,300.000,0.000,tfff\ncoupler,R,200.000,220.000,tfff\n";
+                coupler,rocker,R,280.000,180.000,tfff\nrocker,ground,R,300.000,0.000,tfff\n\
+                coupler,R,200.000,220.000,tfff\n";
     let json = include_str!("files/pmks_four_bar.json");
     assert_eq!(definition(Form::Pmks, json), definition(Form::Pmks, text));
-    let link = "http://localhost/pmks.html?set=s5&mech=ground%20crank%20R%200%200%200%20tfft|crank%20coupler%20R%2080%2060\
-                %200%20tfff|coupler%20rocker%20R%20280%20180%200%20tfff|rocker%20gnd%20R%20300%200%200%20tfff|\
+    let link = "http://localhost/pmks.html?set=s5&mech=ground%20crank%20R%200%200%200%20tfft|crank%20coupler%20R%2080%20\
+                60%200%20tfff|coupler%20rocker%20R%20280%20180%200%20tfff|rocker%20gnd%20R%20300%200%200%20tfff|\
                 coupler%20R%20200%20220%200%20tfff|";
     assert_eq!(definition(Form::Pmks, link), definition(Form::Pmks, text));
     let text =
@@ -169,7 +171,8 @@ fn file_of_pyslvs() {
     let text = include_str!("files/quick_return.pyslvs");
     let own =
         values(&definition(Form::Pyslvs, text).to_string(), ("drive.torque", 1.5), &["link_2.angle", "point_4.y"]);
-    let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground link_2,\n\
+    let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground \
+        link_2,\n\
                  R,-0.4,0,,link_2,\n";
     let expected =
         values(&definition(Form::Table, table).to_string(), ("drive.torque", 1.5), &["link_2.angle", "point_4.y"]);

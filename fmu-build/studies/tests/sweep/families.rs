@@ -6,10 +6,12 @@ use std::fs;
 
 /// A pendulum whose length is the difference of two parameters.
 const PENDULUM: &str = r#"{
-    "name": "Pendulum", "parameters": { "inner": 0.1, "outer": 0.3 }, "gravity": { "acceleration": 9.81, "up_angle": 1.5 },
+    "name": "Pendulum", "parameters": { "inner": 0.1, "outer": 0.3 }, "gravity": { "acceleration": 9.81,
+        "up_angle": 1.5 },
     "bodies": { "ground": {}, "bar": { "length": "outer - inner", "mass": 1, "shape": "uniform_rod" } },
     "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "bar.origin" } },
-    "start": { "body": "bar", "angle": 0.5 }, "guess": { "bar": 0.5 }, "experiment": { "stop_time": 0.5, "step_size": 0.01 }
+    "start": { "body": "bar", "angle": 0.5 }, "guess": { "bar": 0.5 }, "experiment": { "stop_time": 0.5,
+        "step_size": 0.01 }
 }"#;
 
 /// Set one after the other, 0.4 and 0.6 pass through a length below 0 or not, as the run before has it.

@@ -41,7 +41,8 @@ fn what_is_wrong_is_said_in_one_line() {
         (
             with(
                 "factors",
-                json!({ "crank.mass": { "range": [1, 2], "steps": 1_000_000 }, "crank.length": { "range": [1, 2], "steps": 1_000_000 } }),
+                json!({ "crank.mass": { "range": [1, 2], "steps": 1_000_000 }, "crank.length": { "range": [1, 2],
+                    "steps": 1_000_000 } }),
             ),
             "1000000000000 runs: at most 100000000000 are made",
         ),
@@ -93,7 +94,10 @@ fn what_is_wrong_is_said_in_one_line() {
         assert!(message.contains(said), "{said}\n{message}");
     }
     let family = Workspace::locate().descriptions().join("FourBarFamily");
-    let of_family = |key: &str, value: Value| json!({ "mechanism": family, key: value, "responses": { "r": { "final": "tip.x" } } });
+    let of_family = |key: &str, value: Value| {
+        json!({ "mechanism": family, key: value, "responses": { "r": {
+        "final": "tip.x" } } })
+    };
     fs::write(folder.0.join("lengths.csv"), "size,crank.length\n0.3,0.1\n").unwrap();
     let calculated = "crank.length is calculated, \"size / 3\", and cannot be set: set size";
     for study in [

@@ -76,11 +76,14 @@ fn rows_are_those_of_simulate_to_the_bit() {
 fn a_run_ends_at_its_event() {
     let folder = Folder::new("event");
     let rows = folder.rows(json!({
-        "factors": { "upstop.restitution": { "values": [0, 0.5, 0.9] }, "actuator.force": { "values": [-20000, 30000, 34000] } },
+        "factors": { "upstop.restitution": { "values": [0, 0.5, 0.9] }, "actuator.force": { "values": [-20000, 30000,
+            34000] } },
         "scenario": { "stop_time": 0.5, "stop_at": "retracted" },
         "responses": {
-            "met": { "event": "retracted" }, "down": { "event": "extended" }, "count": { "final": "upstop.impact_count" },
-            "angle": { "final": "crank.angle" }, "up": { "final": "retracted" }, "blow": { "final": "upstop.impact_impulse" },
+            "met": { "event": "retracted" }, "down": { "event": "extended" }, "count": {
+                "final": "upstop.impact_count" },
+            "angle": { "final": "crank.angle" }, "up": { "final": "retracted" }, "blow": {
+                "final": "upstop.impact_impulse" },
         },
     }));
     for row in 0..9 {
@@ -116,7 +119,8 @@ fn a_ramp_is_followed_within_a_step() {
     let folder = Folder::new("ramp");
     let study = |interval: Option<f64>| {
         let mut scenario = json!({
-            "stop_time": 0.5, "stop_at": "retracted", "inputs": { "actuator.force": [[0, 0], [0.05, 30000]], "load_factor": 1 }
+            "stop_time": 0.5, "stop_at": "retracted", "inputs": { "actuator.force": [[0, 0], [0.05, 30000]],
+                "load_factor": 1 }
         });
         if let Some(interval) = interval {
             scenario["output_interval"] = json!(interval);

@@ -13,8 +13,8 @@ use tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
 /// h |lambda| at about which the interval of stability ends on the negative real axis; Solving ODEs II (1996), IV.2.
 pub const STABLE_TO: f64 = 6.1;
 
-/// Part of the square of the estimate of order 3 that an error is at least. Of a harmonic oscillation it is just what the
-/// error is, so that smooth motions take the same steps with and without it.
+/// Part of the square of the estimate of order 3 that an error is at least. Of a harmonic oscillation it is just what
+/// the error is, so that smooth motions take the same steps with and without it.
 const LEAST: f64 = 1.0 / 32.0;
 
 /// f at the 12 stages and at the end.
@@ -110,9 +110,9 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         Outcome { last: k[STAGES], stages: Self(k), end, carry: lost }
     }
 
-    /// Error estimate over the tolerance: II.10, eq. (10.17), but at least a part [`LEAST`] of the square of the estimate of
-    /// order 3 over the tolerance, which is of the same order. Where the estimate of order 5 passes 0, within a step,
-    /// it alone would tell nothing.
+    /// Error estimate over the tolerance: II.10, eq. (10.17), but at least a part [`LEAST`] of the square of the
+    /// estimate of order 3 over the tolerance, which is of the same order. Where the estimate of order 5 passes 0,
+    /// within a step, it alone would tell nothing.
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);
         for n in 0..S::LEADING {

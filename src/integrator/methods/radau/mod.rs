@@ -108,8 +108,8 @@ impl<const N: usize> Path<N> for Radau<N> {
         BULGE_MARGIN * (beyond[0].max(beyond[1]).max(0.0) + self.error[n])
     }
 
-    /// The collocation polynomial, of order 3. It is off the motion by what the error estimate of the step filters out of
-    /// the defect at its start.
+    /// The collocation polynomial, of order 3. It is off the motion by what the error estimate of the step filters out
+    /// of the defect at its start.
     fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let mut terms = [[0.0; N]; TERMS];
         terms[..3].copy_from_slice(&self.collocation(h, ends).terms());

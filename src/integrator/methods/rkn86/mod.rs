@@ -47,9 +47,10 @@ impl<const N: usize> Path<N> for Rkn86 {
     }
 
     /// Of degree 7, within the tolerance of the step; costs four evaluations. A first q has the values, rates and
-    /// accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h, which are good to h^5 (row sums
-    /// with c^2 hold there). Accelerations at four places on it are good to h^9 relative to those of the motion: q' has
-    /// all of them beside the values and rates of both ends, and q those at the outer two places in place of the stages'.
+    /// accelerations of both ends and the accelerations of the stages at 0.3 h and 0.5 h, which are good to h^5 (row
+    /// sums with c^2 hold there). Accelerations at four places on it are good to h^9 relative to those of the motion:
+    /// q' has all of them beside the values and rates of both ends, and q those at the outer two places in place of the
+    /// stages'.
     fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let k = &self.0;
         let first = self.position(h, ends, [(C[3], k[3]), (C[4], k[4])]);

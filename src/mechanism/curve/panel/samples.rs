@@ -1,7 +1,7 @@
 //! Sampling: closed positions at the nodes of a panel, and the polynomials through them.
 //!
-//! In: a panel's base and width, or a bridge. Out: the sampled panel, or the reason why its width is rejected. It must not
-//! know how the curve is divided into panels.
+//! In: a panel's base and width, or a bridge. Out: the sampled panel, or the reason why its width is rejected. It must
+//! not know how the curve is divided into panels.
 use super::{Base, DIVERGED, HARMLESS, Panel, Rejection, near_crossing};
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::bridge::Bridge;
@@ -125,8 +125,8 @@ impl Scratch {
 }
 
 impl Scratch {
-    /// The sampled panel with these polynomials of the coordinates and of d sigma / d x. `derivatives`: whether it keeps
-    /// polynomials of derivatives too.
+    /// The sampled panel with these polynomials of the coordinates and of d sigma / d x. `derivatives`: whether it
+    /// keeps polynomials of derivatives too.
     pub(super) fn panel(
         &self,
         transform: &Transform,

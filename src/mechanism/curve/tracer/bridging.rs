@@ -19,9 +19,9 @@ const RESOLVED: f64 = 2e-14;
 const SHORTER: f64 = 0.95;
 
 impl Tracer<'_> {
-    /// Prepare to cross a position within about `width` ahead of `base` where branches seem to cross: find the bridge over
-    /// it, or get near it first. The largest width of the next panel; None if there is nothing that a bridge crosses, or
-    /// if a panel of `width` does not reach the bridge.
+    /// Prepare to cross a position within about `width` ahead of `base` where branches seem to cross: find the bridge
+    /// over it, or get near it first. The largest width of the next panel; None if there is nothing that a bridge
+    /// crosses, or if a panel of `width` does not reach the bridge.
     pub(super) fn bridge_ahead(&mut self, base: &Base, width: f64) -> Option<f64> {
         /// Factor of the half width after a failure.
         const NARROWER: f64 = 0.8;
@@ -69,7 +69,8 @@ impl Tracer<'_> {
         (if width < whole { width.min(0.9 * whole) } else { whole }, is_on.then_some(from))
     }
 
-    /// The width of the next panel with which it ends well before the crossing to which a panel of `width` gets too near.
+    /// The width of the next panel with which it ends well before the crossing to which a panel of `width` gets too
+    /// near.
     pub(super) fn farther(&self, base: &Base, width: f64) -> Option<f64> {
         let bridge = self.bridge.as_ref()?;
         // The amplification grows like a power of the inverse of the distance: two panels share its growth.

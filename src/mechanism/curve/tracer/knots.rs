@@ -1,15 +1,15 @@
 //! Knots: positions at which the law of a coupling is not analytic, such as borders of the segments of a cam.
 //!
-//! In: the tracer before such a position, or a traced curve. Out: the width of a panel that ends there; the knots of the
-//! curve. It must not know what the laws are.
+//! In: the tracer before such a position, or a traced curve. Out: the width of a panel that ends there; the knots of
+//! the curve. It must not know what the laws are.
 //!
 //! Panels and tables end at knots, so that polynomials resolve what is analytic on either side.
 use super::Tracer;
 use crate::mechanism::curve::evaluate::Curve;
 use crate::mechanism::curve::panel::{Base, Panel};
 
-/// Distance from a knot at which a position counts as at it [rad]: second derivatives there differ by this times the third
-/// derivatives at most.
+/// Distance from a knot at which a position counts as at it [rad]: second derivatives there differ by this times the
+/// third derivatives at most.
 const CLOSE: f64 = 1e-9;
 
 impl Tracer<'_> {
@@ -37,8 +37,8 @@ impl Tracer<'_> {
         wide
     }
 
-    /// Distance u of the plane across the curve at which u1 of a coupling has changed by `ahead` in the direction of its
-    /// rate, by the secant method; None beyond about `most`.
+    /// Distance u of the plane across the curve at which u1 of a coupling has changed by `ahead` in the direction of
+    /// its rate, by the secant method; None beyond about `most`.
     fn distance_to_knot(&mut self, base: &Base, coupling: usize, [ahead, rate]: [f64; 2], most: f64) -> Option<f64> {
         const ITERATIONS: usize = 30;
         let Self { closure, scratch, .. } = self;

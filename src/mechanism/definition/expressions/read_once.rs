@@ -1,7 +1,7 @@
 //! Expressions of numbers that are no parameters: they have a value when the file is read, and keep it.
 //!
-//! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the values
-//! of these expressions. It must not know the order of parameters.
+//! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the
+//! values of these expressions. It must not know the order of parameters.
 use super::{Place, Unclear, is_clear, unknown_name, without_unit};
 use crate::format::{DefinitionError, Expression, Faults, Number, index_of, numbers};
 use crate::mechanism::definition::Mechanism;

@@ -1,13 +1,14 @@
 //! Losses of couplings: friction that their transmitted forces cause, with another coefficient where power flows back.
 //!
-//! In: the friction loop with its arms, the state loads, the balance. Out: the solution with the flow of power that belongs
-//! to it. It must not know laws.
+//! In: the friction loop with its arms, the state loads, the balance. Out: the solution with the flow of power that
+//! belongs to it. It must not know laws.
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::dual::Number;
 
-/// Solve the friction loop at a time t [s] of a step, with arms that are those of power that flows forward in couplings.
+/// Solve the friction loop at a time t [s] of a step, with arms that are those of power that flows forward in
+/// couplings.
 #[inline(always)]
 pub(super) fn solve<T: Number>(
     friction: &mut FrictionLoop<T>,

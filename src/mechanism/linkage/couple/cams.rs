@@ -1,7 +1,7 @@
 //! From the definition to cams.
 //!
-//! In: a checked definition of a cam, a linkage with its joints. Out: its coupling, with the follower on the base circle
-//! where there is no lift. It must not know how loops close.
+//! In: a checked definition of a cam, a linkage with its joints. Out: its coupling, with the follower on the base
+//! circle where there is no lift. It must not know how loops close.
 use super::{Named, Pivots, Slide};
 use crate::mechanism::definition::{DefinitionError, Follower};
 use crate::mechanism::linkage::cam::{Cam, Guide};
@@ -27,7 +27,8 @@ struct Start {
 }
 
 impl Linkage {
-    /// A cam and its follower. `guess`: the coordinates of the guess, which say on which side of the cam the follower is.
+    /// A cam and its follower. `guess`: the coordinates of the guess, which say on which side of the cam the follower
+    /// is.
     pub(super) fn cam(&self, named: &Named, guess: Option<&[f64]>) -> Result<(Joint, Coupling), DefinitionError> {
         let Named { mechanism, name, defined } = *named;
         let lift = defined.lift(&format!("couplings.{name}"))?;
@@ -96,8 +97,8 @@ impl Linkage {
         named.refused("contact", format_args!("is on {on}, and the follower is {follower}: name a point of it"))
     }
 
-    /// Where the follower touches the base circle, nearest to a u2. `radius`: that of the base circle, with a roller that of
-    /// its centre's.
+    /// Where the follower touches the base circle, nearest to a u2. `radius`: that of the base circle, with a roller
+    /// that of its centre's.
     fn touching(
         &self,
         named: &Named,
@@ -123,7 +124,8 @@ impl Linkage {
                 let half = ((radius - offset) * (radius + offset)).max(0.0).sqrt();
                 if half <= LEAST * radius {
                     let message = format!(
-                        "the roller's centre passes the cam's centre at a distance of {} m, and {what} is {} m: make it larger",
+                        "the roller's centre passes the cam's centre at a distance of {} m, and {what} is {} m: make \
+                         it larger",
                         told(offset),
                         told(radius)
                     );
@@ -146,7 +148,8 @@ impl Linkage {
                 }
                 if all.is_empty() {
                     let message = format!(
-                        "no position of the face touches the base circle: {what} is {} m, and the centre of the follower is {} m \
+                        "no position of the face touches the base circle: {what} is {} m, and the centre of the \
+                         follower is {} m \
                          from that of the cam: make it smaller",
                         told(radius),
                         told(distance)
@@ -159,7 +162,8 @@ impl Linkage {
                 let cos = (radius * radius - distance * distance - length * length) / (2.0 * distance * length);
                 if cos.is_nan() || cos.abs() >= 1.0 {
                     let message = format!(
-                        "{what} is {} m, and the roller's centre is from {} m to {} m from that of the cam: change it, or the \
+                        "{what} is {} m, and the roller's centre is from {} m to {} m from that of the cam: change it, \
+                         or the \
                          follower",
                         told(radius),
                         told((distance - length).abs()),
@@ -181,7 +185,8 @@ impl Linkage {
             Some(start) => Ok(start),
             None => named.refused(
                 "base_radius",
-                "the follower moves along the base circle where it touches, so that no lift moves it: change the base circle, \
+                "the follower moves along the base circle where it touches, so that no lift moves it: change the base \
+                 circle, \
                  or the follower",
             ),
         }

@@ -13,8 +13,8 @@ impl<T: Number> FrictionLoop<T> {
     pub(super) fn solve_any(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
         /// First growth of the arms, relative to their full size.
         const FIRST: f64 = 0.25;
-        /// Least growth of the arms: near the end of the solution, where reactions may grow without bound, each growth is
-        /// a part of what is left.
+        /// Least growth of the arms: near the end of the solution, where reactions may grow without bound, each growth
+        /// is a part of what is left.
         const LEAST: f64 = 1e-11;
         /// Largest number of iterations for one growth.
         const MOST: u32 = 12;

@@ -1,8 +1,8 @@
 //! What friction adds to the unknowns of its loop, foreseen from the last solutions within a step.
 //!
-//! In: times of a step, and what friction has added there. Out: what it adds at another time. A prediction is a start for
-//! Newton's method: it changes a solution by rounding only. It holds within one step, so that rounding does not depend on
-//! what came before the step. It must not know the equations.
+//! In: times of a step, and what friction has added there. Out: what it adds at another time. A prediction is a start
+//! for Newton's method: it changes a solution by rounding only. It holds within one step, so that rounding does not
+//! depend on what came before the step. It must not know the equations.
 
 /// Unknowns of the loop for joints of one group.
 pub const UNKNOWNS: usize = 3;

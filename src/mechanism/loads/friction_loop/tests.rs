@@ -19,7 +19,8 @@ fn joint<'a>(free: &'a [f64; 2], effect: &'a [f64; 2]) -> Balance<'a, f64> {
 proptest! {
     /// One joint: |free - effect m N| = N is a quadratic equation.
     #[test]
-    fn one_joint_solves_its_quadratic(fx in -1e4..1e4f64, fy in -1e4..1e4f64, ex in -8.0..8.0f64, ey in -8.0..8.0f64, m in -0.02..0.02f64) {
+    fn one_joint_solves_its_quadratic(fx in -1e4..1e4f64, fy in -1e4..1e4f64, ex in -8.0..8.0f64, ey in -8.0..8.0f64,
+        m in -0.02..0.02f64) {
         prop_assume!(fx.hypot(fy) > 1.0);
         let mut one = FrictionLoop::new(1, 1);
         one.arm[0] = m;
@@ -34,7 +35,8 @@ proptest! {
     /// The same at any coefficient. With m from 0 on, N = f.f / (b + sqrt(b2 - a c)) as long as neither the root nor
     /// the sum vanishes: friction may take away nearly all of the reaction, but not add to it without bound.
     #[test]
-    fn one_joint_locks_where_its_solution_ends(angle in 0.0..std::f64::consts::TAU, f in 1.0..1e4f64, k in -5.0..5.0f64) {
+    fn one_joint_locks_where_its_solution_ends(angle in 0.0..std::f64::consts::TAU, f in 1.0..1e4f64,
+        k in -5.0..5.0f64) {
         let mut one = FrictionLoop::new(1, 1);
         one.arm[0] = k;
         let solved = one.solve(&joint(&[f, 0.0], &[angle.cos(), angle.sin()]));
@@ -51,7 +53,8 @@ proptest! {
 
     /// Derivatives through the loop by the implicit function theorem, against differences of the solution.
     #[test]
-    fn derivatives_pass_through_the_loop(fx in 1.0..9.0f64, fy in -9.0..9.0f64, gx in -9.0..9.0f64, m in 0.0..0.03f64, groups in 1usize..3) {
+    fn derivatives_pass_through_the_loop(fx in 1.0..9.0f64, fy in -9.0..9.0f64, gx in -9.0..9.0f64, m in 0.0..0.03f64,
+        groups in 1usize..3) {
         let build = |x: f64, d: bool| {
             let mut two = FrictionLoop::<Dual<1>>::new(2, groups);
             let v = Dual { value: x, slope: [f64::from(u8::from(d))] };

@@ -4,9 +4,9 @@
 //! reactions. Sources: [HF08] section 4, fig. 8; Coulomb's law with a Stribeck curve, which holds at rest.
 use crate::numerics::dual::Number;
 
-/// Coefficient of friction mu over slip speed v >= 0: up to V_S proportional to v, or mu_S if the law sticks; from V_S on a
-/// cubic step from mu_S to mu_d at V_d, then mu_d. A law that sticks has every coefficient of either sign up to mu_S at rest;
-/// with V_S = V_d = 0 it has mu_d at any slip speed but 0.
+/// Coefficient of friction mu over slip speed v >= 0: up to V_S proportional to v, or mu_S if the law sticks; from V_S
+/// on a cubic step from mu_S to mu_d at V_d, then mu_d. A law that sticks has every coefficient of either sign up to
+/// mu_S at rest; with V_S = V_d = 0 it has mu_d at any slip speed but 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law {
     /// Whether friction holds at rest.

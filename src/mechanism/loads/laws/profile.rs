@@ -104,8 +104,9 @@ impl Shape {
 }
 
 impl Profile {
-    /// The motion at a time t [s] of a step that begins so long after the motion was first prescribed, a time [s] and what
-    /// its rounding has lost; at a kink that which follows. Within a step it is smooth to rounding of t, however late.
+    /// The motion at a time t [s] of a step that begins so long after the motion was first prescribed, a time [s] and
+    /// what its rounding has lost; at a kink that which follows. Within a step it is smooth to rounding of t, however
+    /// late.
     pub fn at(&self, [since, lost]: Since, t: f64) -> Kinematics {
         let t = (since - self.start_time) + (lost + t);
         let close = self.close();
@@ -117,8 +118,8 @@ impl Profile {
         }
     }
 
-    /// The first kink after a time t [s] of a step that begins so long after the motion was first prescribed, as a time of
-    /// this step; infinite if none follows.
+    /// The first kink after a time t [s] of a step that begins so long after the motion was first prescribed, as a time
+    /// of this step; infinite if none follows.
     pub fn next_kink(&self, [since, lost]: Since, t: f64) -> f64 {
         let close = self.close();
         let kinks = self.shape.kinks((since - self.start_time) + (lost + t));

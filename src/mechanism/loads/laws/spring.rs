@@ -1,12 +1,13 @@
 //! The law of a spring with a damper.
 //!
-//! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy, power lost. It must not know
-//! the linkage.
+//! In: displacement S of its load, S_dot. Out: the force that resists S, its slopes, energy, power lost. It must not
+//! know the linkage.
 use super::gas::Gas;
 use crate::numerics::dual::Number;
 use crate::numerics::piecewise::Piecewise;
 
-/// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot + damper(S_dot).
+/// Law of a spring with a damper: F = preload + stiffness (S - free) + characteristic(S) + damping S_dot +
+/// damper(S_dot).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Name.
@@ -164,8 +165,8 @@ impl Spring {
         }
     }
 
-    /// Those at and beside which the force of the points ceases to rise or to fall, as in a detent: what lies between them
-    /// may be narrow and weak.
+    /// Those at and beside which the force of the points ceases to rise or to fall, as in a detent: what lies between
+    /// them may be narrow and weak.
     pub fn turning_knots(&self) -> Vec<f64> {
         match &self.characteristic {
             Some(Characteristic::Points(points)) => points.turning_knots(),

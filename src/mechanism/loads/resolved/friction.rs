@@ -27,17 +27,18 @@ impl JointFriction {
 
 /// A joint with friction, or a coupling with losses.
 ///
-/// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its second
-/// body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta - 1) |F_t| where
-/// it flows back, against the motion. F_t is the force on the first body; the second gives or gets eta F_t, or F_t / eta.
+/// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its
+/// second body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta - 1)
+/// |F_t| where it flows back, against the motion. F_t is the force on the first body; the second gives or gets
+/// eta F_t, or F_t / eta.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
     /// Index of the joint.
     pub joint: usize,
     /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
     pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of the
-    /// second wheel of a coupling, or 1.
+    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of
+    /// the second wheel of a coupling, or 1.
     pub radius: f64,
     /// Whether this is the loss of a coupling.
     pub is_coupling: bool,
@@ -78,7 +79,8 @@ impl Loading {
         for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
             let Some(efficiency) = defined.efficiency else { continue };
             if mechanism.friction.as_ref().is_some_and(|friction| friction.law != FrictionLaw::Stick) {
-                let message = "the loss of a coupling holds at rest, and the friction of joints is viscous there: write \
+                let message = "the loss of a coupling holds at rest, and the friction of joints is viscous there: \
+                    write \
                                \"law\": \"stick\" in friction, or remove one of both";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.efficiency"), message));
             }
@@ -152,7 +154,8 @@ impl Loading {
     }
 }
 
-/// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at once.
+/// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at
+/// once.
 fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionError {
     let key = match (defined.static_coefficient, defined.kinetic_coefficient) {
         (None, None) => "friction.static_coefficient".to_owned(),
@@ -161,7 +164,8 @@ fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionEr
     };
     let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
     let message = format!(
-        "static friction {rest} is below kinetic friction {slip}, but friction.law is \"stick\": what breaks away would \
+        "static friction {rest} is below kinetic friction {slip}, but friction.law is \"stick\": what breaks away \
+         would \
          stick at once; make the static coefficient as large as the kinetic one at least"
     );
     DefinitionError::key(key, message)

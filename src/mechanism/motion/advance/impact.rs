@@ -12,8 +12,8 @@ use crate::mechanism::motion::witness::What;
 
 /// Time of flight between two impacts below which they are one contact [s].
 const SHORTEST_FLIGHT: f64 = 1e-10;
-/// Height of a flight below which its positions are rounding, relative to sigma: four times the rounding that the search
-/// for the impact assumes.
+/// Height of a flight below which its positions are rounding, relative to sigma: four times the rounding that the
+/// search for the impact assumes.
 const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {

@@ -28,8 +28,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// Time at which a step is to end that is too long to show its events [s]: the error of its interpolant is no small
-    /// part of the motion in it, as where the motion is damped that is much faster than the step. An event on it may not
-    /// happen, and another be overlooked, though its end is as exact as the tolerance asks.
+    /// part of the motion in it, as where the motion is damped that is much faster than the step. An event on it may
+    /// not happen, and another be overlooked, though its end is as exact as the tolerance asks.
     #[inline(always)]
     pub(super) fn too_coarse(&mut self, step: &Step<N>, dense: Option<&Dense<N>>) -> Option<f64> {
         let dense = dense.filter(|dense| !is_resolved(step, dense))?;
@@ -48,8 +48,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         ratio(0).max(ratio(1))
     }
 
-    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the place
-    /// of a stop to the last digit, near a knot, whose kink the interpolant has within it.
+    /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the
+    /// place of a stop to the last digit, near a knot, whose kink the interpolant has within it.
     #[inline(always)]
     pub(super) fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(

@@ -74,8 +74,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Go on in time, at rest, to where the mechanism sets off in one of these directions under inputs that change with
     /// time; false if it does not before the end of the span.
     ///
-    /// At rest without friction that sticks the acceleration is a parabola in time for either direction of the drives, or
-    /// a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
+    /// At rest without friction that sticks the acceleration is a parabola in time for either direction of the drives,
+    /// or a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
     /// searched piece by piece, and none is too short to be found. Static friction follows the magnitudes of reactions:
     /// with it the quartic is that through five values of each of some pieces, and what it finds is located on the
     /// acceleration itself.
@@ -172,8 +172,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(false)
     }
 
-    /// The step up to where the mechanism sets off, which its interpolant has at this part of it: by the secant's method
-    /// on the size of the step, as the interpolant is less exact than the step; then on by little until it does.
+    /// The step up to where the mechanism sets off, which its interpolant has at this part of it: by the secant's
+    /// method on the size of the step, as the interpolant is less exact than the step; then on by little until it does.
     fn step_to_set_off(
         &mut self,
         step: &Step<N>,

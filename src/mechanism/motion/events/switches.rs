@@ -1,7 +1,7 @@
 //! Changes of sign of switching quantities within a step: normal forces, transmitted forces, forces of drives.
 //!
-//! In: the values that the evaluations of a step have seen, the interpolant. Out: whether a quantity may pass 0, and where. It
-//! must not know which law follows.
+//! In: the values that the evaluations of a step have seen, the interpolant. Out: whether a quantity may pass 0, and
+//! where. It must not know which law follows.
 use super::REGIME_TOLERANCE;
 use crate::integrator::{Dense, Integrator, Step};
 use crate::mechanism::motion::dynamics::Dynamics;
@@ -9,12 +9,12 @@ use crate::numerics::passage::first_rise_of_quartic;
 
 /// Part of the range of a switching quantity within a step by which a parabola through three samples may be wrong.
 const PARABOLA: f64 = 0.02;
-/// Part of the tolerance of a speed that the wrong law of a switch may cost in a step, where no change is looked for: so
-/// rounding about 0 is none.
+/// Part of the tolerance of a speed that the wrong law of a switch may cost in a step, where no change is looked for:
+/// so rounding about 0 is none.
 const NEGLIGIBLE: f64 = 1e-2;
 
-/// Whether a switching quantity may pass 0 within a step: it does in one of the evaluations of the step, or the parabola
-/// through three of them in a row, the middle one the least, does so within a margin.
+/// Whether a switching quantity may pass 0 within a step: it does in one of the evaluations of the step, or the
+/// parabola through three of them in a row, the middle one the least, does so within a margin.
 pub(super) fn may_switch<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     switch: usize,
@@ -54,8 +54,8 @@ pub(super) fn may_switch<D: Dynamics<N>, const N: usize>(
     -least * dynamics.switch_effect(switch) * step.h > NEGLIGIBLE * tolerance * speed
 }
 
-/// Part of a step after which a switching quantity passes 0, by the polynomials of degree 4 through five values in either
-/// half of the step; located on the quantity itself.
+/// Part of a step after which a switching quantity passes 0, by the polynomials of degree 4 through five values in
+/// either half of the step; located on the quantity itself.
 pub(super) fn passage_of_switch<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
     integrator: &mut Integrator<N>,

@@ -1,7 +1,7 @@
 //! Steps with the hydraulic circuit of a drive, and what they refuse.
 //!
-//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what of the circuit the
-//! motion has come to the end of. It must not know outputs.
+//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what of the circuit
+//! the motion has come to the end of. It must not know outputs.
 use super::State;
 use crate::hydraulics::circuit::{Left, SUPPLY};
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
@@ -126,7 +126,8 @@ pub fn check_lengths(reduced: &Reduced, travel: &Travel, sigma: f64, revolutions
 }
 
 impl State {
-    /// The input with this index has this value: before the first step `supply.pressure` is the start of an accumulator.
+    /// The input with this index has this value: before the first step `supply.pressure` is the start of an
+    /// accumulator.
     pub fn fill_accumulator(&mut self, reduced: &Reduced, input: usize, value: f64) {
         let Some(drive) = reduced.loading().hydraulics.as_ref().filter(|drive| drive.laws.supply_unit().is_some())
         else {

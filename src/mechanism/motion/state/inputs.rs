@@ -87,8 +87,8 @@ pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool]) -> Enga
 }
 
 impl State {
-    /// The same state under a reduced model with other laws on the same curve, with an energy that the balance refers to
-    /// [J]. The inputs are applied anew with the next step.
+    /// The same state under a reduced model with other laws on the same curve, with an energy that the balance refers
+    /// to [J]. The inputs are applied anew with the next step.
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
@@ -110,8 +110,8 @@ impl State {
         self.saved.in_force = None;
     }
 
-    /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a lock
-    /// is engaged. The change of the loads' potential is work from outside.
+    /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a
+    /// lock is engaged. The change of the loads' potential is work from outside.
     ///
     /// # Errors
     /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.

@@ -6,9 +6,9 @@
 //! S(sigma) = s, sigma_dot = s_dot / S_sigma, sigma_ddot = (s_ddot - S_sigma_sigma sigma_dot^2) / S_sigma
 //! ```
 //!
-//! The force of the drive follows by inverse dynamics; its work less all losses is integrated over the step, so that the
-//! energy balance shows what the loads, the friction and the drive do not agree in. In: a state, inputs. Out: the state
-//! after the step, or why the mechanism cannot make the motion. It must not know outputs.
+//! The force of the drive follows by inverse dynamics; its work less all losses is integrated over the step, so that
+//! the energy balance shows what the loads, the friction and the drive do not agree in. In: a state, inputs. Out: the
+//! state after the step, or why the mechanism cannot make the motion. It must not know outputs.
 mod refusals;
 
 use super::inputs::engaged_locks;
@@ -33,12 +33,13 @@ use crate::mechanism::reduced::Reduced;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::kronrod::{NODES, means, relative_error};
 
-/// Part of the size of the mechanism's motion of 1 rad by which the position at a switch may differ from that of the drive.
+/// Part of the size of the mechanism's motion of 1 rad by which the position at a switch may differ from that of the
+/// drive.
 const SWITCH: f64 = 1e-6;
 /// Part of what lies between two kinks below which a part of a step is not halved any more.
 const SHORTEST: f64 = 1e-6;
-/// Part of the work of the drive's force over the size of the mechanism's motion: what is exchanged in a part of a step is
-/// judged in relation to no less, as the rounding of position and speed is not smooth.
+/// Part of the work of the drive's force over the size of the mechanism's motion: what is exchanged in a part of a step
+/// is judged in relation to no less, as the rounding of position and speed is not smooth.
 const LEAST_WORK: f64 = 1e-6;
 
 /// sigma, sigma_dot and sigma_ddot under a prescribed motion, with S_sigma.
@@ -222,8 +223,8 @@ impl State {
         }
         made
     }
-    /// Advance by `h` [s], or as far as the bound on the work or a pause allows, which the progress tells. Returns whether
-    /// the bound was met.
+    /// Advance by `h` [s], or as far as the bound on the work or a pause allows, which the progress tells. Returns
+    /// whether the bound was met.
     fn advance_prescribed(
         &mut self,
         reduced: &Reduced,
@@ -400,7 +401,8 @@ impl Balance<'_, '_> {
         let whole = self.step.track.whole;
         let (within, _) = whole.unwound(sigma);
         let why = format!(
-            "friction locks the mechanism against the drive there, most of it in {}; reduce the coefficients or pin radii, \
+            "friction locks the mechanism against the drive there, most of it in {}; reduce the coefficients or pin \
+             radii, \
              or let the motion end before",
             whole.locking_joint(within)
         );

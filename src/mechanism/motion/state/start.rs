@@ -37,8 +37,8 @@ impl Start {
     /// The start that a definition states.
     ///
     /// # Errors
-    /// The start is not on the curve, or beyond a rigid stop; its speed is stated at a toggle; a lock holds nothing; the
-    /// drive's cylinder does not have its length.
+    /// The start is not on the curve, or beyond a rigid stop; its speed is stated at a toggle; a lock holds nothing;
+    /// the drive's cylinder does not have its length.
     pub fn new(reduced: &Reduced, mechanism: &Mechanism) -> Result<Self, ModelError> {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
@@ -171,8 +171,8 @@ impl State {
         Ok(state)
     }
 
-    /// [`Self::from_start`] in place, from a state of the same reduced model; without allocation unless air has begun or
-    /// ceased to act. On an error the state is of no use.
+    /// [`Self::from_start`] in place, from a state of the same reduced model; without allocation unless air has begun
+    /// or ceased to act. On an error the state is of no use.
     ///
     /// # Errors
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth; a circuit cannot begin so; the energy

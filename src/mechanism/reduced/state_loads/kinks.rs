@@ -6,8 +6,8 @@ use crate::mechanism::loads::laws::spring::Characteristic;
 use crate::mechanism::reduced::source::Source;
 use crate::numerics::piecewise::Piecewise;
 
-/// A kink of a law that sizes a load of the state: a point of a curve, where the third derivative of the force jumps, or a
-/// surface that the air flows along, where the first derivative of its drag jumps.
+/// A kink of a law that sizes a load of the state: a point of a curve, where the third derivative of the force jumps,
+/// or a surface that the air flows along, where the first derivative of its drag jumps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kink {
     /// Quantity on which the law depends.

@@ -182,7 +182,8 @@ impl Machine {
         }
     }
 
-    /// Up to six stops of these quantities with the sizes of a motion; a lock at one of the first `monotone` quantities.
+    /// Up to six stops of these quantities with the sizes of a motion; a lock at one of the first `monotone`
+    /// quantities.
     fn add_stops(&mut self, random: &mut Random, quantities: &[(Quantity, f64)], monotone: usize, stiffness: f64) {
         for _ in 0..random.below(7) {
             let n = random.below(quantities.len());

@@ -1,10 +1,10 @@
 //! Random scenes against an independent integration: a block on a slope, a slider-crank, a four-bar linkage, with
 //! friction, bumpers and several stops on a side, a lock, a drive with losses.
 //!
-//! A scene is integrated twice, the second time with its start moved by the tolerance: how far the two are apart is what
-//! the scene makes of an error of that size. Where the engine is off by more than 10 times that, states on the way are moved
-//! too. The engine may be off by 100 times the tolerance or the largest of these distances. From where the distance is above
-//! 1e-3 a scene says nothing, and ends.
+//! A scene is integrated twice, the second time with its start moved by the tolerance: how far the two are apart is
+//! what the scene makes of an error of that size. Where the engine is off by more than 10 times that, states on the way
+//! are moved too. The engine may be off by 100 times the tolerance or the largest of these distances. From where the
+//! distance is above 1e-3 a scene says nothing, and ends.
 mod machine;
 mod newton;
 mod oracle;
@@ -41,7 +41,8 @@ fn between(one: &Oracle, other: &Oracle) -> f64 {
     (y - z).abs().max((v - w).abs() / one.fastest.max(0.1))
 }
 
-/// The farthest that a state moved by the tolerance at the beginning of one of the parts leads from the end of the last.
+/// The farthest that a state moved by the tolerance at the beginning of one of the parts leads from the end of the
+/// last.
 fn moved_on_the_way(parts: &[Part], end: &Oracle, tolerance: f64) -> f64 {
     let mut farthest = 0.0_f64;
     for (k, part) in parts.iter().enumerate() {

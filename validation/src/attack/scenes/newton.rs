@@ -1,7 +1,8 @@
 //! Newton and Euler's equations of all bodies in absolute coordinates, with the joints as constraints and multipliers.
 //!
-//! In: a machine, the places and speeds of the centres of mass and the angles of its bodies, forces. Out: accelerations,
-//! quantities with their gradients, how a state is brought back to the constraints. It must not know the engine.
+//! In: a machine, the places and speeds of the centres of mass and the angles of its bodies, forces. Out:
+//! accelerations, quantities with their gradients, how a state is brought back to the constraints. It must not know the
+//! engine.
 //!
 //! M a = Q + J^T lambda, J a = gamma. As M is diagonal here, (J M^-1 J^T) lambda = gamma - J M^-1 Q is solved by
 //! Gauss with pivots. Friction makes Q depend on lambda: found by repetition, as each round changes less than the last.

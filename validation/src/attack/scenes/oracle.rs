@@ -99,8 +99,8 @@ impl Oracle {
         })
     }
 
-    /// This state with the coordinate moved by `nudge` and its speed by that part. None of a machine that is held, or at a
-    /// dead centre of the coordinate.
+    /// This state with the coordinate moved by `nudge` and its speed by that part. None of a machine that is held, or
+    /// at a dead centre of the coordinate.
     pub fn nudged(&self, nudge: f64) -> Option<Self> {
         /// Largest change of another coordinate for that of the machine's.
         const LEVER: f64 = 1e3;

@@ -1,4 +1,5 @@
-//! A hydraulic actuator, or a gear with a circuit, under stress: the engine's run and the same circuit in plain numbers.
+//! A hydraulic actuator, or a gear with a circuit, under stress: the engine's run and the same circuit in plain
+//! numbers.
 //!
 //! In: parameters by name, a motion or an element, valve commands by step. Out: the state at the end of both, and the
 //! work of the piston.
@@ -184,8 +185,8 @@ impl Case {
         Ok(Run { end, implicit: work.accepted_by(Method::Radau), work, cpu })
     }
 
-    /// Error weights of the state at the end, as the engine's tolerance refers to them: pressures absolute, spool with a
-    /// floor, the stroke, the speed with a floor.
+    /// Error weights of the state at the end, as the engine's tolerance refers to them: pressures absolute, spool with
+    /// a floor, the stroke, the speed with a floor.
     pub fn weights(&self, circuit: &Circuit, y: &End) -> End {
         let ambient = circuit.ambient_pressure;
         let pressure = |p: f64| (p + ambient).max(ambient);

@@ -1,5 +1,5 @@
-//! The landing gear with a circuit: its own motion drives the circuit in plain numbers, whose pressures must be those of
-//! the engine; and the energy that the mechanism gains must be the work of the force, by a quadrature of its own. A
+//! The landing gear with a circuit: its own motion drives the circuit in plain numbers, whose pressures must be those
+//! of the engine; and the energy that the mechanism gains must be the work of the force, by a quadrature of its own. A
 //! mechanism of one degree of freedom that gains it at every instant moves by its equation of motion.
 use super::case::{Case, Drive};
 use super::{EACH, told};
@@ -185,8 +185,8 @@ impl Scene {
         Ok((trace, model, began.elapsed().as_secs_f64()))
     }
 
-    /// Largest difference of the energy gained from the work of the force, the quadrature's own error, and the energy at
-    /// play [J]: Boole's rule, and Simpson's beside it.
+    /// Largest difference of the energy gained from the work of the force, the quadrature's own error, and the energy
+    /// at play [J]: Boole's rule, and Simpson's beside it.
     fn energy(&self, trace: &[Point], h: f64) -> (f64, f64, f64) {
         let power: Vec<f64> = trace.iter().map(|point| point[6] * point[1]).collect();
         let (mut boole, mut simpson, mut drift, mut own) = (0.0, 0.0, 0.0_f64, 0.0_f64);

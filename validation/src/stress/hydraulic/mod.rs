@@ -1,5 +1,5 @@
-//! Hydraulics under stress: the actuator under a given motion and with an element that it foresees, and the landing gear
-//! with a circuit, against the same circuit in plain numbers.
+//! Hydraulics under stress: the actuator under a given motion and with an element that it foresees, and the landing
+//! gear with a circuit, against the same circuit in plain numbers.
 //!
 //! In: cases. Out: rows of the suite. They must not use `energy.balance`, which is 0 to rounding at every instant.
 mod case;

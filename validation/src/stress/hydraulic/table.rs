@@ -3,8 +3,8 @@ use super::case::{Case, Drive};
 use super::{Expected, Scene, gear};
 use crate::stress::Row;
 
-/// Every parameter that may be scaled by 1e-3 and 1e3, with its value; the spans of such rows are short, as a circuit of
-/// a thousandth is a thousand times as fast.
+/// Every parameter that may be scaled by 1e-3 and 1e3, with its value; the spans of such rows are short, as a circuit
+/// of a thousandth is a thousand times as fast.
 const SCALED: [(&str, f64); 28] = [
     ("fluid.bulk_modulus", 1.4e9),
     ("fluid.air_fraction", 0.005),

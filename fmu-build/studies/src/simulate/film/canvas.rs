@@ -1,5 +1,5 @@
-//! A canvas for one picture: lines, polygons, dots and words in pixels, drawn three times as large and reduced, for soft
-//! edges.
+//! A canvas for one picture: lines, polygons, dots and words in pixels, drawn three times as large and reduced, for
+//! soft edges.
 //!
 //! In: shapes. Out: pixels. It must not know what they show.
 

@@ -30,8 +30,8 @@ const BODIES: [RGBColor; 8] = [
     RGBColor(0x94, 0x81, 0x2f),
     RGBColor(0x6d, 0x7f, 0x95),
 ];
-/// Colour of lines, joints and text; of the ground and of what is said beside; of drives; of springs; of markers and their
-/// paths.
+/// Colour of lines, joints and text; of the ground and of what is said beside; of drives; of springs; of markers and
+/// their paths.
 const INK: RGBColor = RGBColor(38, 50, 56);
 const GROUND: RGBColor = RGBColor(120, 130, 138);
 const DRIVE: RGBColor = RGBColor(84, 96, 106);

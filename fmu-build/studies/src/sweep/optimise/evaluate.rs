@@ -1,7 +1,7 @@
 //! Evaluations of designs: runs whose factors an optimiser chooses.
 //!
-//! In: points. Out: the responses of each, in the order of the points, whatever the threads. Each thread has a model of its
-//! own. It must not know what a design is worth.
+//! In: points. Out: the responses of each, in the order of the points, whatever the threads. Each thread has a model of
+//! its own. It must not know what a design is worth.
 
 use crate::sweep::chunk::run_one;
 use crate::sweep::run::{Runner, Task};

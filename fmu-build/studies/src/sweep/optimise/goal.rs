@@ -1,7 +1,7 @@
 //! What an optimisation looks for: an objective and limits of responses.
 //!
-//! In: the responses of a run. Out: a number that is to be small, and how far each limit is broken. It must not know how
-//! designs are chosen.
+//! In: the responses of a run. Out: a number that is to be small, and how far each limit is broken. It must not know
+//! how designs are chosen.
 
 use crate::sweep::definition::{Definition, Objective};
 use anyhow::{Result, bail};
@@ -43,8 +43,8 @@ impl Worth {
         self.excess.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Whether this design is to be preferred: all limits kept and the cost less, or all limits kept there and not here.
-    /// Among designs that break limits the one is preferred whose largest excess is less.
+    /// Whether this design is to be preferred: all limits kept and the cost less, or all limits kept there and not
+    /// here. Among designs that break limits the one is preferred whose largest excess is less.
     pub fn is_better(&self, other: &Self) -> bool {
         let (own, others) = (self.violation(), other.violation());
         if own == 0.0 && others == 0.0 { self.cost < other.cost } else { own < others }

@@ -1,8 +1,8 @@
 //! `cargo fmu optimise`: the best design of a mechanism, as a study states it.
 //!
-//! In: a study whose factors have bounds, an objective, limits of responses. Out: the definition with the best values found,
-//! what it is worth beside the present one, and all evaluations. The optimiser only asks; what was evaluated, and which
-//! of it is best, is kept here, so that a search that is ended gives the best so far.
+//! In: a study whose factors have bounds, an objective, limits of responses. Out: the definition with the best values
+//! found, what it is worth beside the present one, and all evaluations. The optimiser only asks; what was evaluated,
+//! and which of it is best, is kept here, so that a search that is ended gives the best so far.
 
 mod evaluate;
 mod goal;
@@ -95,8 +95,8 @@ impl Found {
 /// Search for the best design of a study and write it.
 ///
 /// # Errors
-/// What is wrong with the study; Python's environment cannot be made; no run gave a value of the objective; a file cannot
-/// be written.
+/// What is wrong with the study; Python's environment cannot be made; no run gave a value of the objective; a file
+/// cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let stated = Stated::read(workspace, &arguments.study)?;
     let shown = arguments.study.display();

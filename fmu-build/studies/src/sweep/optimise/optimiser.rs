@@ -1,7 +1,7 @@
 //! The optimiser: a program in Python that asks for designs, answered here.
 //!
-//! In: number of factors and limits, a start, a budget, a seed. Out: points of the unit cube to be evaluated. Lines of JSON
-//! go both ways. It must not know what the factors are.
+//! In: number of factors and limits, a start, a budget, a seed. Out: points of the unit cube to be evaluated. Lines of
+//! JSON go both ways. It must not know what the factors are.
 
 use super::goal::Worth;
 use anyhow::{Context, Result, bail};

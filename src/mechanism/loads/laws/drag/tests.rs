@@ -61,7 +61,8 @@ proptest! {
     fn derivatives_are_those_of_differences(wx in 1.0..80.0f64, wy in -80.0..80.0f64, omega in -90.0..90.0f64) {
         let surface = strip(0.8, 0.1, true);
         let at = |wx: Dual<1>| surface.force(1.2, &RelativeFlow {
-            wind: [wx, Dual::constant(wy)], omega: Dual::constant(omega), line: [Dual::constant(0.6), Dual::constant(0.8)],
+            wind: [wx, Dual::constant(wy)], omega: Dual::constant(omega), line: [Dual::constant(0.6),
+                Dual::constant(0.8)],
         });
         let h = 1e-5;
         let (here, up, down) = (at(Dual::variable(wx, 0)), at(Dual::constant(wx + h)), at(Dual::constant(wx - h)));

@@ -47,8 +47,8 @@ fn regimes_follow_one_another() {
     }
 }
 
-/// A law that sticks is the other one from V_S on, and mu_S with the sign of the slip below; its regimes follow one another
-/// through 0, also where V_S or both speeds are 0.
+/// A law that sticks is the other one from V_S on, and mu_S with the sign of the slip below; its regimes follow one
+/// another through 0, also where V_S or both speeds are 0.
 #[test]
 fn a_law_that_sticks_differs_below_static_speed_only() {
     let sticks = Law { sticks: true, ..LAW };
