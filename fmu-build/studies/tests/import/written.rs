@@ -150,8 +150,8 @@ fn json_of_pmks() {
                 coupler,R,200.000,220.000,tfff\n";
     let json = include_str!("files/pmks_four_bar.json");
     assert_eq!(definition(Form::Pmks, json), definition(Form::Pmks, text));
-    let link = "http://localhost/pmks.html?set=s5&mech=ground%20crank%20R%200%200%200%20tfft|crank%20coupler%20R%2080%20\
-                60%200%20tfff|coupler%20rocker%20R%20280%20180%200%20tfff|rocker%20gnd%20R%20300%200%200%20tfff|\
+    let link = "http://localhost/pmks.html?set=s5&mech=ground%20crank%20R%200%200%200%20tfft|crank%20coupler%20R%2080\
+                %2060%200%20tfff|coupler%20rocker%20R%20280%20180%200%20tfff|rocker%20gnd%20R%20300%200%200%20tfff|\
                 coupler%20R%20200%20220%200%20tfff|";
     assert_eq!(definition(Form::Pmks, link), definition(Form::Pmks, text));
     let text =
