@@ -106,10 +106,14 @@ impl DefinitionError {
         self.place.as_deref()
     }
 
-    /// Path, fault and remedy on one line, without the place.
+    /// Path, fault and remedy on one line, without the place. Of a path into brackets without end the beginning.
     pub fn message(&self) -> String {
+        const DEEPEST: usize = 20;
         let colon = if matches!(*self.fault, Fault::Range(..) | Fault::Value(..)) { "" } else { ":" };
-        on_one_line(&format!("{}{colon} {}", self.path, self.fault))
+        let is_deep = self.path.matches(['[', '.']).count() > DEEPEST;
+        let (path, dots) =
+            if is_deep { (self.path.chars().take(40).collect(), "...") } else { (self.path.clone(), "") };
+        on_one_line(&format!("{path}{dots}{colon} {}", self.fault))
     }
 }
 

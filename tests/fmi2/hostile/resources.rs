@@ -140,8 +140,8 @@ fn text_that_is_none() {
         (vec![0; 1000], "no mechanism"),
         (vec![0xff; 1000], "UTF-8"),
         (mechanism().encode_utf16().flat_map(u16::to_le_bytes).collect(), "mechanism.json"),
-        (nested("[", "]"), "no mechanism"),
-        (nested("{\"bodies\":", "}"), "mechanism.json"),
+        (nested("[", "]"), "more than 128 brackets"),
+        (nested("{\"bodies\":", "}"), "more than 128 brackets"),
         (truncated.to_vec(), "line"),
     ] {
         fs::write(&file, &content).unwrap();
