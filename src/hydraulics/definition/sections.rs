@@ -98,7 +98,7 @@ keys! {
             pressure drop, 0 for none");
     }
 
-    /// Check valves beside restrictors and cushions.
+    /// Check valves parallel to restrictors and cushions.
     pub struct Check: Copy {
         /// Pressure over which a check valve opens [Pa], > 0.
         pressure: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Pressure over which a check valve opens");
@@ -223,12 +223,12 @@ keys! {
 
     /// Command of the valve as a function of time since the start, added to the input.
     pub struct Command: Copy {
-        /// Height of a ramp that begins at the start [1].
+        /// Height of a ramp from the start [1].
         ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Height of a ramp of the command from the \
             start");
         /// Duration of the ramp [s], >= 0; 0: a step.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp, 0 for a step");
-        /// Amplitude of a sine that begins at the start [1].
+        /// Amplitude of a sine from the start [1].
         sine_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Amplitude of a sine of the command from \
             the start");
         /// Frequency of the sine [Hz], >= 0.

@@ -13,8 +13,8 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// One equation between two motions relative to a carrier: with the angle u1 of the first wheel, and the angle of
-    /// the second wheel or the position of the rack u2, u2 = F(u1); of gears, racks and belts u2 = ratio u1 + phase.
+    /// One equation u2 = F(u1) between two motions relative to a carrier. u1 is the angle of the first wheel, u2 the
+    /// angle of the second wheel or the position of the rack. Of gears, racks and belts u2 = ratio u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two wheels with teeth. `rack`: a wheel and a rack. `belt`: a belt or chain around
         /// two pulleys. `elliptic_gears`: two equal wheels of variable ratio. `cam`: a disc cam and its follower.
@@ -49,7 +49,7 @@ keys! {
         /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis
         /// of an oscillating follower, where absent.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
-        /// Cam: u1 at which the first segment begins, or at which the angle of the table is 0 [rad].
+        /// Cam: u1 at which the first segment starts, or at which the angle of the table is 0 [rad].
         start_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift begins").absent("0");
         /// Cam: the lift over a revolution, segment after segment.

@@ -33,7 +33,7 @@ keys! {
         /// Path of a file of named parameters that several definitions share, from the folder of this file; in an FMU
         /// the path and the contents.
         shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
-        /// Parameters under names of their own, which expressions read: a number, an expression, or an object.
+        /// Parameters by names that you choose, which expressions read: a number, an expression, or an object.
         parameters: Named<NamedParameter> => Key::PLAIN.brief();
         /// Parameters whose values are expressions of others.
         expressions: Expressions => Key { is_written_only: true, ..Key::PLAIN }.brief();
@@ -71,7 +71,7 @@ keys! {
         stops: Named<Stop>;
         /// Locks by name: each holds the mechanism at a stop while the input `<name>.engage` is true.
         locks: Named<Lock>;
-        /// Where the run begins; the word `equilibrium`: at the stable equilibrium nearest to the guess.
+        /// Where the run starts; the word `equilibrium`: at the stable equilibrium nearest to the guess.
         start: Start => Key::PLAIN.required();
         /// Which assembly is meant: a rough position of each prismatic joint and a rough angle, -1e6 to 1e6, of each
         /// turning body [m or rad]. Drawn bodies need none.

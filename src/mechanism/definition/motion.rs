@@ -21,7 +21,7 @@ keys! {
         position: Option<f64> => either([Metre, Radian], Range::Finite);
         /// Law of the motion over time; where absent, position, speed and acceleration are inputs.
         profile: Option<ProfileKind>;
-        /// Time at rest before the profile begins [s], >= 0, from where the motion is first prescribed.
+        /// Time at rest before the profile starts [s], >= 0, from where the motion is first prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the profile of the motion").absent("0");
         /// Time that the profile takes [s], > 0; of a trapezoid it follows, of a table the points state it.

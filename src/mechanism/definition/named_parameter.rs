@@ -8,7 +8,7 @@ use crate::format::{
 use crate::variables::Unit;
 
 keys! {
-    /// A parameter under a name of its own, which expressions read: a number, an expression, or an object.
+    /// A parameter under a name that you choose, which expressions read: a number, an expression, or an object.
     pub struct NamedParameter or (Short::First) {
         /// Value in SI units, or an expression.
         value: f64 => number(Unit::One, Range::Finite).parameter(Role::Named, "").required();
