@@ -67,8 +67,8 @@ keys! {
 
     /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). Its mu(v)
     /// rises in proportion to the slip speed v to the static coefficient at `static_speed`. From there mu(v) falls by a
-    /// cubic step to the kinetic coefficient at `kinetic_speed`. With the law `stick` mu is the static coefficient up to `static_speed`,
-    /// and at rest friction holds.
+    /// cubic step to the kinetic coefficient at `kinetic_speed`. With the law `stick` mu is the static coefficient up
+    /// to `static_speed`, and at rest friction holds.
     pub struct Friction: Copy {
         /// Whether the joints have friction.
         enabled: Option<bool> =>
