@@ -11,7 +11,7 @@ use std::path::PathBuf;
 const FUNCTIONS: [(&str, usize); 2] = [("fmi2", 44), ("fmi3", 75)];
 /// Libraries that every Linux with glibc has.
 const NEEDED: [&str; 4] = ["libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"];
-/// Version of glibc that README.md names.
+/// Version of glibc that docs/reference/fmi.md names.
 const GLIBC: (u32, u32) = (2, 35);
 
 /// The library that cargo builds beside this test, from the same sources as the packed one.
@@ -53,7 +53,7 @@ fn only_libraries_that_every_linux_has_are_needed() {
 }
 
 #[test]
-fn the_version_of_glibc_is_that_of_the_readme() {
+fn the_version_of_glibc_is_that_of_the_reference() {
     let content = library();
     let library = object::File::parse(&*content).unwrap();
     let strings = library.section_by_name(".dynstr").unwrap().data().unwrap();
@@ -62,7 +62,7 @@ fn the_version_of_glibc_is_that_of_the_readme() {
         Some((major.parse::<u32>().ok()?, minor.split('.').next()?.parse::<u32>().ok()?))
     });
     let newest = newest.max().unwrap();
-    assert!(newest <= GLIBC, "GLIBC_{}.{} is needed: say so in README.md and here", newest.0, newest.1);
-    let readme = include_str!("../../../README.md");
-    assert!(readme.contains(&format!("glibc {}.{}", GLIBC.0, GLIBC.1)), "README.md names another glibc");
+    assert!(newest <= GLIBC, "GLIBC_{}.{} is needed: say so in docs/reference/fmi.md and here", newest.0, newest.1);
+    let page = include_str!("../../../docs/reference/fmi.md");
+    assert!(page.contains(&format!("glibc {}.{}", GLIBC.0, GLIBC.1)), "docs/reference/fmi.md names another glibc");
 }
