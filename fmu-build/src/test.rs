@@ -14,6 +14,8 @@ use std::time::Instant;
 
 /// Environment variable with the folder of the FMUs, for the Python tests and those in a browser.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
+/// Environment variable with the program of the studies, for the pages of the documentation, which run its commands.
+const PROGRAM: &str = "LINKAGE_FMU_PROGRAM";
 /// Environment variable with the program of the studies, for the browser tests, which let it write pages.
 const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
@@ -54,6 +56,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             .args(["-m", "pytest", "-q", "--numprocesses=auto", "--dist=loadfile"])
             .arg(workspace.python_tests())
             .env(FMU_FOLDER, workspace.fmu_folder())
+            .env(PROGRAM, &studies)
             .current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;

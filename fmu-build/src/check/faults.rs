@@ -20,6 +20,13 @@ const SHARED_CONTENTS: &str = "parameters_from.contents";
 /// Most faults that are reported.
 pub const MOST: usize = 100;
 
+/// The bytes of a fault; of one behind the last character, that character.
+fn visible(text: &str, span: Range<usize>) -> Range<usize> {
+    let end = span.end.min(text.len());
+    let last = text[..end].char_indices().next_back().filter(|_| span.is_empty());
+    last.map_or(span, |(start, _)| start..end)
+}
+
 /// A finding with its place in the text.
 #[derive(Clone, Debug)]
 pub struct Located {
@@ -69,7 +76,8 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
             let place = root.as_ref().map(|root| find(&repaired, root, &finding.path));
             place.filter(|place| !place.path.is_empty() || !finding.path.is_empty()).map_or(0..0, |place| place.shown)
         };
-        let span = finding.bytes.clone().filter(is_one_line).unwrap_or_else(by_path);
+        let span =
+            finding.bytes.clone().filter(is_one_line).map(|span| visible(&repaired, span)).unwrap_or_else(by_path);
         // A value that was written over is at fault once, and the motion that follows from it is none of the file's.
         let follows = span.is_empty() && !form.places.is_empty();
         if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
