@@ -13,43 +13,43 @@ use crate::variables::Unit;
 keys! {
     /// A circuit: supply, tank, valve, cylinder and oil.
     pub struct Circuit {
-        /// Supply, whose pressure is an input.
+        /// Supply. Its pressure is an input.
         supply: Supply;
-        /// Tank, whose pressure is an input.
+        /// Tank. Its pressure is an input.
         tank: Tank;
         /// Oil with entrained air.
         fluid: Fluid;
         /// Differential cylinder.
         cylinder: Cylinder;
-        /// Chamber on the side of the piston.
+        /// Chamber A, on the piston side.
         chamber_a: ChamberA;
-        /// Chamber on the side of the rod.
+        /// Chamber B, on the rod side.
         chamber_b: ChamberB;
-        /// Valve.
+        /// Servo valve.
         valve: Valve;
-        /// Restrictor of chamber A.
+        /// Restrictor in the line of chamber A.
         restrictor_a: RestrictorA;
-        /// Restrictor of chamber B.
+        /// Restrictor in the line of chamber B.
         restrictor_b: RestrictorB;
-        /// Check valves.
+        /// Check valves in parallel with restrictors and cushions.
         check: Check;
         /// Cushion of chamber A.
         cushion_a: CushionA;
         /// Cushion of chamber B.
         cushion_b: CushionB;
-        /// Relief valves.
+        /// Relief valves of both chambers.
         relief: Relief;
-        /// Anti-cavitation valves.
+        /// Anti-cavitation valves of both chambers.
         anticavitation: Anticavitation;
-        /// Leakages.
+        /// Internal and external leakage.
         leakage: Leakage;
         /// Friction of the seals.
         seal: Seal;
-        /// Hoses.
+        /// Hoses of both chambers.
         hose: Hose;
-        /// Lock valve.
+        /// Lock valve in the line of chamber A.
         lock_valve: LockValve;
-        /// Command as a function of time.
+        /// Command of the valve as a function of time, added to the input.
         command: Command;
         /// Accumulator at the supply.
         accumulator: Accumulator;
@@ -57,15 +57,15 @@ keys! {
         pump: Pump;
     }
 
-    /// Supply.
+    /// Hydraulic supply.
     pub struct Supply: Copy {
-        /// Start value of the input `supply.pressure` [Pa], above -p_0.
+        /// Start value of the input `supply.pressure` [Pa], above the negative ambient pressure.
         pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
     }
 
-    /// Tank.
+    /// Hydraulic tank (return).
     pub struct Tank: Copy {
-        /// Start value of the input `tank.pressure` [Pa], above -p_0.
+        /// Start value of the input `tank.pressure` [Pa], above the negative ambient pressure.
         pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }

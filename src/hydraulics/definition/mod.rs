@@ -52,7 +52,7 @@ pub const CIRCUIT: [Element; 22] = [
 ];
 
 keys! {
-    /// Motion of the actuator that the host gives where it gives none: start values of inputs.
+    /// Start values of the inputs for the motion of the actuator.
     pub struct Actuator: Copy {
         /// Start value of the input `actuator.length` [m], >= 0.
         length: f64 = 0.577 => number(Unit::Metre, Range::NonNegative);
@@ -60,40 +60,40 @@ keys! {
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 
-    /// Coupling with what the actuator moves.
+    /// Coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
-        /// What a step does with the foreseen motion; start value of the variable `coupling.mode`.
+        /// How a step uses the predicted motion; start value of the variable `coupling.mode`.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// Integration settings.
+    /// Settings of the time integration.
     pub struct Solver: Copy {
-        /// Relative tolerance of the integration [1], 1e-14 to 0.1.
+        /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
-        /// Most steps of the integration in one communication step [1], a whole number.
+        /// Largest number of integration steps in one communication step [1], a whole number.
         max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
             .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
     }
 
-    /// A differential cylinder with a servo valve, oil and lines. SI units; pressures are relative to the ambient
-    /// pressure.
+    /// A differential cylinder with servo valve, oil and lines. Numbers are in SI units. Pressures are relative to the
+    /// ambient pressure.
     pub struct HydraulicActuator {
-        /// Where an editor finds the schema; not read by the FMU.
+        /// Path of the schema, for completion in an editor. The FMU does not read it.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter or underscore, then letters, digits or underscores.
         name: String => element().required();
-        /// One line of text.
+        /// Description, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, which the description of the FMU shows.
+        /// Author, copyright and licence of the model, for the description of the FMU.
         about: About => Key::PLAIN.brief();
-        /// Supply, valve, cylinder and oil.
+        /// Hydraulic circuit: supply, valve, cylinder and oil.
         circuit: Circuit;
-        /// Start values of the motion.
+        /// Start values of length and speed.
         actuator: Actuator;
-        /// Coupling with what the actuator moves.
+        /// Coupling with the mechanism that the actuator drives.
         coupling: Coupling;
-        /// Integration settings.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU.
         experiment: Experiment;
@@ -101,13 +101,13 @@ keys! {
 }
 
 words! {
-    /// What a step does with the foreseen motion.
+    /// How a step uses the predicted motion.
     pub enum Mode {
-        /// A step keeps the motion that it foresees: one pass.
+        /// The step uses the predicted motion; the host makes each step once.
         Preview = "preview",
-        /// A step moves by the inputs: two passes, or none.
+        /// The step uses the motion at the inputs; the host makes each step twice, or does not iterate.
         Follow = "follow",
-        /// One pass in a host that hands every value on one step late.
+        /// The host makes each step once and passes every value one step late.
         Delayed = "delayed",
     }
 }

@@ -4,33 +4,34 @@ use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit
 use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, One, Radian};
 
 keys! {
-    /// A rigid body with a frame: the point `origin` and the x axis, on which the point `end` lies at `length`.
+    /// A rigid body. Its frame has the origin at the point `origin`; the x axis passes through the point `end`, which
+    /// lies at the distance `length`.
     pub struct Body {
-        /// Point (`body.point`) of another body to which the body is rigidly fixed, with its origin there.
+        /// Point (`body.point`) of another body. The origin of this body is rigidly fixed to that point.
         fixed_to: Option<String> => point();
-        /// Angle of a fixed body's x axis from the x axis of the other body [rad]; with `fixed_to` only.
+        /// Angle from the x axis of the other body to the x axis of this body [rad]. Only with `fixed_to`.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x \
             axis").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass [kg], >= 0.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Distribution of the mass: `uniform_rod` is even from `origin` to `end`. Where absent, the mass is at
-        /// `center`, with `inertia`.
+        /// Mass distribution. `uniform_rod`: the mass is spread evenly from `origin` to `end`. Without this key,
+        /// `center` and `inertia` describe the mass.
         shape: Option<Shape>;
-        /// Centre of mass in the body's frame [m]; not with `shape`.
+        /// Centre of mass in the frame of the body [m]. Not with `shape`.
         center: Option<[f64; 2]> =>
             number(Metre, Range::Coordinate).parameter(Role::Inertia, "Centre of mass").absent("[0, 0]");
-        /// Moment of inertia about the centre of mass [kg.m2], >= 0; not with `shape`.
+        /// Moment of inertia about the centre of mass [kg.m2], >= 0. Not with `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// E A of the body as a rod between its two joints [N], > 0; read by the method `rigid_fem` only, and not with
-        /// `fixed_to`.
+        /// Axial stiffness E A of the body as a rod between its two joints [N], > 0. Only the method `rigid_fem` uses
+        /// it. Not with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
-        /// Further points by name, [x, y] in the body's frame [m].
+        /// More points by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
-        /// The body at one drawn position, in place of lengths and points in its frame.
+        /// The body as drawn in one position of the mechanism. Use it in place of `length`, `points` and `center`.
         drawn: Option<Drawn> => Key::PLAIN.brief();
     }
 
@@ -40,52 +41,53 @@ keys! {
         at: String => point().required();
     }
 
-    /// Connection of two bodies.
+    /// A joint that connects two bodies.
     pub struct Joint {
-        /// Kind of joint. `revolute`: the two points coincide. `prismatic`: the second point slides on a line through
-        /// the first, and the bodies do not turn relatively.
+        /// Kind of joint. `revolute`: a pin; the two points coincide. `prismatic`: a slide; the second point moves
+        /// along a line through the first point, and the angle between the bodies is fixed.
         kind as "type": JointKind => Key::PLAIN.required();
-        /// Point (`body.point`) of the first body. The joint's reaction is the force of the first body on the second.
+        /// Point (`body.point`) of the first body. The reaction output is the force of the first body on the second
+        /// body.
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
-        /// Prismatic only: direction of sliding in the first body's frame [rad].
+        /// Prismatic joint only: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding").absent("0");
-        /// Prismatic only: angle of the second body's x axis from the x axis of the first [rad].
+        /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle between the bodies").absent("0");
-        /// Revolute only: radius of the pin [m], >= 0; no friction in the joint where absent.
+        /// Revolute joint only: pin radius [m], >= 0. Without it the joint has no friction.
         pin_radius: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin");
-        /// Coefficient of static friction in this joint [1], >= 0; that of `friction` where absent.
+        /// Coefficient of static friction in this joint [1], >= 0. Without it, the value in `friction` applies.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction");
-        /// Coefficient of kinetic friction in this joint [1], >= 0; that of `friction` where absent.
+        /// Coefficient of kinetic friction in this joint [1], >= 0. Without it, the value in `friction` applies.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction");
     }
 
-    /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). Its mu(v)
-    /// rises in proportion to the slip speed v to the static coefficient at `static_speed`. From there mu(v) falls by a
-    /// cubic step to the kinetic coefficient at `kinetic_speed`. With the law `stick` mu is the static coefficient up
-    /// to `static_speed`, and at rest friction holds.
+    /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With the
+    /// law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
+    /// `static_speed`. From there it falls by a cubic step to the kinetic coefficient at `kinetic_speed`. With the law
+    /// `stick`, mu is the static coefficient up to `static_speed`, and friction holds the mechanism at rest.
     pub struct Friction: Copy {
         /// Whether the joints have friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "Whether the joints have friction").absent("false");
-        /// Law below `static_speed`: `viscous`, in proportion to the slip speed, or `stick`, Coulomb's law, which holds
-        /// at rest.
+        /// Friction law below `static_speed`. `viscous`: in proportion to the slip speed. `stick`: Coulomb's law, which
+        /// holds the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
-        /// Coefficient of static friction mu_S [1], >= 0; not below the kinetic one if the law is `stick`.
+        /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` at least the kinetic coefficient.
         static_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of static friction").required();
         /// Coefficient of kinetic friction mu_d [1], >= 0.
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of kinetic friction").required();
-        /// Slip speed V_S at which friction is static [m/s], > 0; >= 0 if the law is `stick`.
+        /// Slip speed V_S at which the coefficient is the static one [m/s], > 0 (with the law `stick` >= 0).
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed at which friction is static");
-        /// Slip speed V_d from which friction is kinetic [m/s], > V_S; >= 0 if the law is `stick`.
+        /// Slip speed V_d from which the coefficient is the kinetic one [m/s], > V_S (with the law `stick` >= 0).
         kinetic_speed: f64 = 1.0 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed from which friction is kinetic");
     }
@@ -94,7 +96,7 @@ keys! {
 words! {
     /// Distribution of a body's mass.
     pub enum Shape {
-        /// Evenly between `origin` and `end`: centre at half the length, moment of inertia m l2 / 12.
+        /// Evenly between `origin` and `end`: centre of mass at half the length, moment of inertia m l^2 / 12.
         UniformRod = "uniform_rod",
     }
 
@@ -102,16 +104,17 @@ words! {
     pub enum JointKind {
         /// The two points coincide.
         Revolute = "revolute",
-        /// The second point lies on a line through the first, fixed in the first body; the bodies do not turn
-        /// relatively.
+        /// The second point lies on a line through the first point. The line is fixed in the first body. The angle
+        /// between the bodies is fixed.
         Prismatic = "prismatic",
     }
 
     /// Law of friction at low slip speeds.
     pub enum FrictionLaw {
-        /// Proportional to the slip speed up to V_S ([HF08] section 4), so that nothing is held at rest.
+        /// Proportional to the slip speed up to V_S ([HF08] section 4). Friction does not hold a mechanism at rest.
         Viscous = "viscous",
-        /// Coulomb's: static friction up to V_S, and at rest as much as holds, up to static friction.
+        /// Coulomb's law: static friction up to V_S. At rest, friction holds the mechanism as long as static friction
+        /// suffices.
         Stick = "stick",
     }
 }

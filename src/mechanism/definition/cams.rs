@@ -14,20 +14,20 @@ const CLOSE: f64 = 1e-9;
 const FEWEST: usize = 3;
 
 keys! {
-    /// A part of a cam's revolution, from rest to rest.
+    /// One segment of a cam's revolution. The follower is at rest at both ends of the segment.
     pub struct CamSegment: Copy {
-        /// Law of the lift.
+        /// Motion law of the lift.
         law: CamLaw => Key::PLAIN.required();
-        /// Angle of the cam over which it goes [rad], > 0; of the last segment the rest of the revolution where absent.
+        /// Cam angle of the segment [rad], > 0. Without it in the last segment: the rest of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
-        /// Growth of the lift, of any sign [m or rad], rad of an oscillating follower; none of a dwell; of the last
-        /// segment back to 0 where absent.
+        /// Change of the lift over the segment, of either sign [m; rad for an oscillating follower]. A dwell has none.
+        /// Without it in the last segment: back to lift 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }
 
 words! {
-    /// What touches a cam.
+    /// Shape of the follower.
     pub enum Follower {
         /// A roller.
         Roller = "roller",

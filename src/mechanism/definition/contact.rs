@@ -6,49 +6,51 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// An end of the travel, stated by the angle of a turning body, the position of a prismatic joint, the angle of a
-    /// revolute joint, or the distance of two points.
+    /// An end of the travel. State the angle of a body, the position of a prismatic joint, the angle of a revolute
+    /// joint, or the distance between two points.
     pub struct Stop {
-        /// Turning body.
+        /// Body whose angle is limited.
         body: Option<String> => element();
-        /// Joint, in place of a body.
+        /// Joint whose position or angle is limited, in place of `body`.
         joint: Option<String> => element();
-        /// One of two points (`body.point`), in place of a body.
+        /// First of two points (`body.point`) whose distance is limited, in place of `body`.
         first: Option<String> => point();
-        /// The other point (`body.point`).
+        /// Second of the two points (`body.point`).
         second: Option<String> => point();
-        /// Which end of the travel the value is. `lower`: the value may not fall below. `upper`: it may not rise above.
+        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the stated value. `upper`: it
+        /// cannot rise above.
         limit: Limit => Key::PLAIN.required();
-        /// Angle of the body, or of a revolute joint's second body from the first [rad].
+        /// Angle at the stop [rad]: of the body, or in a revolute joint of the second body relative to the first.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle");
-        /// Position along a prismatic joint [m].
+        /// Position of the prismatic joint at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position");
-        /// Distance of the two points [m], >= 0.
+        /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the points");
-        /// Whether the mechanism has this stop.
+        /// Whether the mechanism has this stop (false: the stop is ignored).
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether @ is there");
-        /// Whether the stop is rigid, with `restitution`; else a bumper, a spring and damper that only pushes. Must be
-        /// given where there is a stiffness, a damping or a curve.
+        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. Must
+        /// be given together with `stiffness`, `damping` or `points`.
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "Whether @ is rigid; else it is a spring and damper that only \
                 pushes").absent("true");
-        /// Rigid: speed after an impact over the speed before [1], 0 to 1.
+        /// Rigid stop only: speed after an impact divided by the speed before [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Restitution");
-        /// Bumper: stiffness [N/m or N.m/rad], >= 0.
+        /// Bumper only: stiffness [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Law, "Stiffness as a bumper");
-        /// Bumper: damping [N.s/m or N.m.s/rad], >= 0.
+        /// Bumper only: damping [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping as a bumper");
-        /// Bumper: curve of a further push over the depth beyond the value: pairs of depth and push
-        /// [m or rad, N or N.m], from [0, 0] on, the push nowhere falling; straight on beyond the last.
+        /// Bumper only: additional force as a curve over the compression. Pairs of compression and force [m or rad, N
+        /// or N.m]. The first pair is [0, 0], and the force never falls. Beyond the last pair the curve continues as a
+        /// straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the Boolean output that is true at this stop; `<name>.reached` where absent.
+        /// Name of the Boolean output that is true at this stop. Default: `<name>.reached`.
         flag: Option<String> => element();
     }
 
-    /// Holds the mechanism at a stop while its input `<name>.engage` is true, by a force at a point along the path of
-    /// the point.
+    /// A lock holds the mechanism at a stop while the input `<name>.engage` is true. The lock force acts at a point,
+    /// along the path of that point.
     pub struct Lock {
         /// Stop at which the lock holds.
         stop: String => element().required();
@@ -60,11 +62,11 @@ keys! {
 }
 
 words! {
-    /// Which end of the travel a stop is.
+    /// Side of a stop.
     pub enum Limit {
-        /// The value may not fall below.
+        /// The value cannot fall below.
         Lower = "lower",
-        /// The value may not rise above.
+        /// The value cannot rise above.
         Upper = "upper",
     }
 }

@@ -13,60 +13,61 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// One equation u2 = F(u1) between two motions relative to a carrier. u1 is the angle of the first wheel, u2 the
-    /// angle of the second wheel or the position of the rack. Of gears, racks and belts u2 = ratio u1 + phase.
+    /// A coupling of two motions by gears, a rack, a belt or a cam: u2 = F(u1). u1 is the angle of the first wheel
+    /// relative to the carrier. u2 is the angle of the second wheel relative to the carrier, or the position of the
+    /// rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
-        /// Kind of coupling. `gears`: two wheels with teeth. `rack`: a wheel and a rack. `belt`: a belt or chain around
-        /// two pulleys. `elliptic_gears`: two equal wheels of variable ratio. `cam`: a disc cam and its follower.
+        /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
+        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower.
         kind as "type": CouplingKind => Key::PLAIN.required();
-        /// Centre of the first wheel or of the cam (`body.point`), where it is hinged on the carrier.
+        /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects this point to the carrier.
         first: String => point().required();
-        /// Centre of the second wheel or of an oscillating follower (`body.point`), where it is hinged on the carrier.
+        /// Centre (`body.point`) of the second wheel or of an oscillating follower. A revolute joint connects this
+        /// point to the carrier.
         second: Option<String> => point();
-        /// Body on which both are hinged; the ground where absent.
+        /// Body that carries both wheels. Default: the ground.
         carrier: Option<String> => element().absent("\"ground\"");
-        /// The prismatic joint between the rack, or a translating follower, and the body on which the wheel or cam is
-        /// hinged.
+        /// Prismatic joint in which the rack or the translating follower slides on the carrier.
         joint: Option<String> => element();
         /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
         eccentricity: Option<f64> =>
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
-        /// Elliptic gears: number of lobes of each wheel [1], a whole number; 1: ellipses about a focus.
+        /// Elliptic gears: number of lobes of each wheel [1], a whole number. 1: an ellipse that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Lobes of each wheel").absent("1");
-        /// Elliptic gears: direction in the first wheel's frame, from its centre to the nearest vertex of its pitch
-        /// curve [rad].
+        /// Elliptic gears: direction from the centre of the first wheel to the nearest vertex of its pitch curve, as an
+        /// angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex").absent("0");
-        /// Cam: what touches it.
+        /// Cam: shape of the follower.
         follower: Option<Follower>;
-        /// Cam: centre of the roller, or a point of the flat face, on the follower (`body.point`).
+        /// Cam: point of the follower (`body.point`): the centre of the roller, or a point on the flat face.
         contact: Option<String> => point();
-        /// Cam: radius of its base circle [m], > 0: the least of the profile, which touches without lift.
+        /// Cam: radius of the base circle [m], > 0. At lift 0 the follower touches the base circle.
         base_radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam: direction of the flat face in the follower's frame [rad]; across the joint's axis, or along the x axis
-        /// of an oscillating follower, where absent.
+        /// Cam: direction of the flat face, as an angle in the frame of the follower [rad]. Default: perpendicular to
+        /// the sliding direction; for an oscillating follower along its x axis.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
-        /// Cam: u1 at which the first segment starts, or at which the angle of the table is 0 [rad].
+        /// Cam: angle u1 at which the first segment starts, or at which the table has the angle 0 [rad].
         start_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift begins").absent("0");
-        /// Cam: the lift over a revolution, segment after segment.
+        /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
-        /// Cam: points of the lift in place of segments: pairs of angle and lift [rad, m or rad], angles ascending, of
-        /// one revolution.
+        /// Cam: lift over one revolution as pairs of angle and lift [rad, m or rad], in place of `segments`. The angles
+        /// ascend.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
-        /// Cam: curve through the points.
+        /// Cam: kind of the curve through the points.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
-        /// Cam: whether it holds its follower in both directions, in a groove or by a second cam.
+        /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
-        /// Gears: number of teeth of the first wheel [1], > 0; the ratio of both numbers counts.
+        /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of the two numbers matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
         second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second \
             wheel");
-        /// Gears: whether the wheel with more teeth is a ring around the other.
+        /// Gears: true if the wheel with more teeth is an internal gear (ring gear).
         internal: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: radius of the first pulley [m], > 0.
         first_radius: Option<f64> =>
@@ -74,21 +75,20 @@ keys! {
         /// Belt: radius of the second pulley [m], > 0.
         second_radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the second pulley");
-        /// Belt: whether its spans cross, so that the pulleys turn against one another.
+        /// Belt: true if the spans cross, so that the pulleys turn in opposite directions.
         crossed: Option<bool> => Key::PLAIN.absent("false");
-        /// Belt: tension of each span without load [N], >= 0.
+        /// Belt: tension of each span at rest without load [N], >= 0.
         pretension: Option<f64> =>
             number(Newton, Range::NonNegative).parameter(Role::Load, "Tension of each span without load").absent("0");
         /// Rack: pitch radius of the wheel [m], > 0.
         radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Pitch radius of the wheel");
-        /// Rack: side of the wheel's centre on which the rack lies, seen along the axis of the joint.
+        /// Rack: side of the wheel centre on which the rack lies, looking in the direction of the joint axis.
         side: Option<Side> => Key::PLAIN.absent("\"right\"");
-        /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2; 20 degrees where absent.
+        /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure).parameter(Role::Load, "Pressure angle");
-        /// u2 at u1 = 0 [m or rad], m of a rack; as in the guess where absent. Not of a cam.
+        /// u2 at u1 = 0 [rad; m for a rack]. Default: from the guess. Not for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
-        /// Gears, rack, belt: part of the power that is passed on, whichever way it flows [1], > 0 and <= 1; no loss
-        /// where absent.
+        /// Gears, rack, belt: efficiency [1], > 0 and <= 1, in both directions of power flow. Default: no loss.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
     }
 }

@@ -22,23 +22,26 @@ const OPEN: f64 = 1e-3;
 const ZERO: f64 = 1e-12;
 
 keys! {
-    /// Units of the angles and lengths in a file; all other numbers are SI. Variables of the FMU are SI in any case.
+    /// Units of the angles and lengths in this file. All other numbers are in SI units. The variables of the FMU are
+    /// always in SI units.
     pub struct Units: Copy {
-        /// Unit of every angle.
+        /// Unit of all angles in the file.
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
-        /// Unit of every length.
+        /// Unit of all lengths in the file.
         length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
     }
 
-    /// The body at one drawn position, in the mechanism frame: lengths, local points and guess follow.
+    /// The body as drawn in one position of the mechanism, in the mechanism frame. Lengths, points in the frame of the
+    /// body, and the guess follow from the drawing.
     pub struct Drawn {
         /// The point `origin` [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
-        /// The point `end` [m]: the body's x axis points there, and its distance is the body's length.
+        /// The point `end` [m]. The x axis of the body points from `origin` to `end`; the distance is the length of the
+        /// body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Angle of the body's x axis from the X axis [rad]; not with `end`.
+        /// Angle from the X axis to the x axis of the body [rad]. Not with `end`.
         angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
-        /// Further points by name [m].
+        /// More points by name [m].
         points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
         /// Centre of mass [m].
         center: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);

@@ -3,47 +3,46 @@ use crate::format::{Flag, Key, Owner, Parameter, Range, Role, Short, Visit, eith
 use crate::variables::Unit::{Metre, MetrePerSecond, One, Radian, RadianPerSecond, Second};
 
 keys! {
-    /// Position and speed at the start: of a turning body, or of a prismatic joint.
+    /// Position and speed at the start of the run, of a body that turns or of a prismatic joint.
     pub struct Start or (Short::Word("equilibrium")) {
-        /// Turning body that states the start.
+        /// Body whose angle states the start.
         body: Option<String> => element();
-        /// Angle of the body [rad], -1e6 to 1e6.
+        /// Angle of this body at the start [rad], -1e6 to 1e6.
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
-        /// Prismatic joint that states the start.
+        /// Prismatic joint whose position states the start.
         joint: Option<String> => element();
-        /// Position of the joint [m].
+        /// Position of this joint at the start [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
-        /// Speed of the joint or body [m/s or rad/s].
+        /// Speed of the joint or the body at the start [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// Whether the mechanism starts at the stable equilibrium that is nearest to the stated position under the
-        /// loads at the start.
+        /// true: the run starts at the stable equilibrium nearest to the stated position, under the loads at the start.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
-    /// Integration settings.
+    /// Settings of the time integration.
     pub struct Solver {
-        /// Relative tolerance of the integration [1], 1e-14 to 0.1.
+        /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the integration").required();
-        /// Least speed to which errors are relative, as a part of that which the present force along the curve would
-        /// give over the length of 1 rad [1], > 0 and <= 1. Small values make slow creep exact.
+        /// Smallest speed that the relative tolerance refers to [1], > 0 and <= 1. The unit is the speed that the
+        /// present loads would give the mechanism over a motion of 1 rad. Small values make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads",
         );
-        /// Most steps of the integration in one communication step [1], a whole number; rejected steps, substeps of
-        /// `rigid_fem` and transitions at events count.
+        /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
+        /// of `rigid_fem` and events count too.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
-        /// Formulation of the motion, start value of the variable `solver.method`. `reduced`: rigid bodies.
-        /// `rigid_fem`: binary links as rods with `axial_stiffness`, by Newmark's method. Where absent `reduced`, and
-        /// no variable.
+        /// Formulation of the motion; start value of the variable `solver.method`. `reduced`: rigid bodies.
+        /// `rigid_fem`: links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key
+        /// the formulation is `reduced` and the FMU has no such variable.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
-        /// With `method` only: largest step of Newmark's method [s], >= 1e-9; 1e-5 where absent.
+        /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5. Only with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of the rigid finite elements");
-        /// Start value of the Boolean variable `solver.tables`: whether the right-hand side is read from tables; else
-        /// each evaluation closes the loops, at some hundred times the cost.
+        /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables.
+        /// false: each evaluation solves the loop equations, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
             "Whether the right-hand side is read from tables; else it is computed anew each time",
@@ -54,7 +53,7 @@ keys! {
 words! {
     /// Formulation of the motion.
     pub enum Method {
-        /// Rigid bodies as one element along the curve.
+        /// Rigid bodies, reduced to one element.
         Reduced = "reduced",
         /// Rods with axial stiffness, by Newmark's method ([HF08] section 3).
         RigidFem = "rigid_fem",

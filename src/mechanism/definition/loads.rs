@@ -12,58 +12,59 @@ use crate::variables::Unit::{
 use std::f64::consts::TAU;
 
 keys! {
-    /// Uniform gravity: the acceleration load_factor * acceleration along -(cos up_angle, sin up_angle). Gives the
-    /// input `load_factor`.
+    /// Uniform gravity. Every mass has the weight m * load_factor * acceleration, against the upward direction
+    /// `up_angle`. The load factor is the input `load_factor`.
     pub struct Gravity {
         /// Acceleration of free fall [m/s2], >= 0.
         acceleration: f64 => number(MetrePerSecondSquared, Range::Size)
             .parameter(Role::Load, "Acceleration of free fall").required();
-        /// Angle of the upward direction from the X axis [rad].
+        /// Upward direction, as an angle from the X axis [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, angle from the X axis").required();
         /// Start value of the input `load_factor` [1].
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
-    /// A drive along the line between two points or in a joint. A positive force pushes the points apart; in a joint a
-    /// positive force or torque moves the second body along the axis or anticlockwise.
+    /// A drive (actuator) along the line between two points or in a joint. A positive force pushes the two points
+    /// apart. In a joint, a positive force moves the second body along the axis; a positive torque turns the second
+    /// body anticlockwise.
     pub struct Actuator {
-        /// One end (`body.point`).
+        /// Point (`body.point`) at the first end.
         first: Option<String> => point();
-        /// The other end (`body.point`).
+        /// Point (`body.point`) at the second end.
         second: Option<String> => point();
-        /// Joint, in place of the two ends.
+        /// Joint in which it acts, in place of `first` and `second`.
         joint: Option<String> => element();
-        /// Start value of the input `<name>.force` [N]; neither in a revolute joint nor with a screw.
+        /// Start value of the input `<name>.force` [N]. Not in a revolute joint and not with a screw.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
-        /// Start value of the input `<name>.torque` [N.m]; in a revolute joint or with a screw.
+        /// Start value of the input `<name>.torque` [N.m]. Only in a revolute joint or with a screw.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta [1], > 0 and <= 1 ([CK16] eq. (5)): part of the power that the drive passes on to the
-        /// mechanism, and back from it.
+        /// Efficiency eta of the drive [1], > 0 and <= 1, in both directions of power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Curve of a further force over the speed of the drive, times the input `<name>.command`: pairs of speed and
-        /// force [m/s or rad/s, N or N.m], speeds ascending; straight on beyond the first and the last. Not with
-        /// `hydraulics` or `motion`.
+        /// Additional force as a curve over the speed of the drive, multiplied by the input `<name>.command`. Pairs of
+        /// speed and force [m/s or rad/s, N or N.m], speeds ascending. Beyond the first and the last pair the curve
+        /// continues as a straight line. Not with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command` [1]; with `points` only.
+        /// Start value of the input `<name>.command` [1]. Only with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
-        /// The screw through which a motor drives along the line, so that the drive is its rotation and has a torque;
-        /// not in a revolute joint.
+        /// Screw between a motor and the line of the drive. The input is then the motor torque. Not in a revolute
+        /// joint.
         screw: Option<Screw> => Key::PLAIN.brief();
-        /// The hydraulic circuit that drives it, of one drive at most; not in a revolute joint. The force is then an
-        /// output.
+        /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive has a circuit;
+        /// not in a revolute joint.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
-        /// The motion of the drive, which can be prescribed, so that the force is what it takes; of one drive at most,
-        /// and not with `hydraulics`.
+        /// Prescribed motion of the drive. The drive force is then an output. At most one drive has a prescribed
+        /// motion; not with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
-    /// A screw and nut along the line of a drive: with the angle phi of the screw the stroke is lead phi / (2 pi).
+    /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke changes by lead *
+    /// phi / (2 pi).
     pub struct Screw: Copy {
         /// Stroke for one revolution [m], > 0.
         lead: f64 => number(Metre, Range::Length).parameter(Role::Geometry, "Lead of the screw").required();
-        /// Moment of inertia of the screw with its motor about its axis [kg.m2], >= 0.
+        /// Moment of inertia of screw and motor about the screw axis [kg.m2], >= 0.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Geometry, "Moment of inertia of the screw").absent("0");
     }
@@ -72,10 +73,10 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components [N]: start values of `<name>.force_x` and `<name>.force_y`, parameters if `constant`, inputs
-        /// else.
+        /// Components [N]: start values of `<name>.force_x` and `<name>.force_y`. With `constant` they are parameters,
+        /// otherwise inputs.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
-        /// Whether the components are parameters; inputs else.
+        /// true: the components are parameters. false: they are inputs.
         constant: bool;
     }
 
@@ -83,23 +84,23 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of `<name>.torque` [N.m], a parameter if `constant`, an input else.
+        /// Start value of `<name>.torque` [N.m]. With `constant` it is a parameter, otherwise an input.
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
-        /// Whether the torque is a parameter; an input else.
+        /// true: the torque is a parameter. false: it is an input.
         constant: bool;
     }
 
-    /// A spring and damper. Between two points the force preload + stiffness (length - free_length) + damping
-    /// d(length)/dt pulls the points together; in a prismatic joint it pulls the second body back, with the joint's
-    /// position as length. In a revolute joint the torque preload + stiffness (angle - free_angle) + damping
-    /// d(angle)/dt turns the second body clockwise, where angle is the angle of the second body less the angle of the
-    /// first. A characteristic, by points or of a gas, is added.
+    /// A spring with a damper. Between two points the force preload + stiffness * (length - free_length) + damping *
+    /// d(length)/dt pulls the points together. In a prismatic joint the same force pulls the second body back; the
+    /// length is the position of the joint. In a revolute joint the torque preload + stiffness * (angle - free_angle) +
+    /// damping * d(angle)/dt turns the second body clockwise; the angle is that of the second body relative to the
+    /// first. Forces from `points`, `damping_points` or `gas` are added.
     pub struct Spring {
-        /// One end (`body.point`).
+        /// Point (`body.point`) at the first end.
         first: Option<String> => point();
-        /// The other end (`body.point`).
+        /// Point (`body.point`) at the second end.
         second: Option<String> => point();
-        /// Joint, in place of the two ends.
+        /// Joint in which it acts, in place of `first` and `second`.
         joint: Option<String> => element();
         /// Stiffness [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
@@ -107,54 +108,55 @@ keys! {
         /// Damping [N.s/m or N.m.s/rad], >= 0.
         damping: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Load, "Damping").absent("0");
-        /// Length without force but the preload [m]; between two points >= 0, or along a prismatic joint.
+        /// Length at which the spring force is the preload [m]. Between two points >= 0.
         free_length: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Free length").absent("0");
-        /// Angle without torque but the preload [rad]; in a revolute joint only.
+        /// Angle at which the spring torque is the preload [rad]. Only in a revolute joint.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
-        /// Pull at the free length or angle [N or N.m].
+        /// Pulling force or torque at the free length or angle [N or N.m].
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Curve of a further pull: pairs of length, position or angle and pull [m or rad, N or N.m], ascending;
-        /// straight on beyond the first and the last.
+        /// Additional pulling force as a curve over the length, position or angle. Pairs of length and force [m or rad,
+        /// N or N.m], lengths ascending. Beyond the first and the last pair the curve continues as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
-        /// Curve of a further pull over the speed of lengthening or turning: pairs of speed and pull
-        /// [m/s or rad/s, N or N.m], ascending, with [0, 0], no pull against its speed; straight on beyond the first
-        /// and the last.
+        /// Additional damping force as a curve over the speed of extension or rotation. Pairs of speed and pulling
+        /// force [m/s or rad/s, N or N.m], speeds ascending. The curve passes through [0, 0], and each force has the
+        /// sign of its speed. Beyond the first and the last pair the curve continues as a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Gas that the spring compresses; between two points, or along a prismatic joint.
+        /// Gas filling of a gas spring. Between two points or in a prismatic joint.
         gas: Option<Gas>;
     }
 
-    /// The gas of a gas spring: with the volume V = volume + area (length - free_length) its pressure is
-    /// pressure (volume / V)^exponent, and the pull (ambient - pressure) area is added to the spring's.
+    /// The gas of a gas spring. Its volume is V = volume + area * (length - free_length), its pressure p = pressure *
+    /// (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
     pub struct Gas: Copy {
         /// Absolute pressure at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
-        /// Area on which the gas acts [m2], > 0: the rod's cross section if gas is on both sides of the piston.
+        /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston this is the cross section of the
+        /// rod.
         area: f64 => number(SquareMetre, Range::Positive).parameter(Role::Load, "Area on which the gas \
             acts").required();
-        /// Volume at the free length [m3], > 0.
+        /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
-        /// Polytropic exponent [1], from 1 (slow, isothermal) to 2; 1.4 for fast changes of nitrogen.
+        /// Polytropic exponent [1], from 1 to 2. 1 for slow (isothermal) motion, 1.4 for fast motion with nitrogen.
         exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
             gas").required();
-        /// Absolute pressure around the spring [Pa], >= 0; the standard atmosphere where absent.
+        /// Absolute pressure around the spring [Pa], >= 0. Default: the standard atmosphere.
         ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient \
             pressure");
     }
 
-    /// Air in uniform flow. Gives the input `airspeed`.
+    /// Uniform air flow past the mechanism. The airspeed is the input `airspeed`.
     pub struct Air: Copy {
         /// Mass density [kg/m3], >= 0.
         density: f64 => number(KilogramPerCubicMetre, Range::NonNegative)
             .parameter(Role::Law, "Mass density of the air").required();
-        /// Direction in which the air flows, angle from the X axis [rad].
+        /// Direction in which the air flows, as an angle from the X axis [rad].
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction in which the air flows, angle from the X axis").required();
-        /// Whether the motion of the surfaces counts for the speed of the air that meets them.
+        /// true: drag depends on the air velocity relative to the moving surface. false: on the airspeed alone.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
             "Whether the motion of the surfaces counts for the speed of the air that meets them",
@@ -163,21 +165,22 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// A surface with drag: a strip along the line between two points of one body, or an area at a point. The drag [N]
-    /// is 1/2 density |u| u c S, with the air's velocity u [m/s] relative to the surface and the area S [m2] across u
-    /// ([HF08] (1)).
+    /// A surface on which the air drags: a strip between two points of one body, or an area at a point. The drag is 1/2
+    /// * density * c * S * |u| * u [N], with the air velocity u relative to the surface [m/s] and the area S
+    /// perpendicular to u [m2] ([HF08] eq. (1)).
     pub struct Surface {
-        /// One end of a strip (`body.point`).
+        /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
-        /// The other end (`body.point`), on the same body.
+        /// Point (`body.point`) at the second end of a strip, on the same body.
         to: Option<String> => point();
         /// Width of a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface");
-        /// Point of an area (`body.point`).
+        /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
         /// Area [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area");
-        /// Angle of a flat area's plane in the body's frame [rad]; where absent, the area is the same from all sides.
+        /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without it, the area is
+        /// the same from all sides.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle of the flat area");
         /// Drag coefficient c [1], >= 0.
         drag_coefficient: f64 => number(One, Range::NonNegative).parameter(Role::Law, "Drag coefficient").required();

@@ -20,20 +20,19 @@ pub const GROUND: &str = "ground";
 /// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
 pub const SNAP: f64 = 1e-6;
 keys! {
-    /// A planar linkage with one degree of freedom. SI units, angles in rad, anticlockwise positive.
+    /// A planar linkage with one degree of freedom. Numbers are in SI units, angles in rad, positive anticlockwise.
     pub struct Mechanism {
-        /// Where an editor finds the schema; not read by the FMU.
+        /// Path of the schema, for completion in an editor. The FMU does not read it.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
-        /// One line of text.
+        /// Description, one line of text.
         description: String => line();
-        /// Author, copyright and licence of the model, which the description of the FMU shows.
+        /// Author, copyright and licence of the model, for the description of the FMU.
         about: About => Key::PLAIN.brief();
-        /// Path of a file of named parameters that several definitions share, from the folder of this file; in an FMU
-        /// the path and the contents.
+        /// Path of a file with named parameters that several definitions share, relative to the folder of this file.
         shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
-        /// Parameters by names that you choose, which expressions read: a number, an expression, or an object.
+        /// Named parameters for use in expressions. Each is a number, an expression, or an object.
         parameters: Named<NamedParameter> => Key::PLAIN.brief();
         /// Parameters whose values are expressions of others.
         expressions: Expressions => Key { is_written_only: true, ..Key::PLAIN }.brief();
@@ -41,47 +40,50 @@ keys! {
         file_units: Aside<Units> => Aside::<Units>::KEY;
         /// Expressions of numbers that are no parameters whose unit is unclear.
         unclear: Aside<Vec<Unclear>> => Aside::<Vec<Unclear>>::KEY;
-        /// Units of the angles and lengths in this file; SI units where absent.
+        /// Units of the angles and lengths in this file. Default: SI units.
         units: Option<Units> => Key::PLAIN.brief();
-        /// Uniform gravity; none where absent.
+        /// Uniform gravity. Without this key there is no gravity.
         gravity: Option<Gravity>;
-        /// Rigid bodies by name. The body `ground` must be there and does not move.
+        /// Rigid bodies by name. One of them must be `ground`, which does not move.
         bodies: Named<Body> => Key::PLAIN.required();
-        /// Joints by name. All together they leave one degree of freedom.
+        /// Joints by name. All joints and couplings together must leave one degree of freedom.
         joints: Named<Joint> => Key::PLAIN.required();
         /// Gears, racks, belts and cams by name.
         couplings: Named<Coupling> => Key::PLAIN.brief();
-        /// Drives by name: the input `<name>.force` or `<name>.torque`, and the mechanism reduced to the drive.
+        /// Drives by name. Each has the input `<name>.force` or `<name>.torque`, and outputs of the mechanism reduced
+        /// to the drive.
         actuators: Named<Actuator>;
-        /// Forces at a point by name, in the mechanism frame.
+        /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;
-        /// Torques on a body by name.
+        /// Torques on bodies by name.
         torques: Named<Torque>;
         /// Springs and dampers by name, between two points or in a joint.
         springs: Named<Spring>;
-        /// Points by name whose position, velocity and acceleration are outputs.
+        /// Markers by name: points whose position, velocity and acceleration are outputs.
         markers: Named<Marker>;
-        /// Friction of the joints; none where absent.
+        /// Friction in the joints. Without this key there is no friction.
         friction: Option<Friction>;
-        /// Air flow past the mechanism; none where absent.
+        /// Air flow past the mechanism. Without this key there is no air.
         air: Option<Air>;
-        /// Surfaces by name on which the air drags; with `air` only.
+        /// Surfaces with drag, by name. Only with `air`.
         surfaces: Named<Surface>;
-        /// Ends of the travel by name.
+        /// Stops by name: the ends of the travel.
         stops: Named<Stop>;
         /// Locks by name: each holds the mechanism at a stop while the input `<name>.engage` is true.
         locks: Named<Lock>;
-        /// Where the run starts; the word `equilibrium`: at the stable equilibrium nearest to the guess.
+        /// Position and speed at the start. The word `equilibrium` starts the run at the stable equilibrium nearest to
+        /// the guess.
         start: Start => Key::PLAIN.required();
-        /// Which assembly is meant: a rough position of each prismatic joint and a rough angle, -1e6 to 1e6, of each
-        /// turning body [m or rad]. Drawn bodies need none.
+        /// Rough angle of each body that turns and rough position of each prismatic joint [rad or m]. The guess selects
+        /// one of the ways in which the mechanism can be assembled. Drawn bodies need no guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
-        /// Largest miss of a crossing of branches that is put right, relative to the size of the mechanism [1], from 0
-        /// to 0.01: lengths that almost let branches cross are taken as letting them cross. 0: none is.
+        /// Tolerance for change points (positions where two assembly modes cross), relative to the size of the
+        /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than this, the mechanism
+        /// passes through it. 0: no correction.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
-        /// Whether eigenfrequency and damping ratio of small motions about the present state are outputs.
+        /// true: eigenfrequency and damping ratio of small motions about the present state are outputs.
         linearisation: bool => Key::PLAIN.brief();
-        /// Integration settings.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU.
         experiment: Experiment;

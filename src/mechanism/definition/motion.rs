@@ -11,22 +11,26 @@ use crate::variables::Unit::{
 use std::fmt;
 
 keys! {
-    /// Motion of a drive: by the inputs `<name>.motion.position`, `.speed` and `.acceleration`, or by a profile over
-    /// time.
+    /// Prescribed motion of a drive, either by the inputs `<name>.motion.position`, `.speed` and `.acceleration` or by
+    /// a profile over time.
     pub struct PrescribedMotion {
-        /// Start value of the input `<name>.motion.enabled`: whether the motion is prescribed; else the force acts.
+        /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the drive force
+        /// acts.
         enabled: bool = true;
-        /// Without a profile: start value of the input `<name>.motion.position`, the length, position or angle [m or
-        /// rad].
+        /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. Only
+        /// without a profile.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
-        /// Law of the motion over time; where absent, position, speed and acceleration are inputs.
+        /// Motion law over time. Without it, position, speed and acceleration are inputs.
         profile: Option<ProfileKind>;
-        /// Time at rest before the profile starts [s], >= 0, from where the motion is first prescribed.
+        /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
+        /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the profile of the motion").absent("0");
-        /// Time that the profile takes [s], > 0; of a trapezoid it follows, of a table the points state it.
+        /// Duration of the profile [s], > 0. Not for a trapezoid or a table, whose duration follows from the other
+        /// keys.
         duration: Option<f64> => number(Second, Range::Positive).parameter(Role::Load, "Duration of the motion");
-        /// Distance from where the motion is first prescribed, of any sign [m or rad].
+        /// Distance of the motion, of either sign [m or rad], from the position at which the motion is first
+        /// prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the motion");
         /// Largest speed of a trapezoid [m/s or rad/s], > 0.
@@ -35,9 +39,9 @@ keys! {
         /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
             .parameter(Role::Load, "Acceleration and deceleration of the motion");
-        /// Points of a table: pairs of time and distance [s, m or rad], times ascending.
+        /// Table of the motion: pairs of time and distance [s, m or rad], times ascending.
         points: Option<Vec<[f64; 2]>> => curve([Second; 2], [Metre, Radian], Range::Finite);
-        /// Curve of a table through its points.
+        /// Kind of the curve through the points of a table.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
     }
 }

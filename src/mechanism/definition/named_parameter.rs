@@ -8,30 +8,30 @@ use crate::format::{
 use crate::variables::Unit;
 
 keys! {
-    /// A parameter under a name that you choose, which expressions read: a number, an expression, or an object.
+    /// A named parameter for use in expressions: a number, an expression, or an object.
     pub struct NamedParameter or (Short::First) {
-        /// Value in SI units, or an expression.
+        /// Value in SI units: a number or an expression.
         value: f64 => number(Unit::One, Range::Finite).parameter(Role::Named, "").required();
-        /// Unit of the variable.
+        /// Unit of the parameter.
         unit: Unit;
-        /// One line of text.
+        /// Description, one line of text.
         description: String => line();
     }
 
-    /// Named parameters that several definitions share: the path of a file from the folder of the definition; in an FMU
-    /// the path and the contents.
+    /// Named parameters that several definitions share: path of a file, relative to the folder of the definition. In an
+    /// FMU both the path and the contents are stored.
     pub struct Shared or (Short::First) {
         /// Path of the file.
         file: String => Key::PLAIN.required();
-        /// What stands in the file: in the definition in an FMU, which names no other file.
+        /// Contents of the file. Written by `package` into the definition inside an FMU.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
     /// The contents of a file of shared parameters.
     pub struct SharedContents {
-        /// Where an editor finds the schema; not read by the FMU.
+        /// Path of the schema, for completion in an editor. The FMU does not read it.
         schema as "$schema": Option<String>;
-        /// One line of text.
+        /// Description, one line of text.
         description: String;
         /// The parameters.
         parameters: Named<NamedParameter>;
