@@ -124,7 +124,7 @@ mod tests {
     fn each_key_has_its_line() {
         let page = page("mechanism.json");
         for line in [
-            "## spring\n\nStands at `springs.<name>`. A spring and damper.",
+            "## spring\n\nStands at `springs.<name>`. A spring with a damper.",
             "Stands at `springs.<name>.gas`.",
             "Stands at `couplings.<name>.segments[i]`.",
             "Stands at `actuators.<name>.hydraulics.fluid`.",
