@@ -32,57 +32,58 @@ pub fn parse() -> Cli {
 
 /// The command line. Tasks that work on the source are taken, to be refused by name, and not shown.
 pub fn command() -> Command {
-    let mut command = Cli::command().name(PROGRAM).bin_name(PROGRAM).about("Packs, checks, runs and draws mechanisms");
+    let mut command = Cli::command().name(PROGRAM).bin_name(PROGRAM).about("Pack, check, run and draw mechanisms");
     for name in OF_THE_SOURCE {
         command = command.mut_subcommand(name, |task| task.hide(true));
     }
+    command = command.mut_subcommands(|task| match task.get_after_help().map(ToString::to_string) {
+        Some(examples) => task.after_help(examples.replace("cargo fmu", PROGRAM)),
+        None => task,
+    });
     let helps = [
         (
             "package",
             "paths",
-            "A definition file (mechanism.json), or a folder that holds one [default: the landing gear that comes with \
-             the program]",
+            "Definition file (mechanism.json), or folder that contains one [default: the landing gear of the program]",
         ),
         (
             "package",
             "all",
-            "Every mechanism that comes with the program, and the system of the landing gear and its hydraulic \
-             actuator",
+            "Pack every mechanism of the program, and the system of landing gear and hydraulic actuator",
         ),
         ("package", "out", "Folder for the FMUs [default: this folder]"),
         (
             "package",
             "platforms",
-            "Platforms whose libraries are packed, of those that came with the program [default: this machine's own]",
+            "Platforms whose libraries are packed, if the program contains them [default: this machine]",
         ),
         (
             "package",
             "available",
-            "Pack what came with the program of --platforms, and tell what is left out; without it a missing platform \
-             is an error",
+            "Pack only the platforms that the program contains, and list the others [default: a missing platform is \
+             an error]",
         ),
         (
             "package",
             "glibc",
-            "Oldest glibc on which the libraries for Linux are to load; one that needs a newer one is refused",
+            "Oldest glibc on which the libraries for Linux must load; a library that needs a newer one is an error",
         ),
-        ("demo", "out", "Folder for what is written [default: this folder]"),
-        ("view", "out", "The page [default: <Name>.html in this folder]"),
+        ("demo", "out", "Folder for the results [default: this folder]"),
+        ("view", "out", "File for the page [default: <Name>.html in this folder]"),
         (
             "optimise",
             "out",
-            "Folder for the results: the best design, its picture, evaluations.parquet [default: the name of the \
-             study, in this \
-             folder]",
+            "Folder for the results (best design, its picture, evaluations.parquet) [default: the name of the study, \
+             in this folder]",
         ),
-        ("sweep", "out", "Folder for the results, runs.parquet [default: the name of the study, in this folder]"),
+        ("sweep", "out", "Folder for the results (runs.parquet) [default: the name of the study, in this folder]"),
     ];
     for (task, argument, help) in helps {
         command = command.mut_subcommand(task, |task| task.mut_arg(argument, |argument| argument.help(help)));
     }
     // The mechanisms of the gallery are in the source.
     command = command.mut_subcommand("demo", |task| task.mut_arg("gallery", |argument| argument.hide(true)));
-    command.mut_subcommand("package", |task| task.about("Pack mechanisms into <Name>.fmu"))
+    command.mut_subcommand("package", |task| task.about("Pack mechanisms as FMUs: <Name>.fmu and <Name>.fmi3.fmu"))
 }
 
 #[cfg(test)]

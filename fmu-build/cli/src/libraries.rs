@@ -7,45 +7,45 @@ use std::path::PathBuf;
 /// Arguments of `package`.
 #[derive(Args, Clone, Default)]
 pub struct Package {
-    /// A definition file (mechanism.json), or a folder that holds one [default: modelDescription/LandingGearRetraction]
+    /// Definition file (mechanism.json), or folder that contains one [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
-    /// Every folder of modelDescription/, and the system of the landing gear and its hydraulic actuator
+    /// Pack every folder of modelDescription/, and the system of landing gear and hydraulic actuator
     #[arg(long)]
     pub all: bool,
-    /// The landing gear and its hydraulic actuator, and the system of both as an SSP package
+    /// Pack the landing gear, its hydraulic actuator, and the system of both as an SSP package
     #[arg(long, conflicts_with_all = ["paths", "all"])]
     pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    /// Library for another platform, built elsewhere from this version (win64=path/to.dll); can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Versions of FMI: 2 makes <Name>.fmu, 3 makes <Name>.fmi3.fmu
+    /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// What the description says of the names of variables: that they are structured by dots, as importers show in
-    /// trees, or flat, as importers need that take no structure; the names are the same
+    /// How the description declares the names of variables: structured by dots, for importers that show a tree, or
+    /// flat, for importers without structure; the names are the same
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
-    /// Platforms whose libraries are built and packed [default: this machine's own]
+    /// Platforms whose libraries are built and packed [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Pack what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
+    /// Pack only the platforms that can be built here, and list the others [default: a missing platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Put the library for ARM where importers look that do not know aarch64-linux in FMI 2.0: in binaries/linux64
+    /// Put the library for ARM into binaries/linux64, for importers that do not know aarch64-linux in FMI 2.0
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
-    /// Oldest glibc on which the libraries for Linux are to load, 2.17 or later: zig links them, installed from PyPI
-    /// when it is first needed
+    /// Oldest glibc on which the libraries for Linux must load, 2.17 or later; zig links them and is installed from
+    /// PyPI at the first use
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Leave out documentation/animation.html, which plays the default run
+    /// Leave out documentation/animation.html, the animation of the default run
     #[arg(long)]
     pub no_animation: bool,
-    /// Leave out the tables of the mechanism: a smaller FMU, whose instances make them
+    /// Leave out the tables of the mechanism: the FMU is smaller, but each instance has to compute them
     #[arg(long)]
     pub no_tables: bool,
     /// Leave out the reference results of the default run
@@ -83,7 +83,7 @@ pub enum Fmi {
     /// FMI 3.0
     #[value(name = "3")]
     Three,
-    /// FMI 2.0 and FMI 3.0, a file of each
+    /// FMI 2.0 and FMI 3.0, one file each
     #[default]
     Both,
 }
@@ -91,9 +91,9 @@ pub enum Fmi {
 /// Conventions of FMI for names of variables (FMI 2.0.5, 2.2.9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Naming {
-    /// Any text
+    /// Names without structure
     Flat,
-    /// Parts between dots
+    /// Names structured by dots
     #[default]
     Structured,
 }
@@ -111,24 +111,24 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms whose libraries go into the wheel; the wheel itself is for this machine's [default: this machine's
-    /// own]
+    /// Platforms whose libraries are put into the wheel; the program in the wheel is for this machine [default: this
+    /// machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Take what can be built here of --platforms, and tell what is left out; without it a missing platform is an error
+    /// Use only the platforms that can be built here, and list the others [default: a missing platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// One more platform's library, built elsewhere from this same version (win64=path/to.dll); may be given repeatedly
+    /// Library for another platform, built elsewhere from this version (win64=path/to.dll); can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Oldest glibc on which the program and the libraries for Linux are to run, 2.17 or later: zig links them
-    /// [default: the one that this machine's linker asks for]
+    /// Oldest glibc on which the program and the libraries for Linux must run, 2.17 or later; zig links them [default:
+    /// the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel [default: target/dist in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Install the wheel in a new virtual environment and run its commands there without Rust
+    /// Install the wheel in a new virtual environment, and run its commands there without Rust
     #[arg(long)]
     pub test: bool,
 }
@@ -136,17 +136,17 @@ pub struct Dist {
 /// Arguments of `test`.
 #[derive(Args, Default)]
 pub struct Test {
-    /// Instead: run the libraries for other platforms by Wine and QEMU, and compare their results with this machine's
+    /// Only run the libraries for other platforms with Wine and QEMU, and compare the results with this machine
     #[arg(long)]
     pub platforms: bool,
-    /// A platform's library that is tested with --platforms, built elsewhere (win64=path/to.dll); may be given
-    /// repeatedly
+    /// Library for a platform, built elsewhere, to test with --platforms (win64=path/to.dll); can be given several
+    /// times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
-    /// Write what --platforms finds to validation/results/platforms.md
+    /// Write the result of --platforms to validation/results/platforms.md
     #[arg(long, requires = "platforms")]
     pub write: bool,
-    /// Instead: build the library in two folders and compare the bytes
+    /// Only build the library in two folders, and compare the bytes
     #[arg(long, conflicts_with = "platforms")]
     pub reproducible: bool,
 }
@@ -161,7 +161,7 @@ const OLDEST_GLIBC: u32 = 17;
 pub fn glibc(text: &str) -> Result<String, String> {
     match text.strip_prefix("2.").and_then(|minor| minor.parse::<u32>().ok()) {
         Some(minor) if minor >= OLDEST_GLIBC => Ok(format!("2.{minor}")),
-        _ => Err(format!("write a version of glibc from 2.{OLDEST_GLIBC} on, such as 2.{OLDEST_GLIBC} or 2.28")),
+        _ => Err(format!("write a version of glibc, 2.{OLDEST_GLIBC} or later, such as 2.{OLDEST_GLIBC} or 2.28")),
     }
 }
 
@@ -183,10 +183,11 @@ pub struct Library {
 /// Another form, or an unknown platform.
 pub fn library(text: &str) -> Result<Library, String> {
     let known = || PLATFORMS.join(", ");
-    let (name, file) = text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; platforms: {}", known()))?;
+    let (name, file) =
+        text.split_once('=').ok_or_else(|| format!("write PLATFORM=PATH; the platforms are {}", known()))?;
     let platform = PLATFORMS
         .into_iter()
         .find(|platform| *platform == name)
-        .ok_or_else(|| format!("there is no platform {name} in FMI 2.0; platforms: {}", known()))?;
+        .ok_or_else(|| format!("FMI 2.0 has no platform {name}; the platforms are {}", known()))?;
     Ok(Library { platform, file: file.into() })
 }

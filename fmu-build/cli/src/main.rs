@@ -24,13 +24,16 @@ fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
     let program = cli.task.program();
     let path = env::current_exe()?.with_file_name(format!("{}{}", program.name(), env::consts::EXE_SUFFIX));
     if !path.is_file() {
-        eprintln!("building {}: the first time this takes {} on two cores", program.name(), program.time());
+        eprintln!("building {}: the first build needs {} on two cores", program.name(), program.time());
     }
     if cli.task.is_demo() {
         prepare_demo(program, root)?;
     }
     let mut cargo = cargo("run", program, root);
-    let status = cargo.arg("--").args(env::args_os().skip(1)).status().context("cargo cannot be started")?;
+    let status = cargo.arg("--").args(env::args_os().skip(1)).status().context(
+        "cargo cannot be started; check that \
+        Rust is installed and on the PATH",
+    )?;
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 

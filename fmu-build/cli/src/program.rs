@@ -27,7 +27,7 @@ impl Program {
     pub fn time(self) -> &'static str {
         match self {
             Self::Packer => "about two minutes",
-            Self::Studies => "about a minute more than fmu-build",
+            Self::Studies => "about one minute more than fmu-build",
         }
     }
 }

@@ -23,14 +23,14 @@ const COMPLETE: &str = "# complete";
 pub fn run(command: &mut Command, task: &str) -> Result<()> {
     let status = command.status().with_context(|| cannot_start(command, task))?;
     if !status.success() {
-        bail!("{task} failed ({status}); its own messages stand above");
+        bail!("{task} failed ({status}); its own messages are above");
     }
     Ok(())
 }
 
 /// Message for a program that cannot be started.
 pub fn cannot_start(command: &Command, task: &str) -> String {
-    format!("{task}: {} cannot be started; is it installed and on the PATH?", command.get_program().display())
+    format!("{task}: {} cannot be started; check that it is installed and on the PATH", command.get_program().display())
 }
 
 /// Interpreter of the environment of the demo, in a folder for environments, with the requirements in the folder of the
@@ -48,8 +48,9 @@ pub fn demo(environments: &Path, scripts: &Path) -> Result<PathBuf> {
 /// There is no interpreter, it has no `venv`, or the requirements cannot be installed.
 pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    let pinned = fs::read_to_string(requirements)
-        .with_context(|| format!("{}: cannot be read; restore it from the repository", requirements.display()))?;
+    let pinned = fs::read_to_string(requirements).with_context(|| {
+        format!("{}: cannot be read; restore this file from the repository", requirements.display())
+    })?;
     let interpreter = env::var_os(INTERPRETER)
         .filter(|name| !name.is_empty())
         .unwrap_or_else(|| OsString::from(if cfg!(windows) { "python" } else { "python3" }));
@@ -58,10 +59,10 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     if python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted) {
         return Ok(python);
     }
-    println!("making the Python environment {}: half a minute, once", folder.display());
+    println!("creating the Python environment {}: about half a minute, only once", folder.display());
     run(Command::new(&interpreter).args(["-m", "venv", "--clear"]).arg(folder), "python -m venv").context(format!(
-        "{}: no virtual environment can be made; install Python 3.11 or later with venv \
-             (Debian: apt-get install python3-venv) or name an interpreter in {INTERPRETER}",
+        "{}: the virtual environment cannot be created; install Python 3.11 or later with venv (Debian: apt-get \
+         install python3-venv), or give the path of an interpreter in {INTERPRETER}",
         interpreter.display()
     ))?;
     let mut pip = Command::new(&python);

@@ -115,7 +115,7 @@ mod tests {
         }
         assert!(parsed("fmu view p --stop-time soon").err().unwrap().to_string().contains("a number of seconds"));
         for (text, remedy) in
-            [("1%", "write 0.01 (a part"), ("1e-4 %", "write 0.000001"), ("0,01", "write 0.01"), ("x", "1e-6")]
+            [("1%", "write 0.01 (a fraction"), ("1e-4 %", "write 0.000001"), ("0,01", "write 0.01"), ("x", "1e-6")]
         {
             let line = ["fmu", "simulate", "p", "--relative-tolerance", text].map(OsString::from);
             let error = Cli::try_parse_from(line).err().unwrap().to_string();
