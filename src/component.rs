@@ -62,7 +62,7 @@ const INSPECTORS: [Inspector; KINDS.len()] = [mechanism::inspection::inspect, hy
 
 #[cold]
 fn no_kind(file: &str) -> Refused {
-    Refused(format!("'{file}' is the definition file of no kind of model"))
+    Refused(format!("'{file}' is not the name of a definition file; use mechanism.json or hydraulics.json"))
 }
 
 /// Questions that the model of each kind answers by its method of the same name.

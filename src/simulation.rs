@@ -48,7 +48,11 @@ impl fmt::Display for SimulationError {
         match self {
             Self::Name { name, nearest } => {
                 let nearest = nearest.join(", ");
-                write!(f, "no variable is called \"{name}\": the nearest are {nearest}; Simulation::names lists all")
+                write!(
+                    f,
+                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names \
+                           lists all"
+                )
             }
             Self::Span { span, step } => {
                 write!(
@@ -348,10 +352,10 @@ mod tests {
     #[test]
     fn an_unknown_name_suggests_the_nearest() {
         let error = gear().get("crank.angel").unwrap_err().to_string();
-        assert!(error.contains("\"crank.angel\": the nearest are crank.angle, "), "{error}");
+        assert!(error.contains("\"crank.angel\": the nearest names are crank.angle, "), "{error}");
         for (key, variable) in [("start.angle", "crank.start_angle"), ("bodies.leg.mass", "leg.mass")] {
             let error = gear().get(key).unwrap_err().to_string();
-            assert!(error.contains(&format!("the nearest are {variable}, ")), "{error}");
+            assert!(error.contains(&format!("the nearest names are {variable}, ")), "{error}");
         }
     }
 

@@ -40,7 +40,8 @@ impl Record<'_> {
                 Ok(value)
             }
             Self::Read(rest) => {
-                let (first, after) = rest.split_first_chunk().ok_or_else(|| Damaged("it ends too early".to_owned()))?;
+                let (first, after) =
+                    rest.split_first_chunk().ok_or_else(|| Damaged("the data ends too early".to_owned()))?;
                 *rest = after;
                 Ok(*first)
             }
@@ -94,7 +95,7 @@ impl Record<'_> {
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         let mut length = known as u64;
         self.word(&mut length)?;
-        Damaged::unless(length == known as u64, || format!("{length} {name}: this mechanism has {known}"))
+        Damaged::unless(length == known as u64, || format!("{length} {name}: this mechanism needs {known}"))
     }
 
     /// Length of a list of items of at least `each` bytes, which the reader does not know beforehand.
@@ -103,7 +104,7 @@ impl Record<'_> {
         self.word(&mut word)?;
         if let Self::Read(rest) = self {
             let most = (rest.len() / each.max(1)) as u64;
-            Damaged::unless(word <= most, || format!("{word} {name}: the rest of it holds {most} at most"))?;
+            Damaged::unless(word <= most, || format!("{word} {name}: the remaining data holds at most {most}"))?;
         }
         *size = word as usize;
         Ok(())
@@ -156,7 +157,7 @@ impl Record<'_> {
         let Self::Read(rest) = self else {
             return values.iter_mut().try_for_each(|value| self.finite(name, value));
         };
-        let ended = || Damaged("it ends too early".to_owned());
+        let ended = || Damaged("the data ends too early".to_owned());
         let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
         let (words, _) = own.as_chunks::<8>();
         if !are_finite(words) {

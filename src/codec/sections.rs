@@ -120,10 +120,10 @@ impl Sections {
     fn with_start(origin: Origin, mut start: Vec<u8>, key: u128) -> Result<Self, String> {
         let damaged = || "is damaged".to_owned();
         if start.len() < HEAD || start[..8] != MAGIC {
-            return Err("is no file of tables of this version".to_owned());
+            return Err("is not a table file of this version".to_owned());
         }
         if start[8..24] != key.to_le_bytes() {
-            return Err("is of another definition or of another version".to_owned());
+            return Err("belongs to another definition or another version of the program".to_owned());
         }
         let word = |bytes: &[u8], at: usize| bytes[at..].first_chunk().map_or(0, |word| u64::from_le_bytes(*word));
         let count = word(&start, 24) as usize;

@@ -125,7 +125,11 @@ impl Component {
             return Ok(());
         }
         let names: Vec<_> = knowns.iter().filter_map(|known| self.interface().get(*known)).map(|v| &*v.name).collect();
-        Err(Refused(format!("no derivative by {}: changed a little, the model has no start", names.join(", "))))
+        Err(Refused(format!(
+            "no derivative with respect to {}: after a small change of this variable the model has \
+                             no start position",
+            names.join(", ")
+        )))
     }
 
     /// Values of the unknowns at the start of the model whose knowns are changed by the distance times the seeds.

@@ -34,9 +34,11 @@ impl Component {
     fn exchanged(&mut self) -> Result<&mut mechanism::Model, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model),
-            Self::Hydraulic(_) => {
-                Err(Refused("a hydraulic actuator alone is for co-simulation only; use co-simulation".to_owned()))
-            }
+            Self::Hydraulic(_) => Err(Refused(
+                "model exchange is not available for a hydraulic actuator without a mechanism; use \
+                             co-simulation"
+                    .to_owned(),
+            )),
         }
     }
 

@@ -51,5 +51,8 @@ impl Component {
 }
 
 fn no_travel() -> Refused {
-    Refused("a hydraulic actuator has no travel of its own; linearise the mechanism that it moves".to_owned())
+    Refused(
+        "a hydraulic actuator without a mechanism has no travel; linearise the mechanism that the actuator moves"
+            .to_owned(),
+    )
 }

@@ -43,7 +43,7 @@ impl Component {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
             (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
-            _ => Err(Refused("the state is of another kind of model".to_owned())),
+            _ => Err(Refused("the saved state belongs to another type of model".to_owned())),
         }
     }
 

@@ -31,8 +31,8 @@ impl Component {
             Ok(sections) => Ok((Self::construct(file, text, sections.map(Arc::new))?, None)),
             Err(why) => {
                 let remark = format!(
-                    "'{}' {why}: its tables are made anew, which takes longer; package the model again, or remove the \
-                     file",
+                    "'{}' {why}: the tables are computed again, so this instance starts more slowly; package the \
+                     model again, or remove the file",
                     folder.join(TABLES).display()
                 );
                 Ok((Self::from_definition(file, text)?, Some(remark)))

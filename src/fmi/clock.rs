@@ -89,8 +89,8 @@ impl Clock {
             Some(stop) if end > stop && end > stop + self.stop_slack(end, h) => {
                 let [point, h, end, stop] = [point, h, end, stop].map(Decimal);
                 Err(Refusal::error(format!(
-                    "the step from {point} s by {h} s ends at {end} s, past stopTime = {stop} s; \
-                     take a shorter step or a later stopTime"
+                    "the step from {point} s by {h} s ends at {end} s, after stopTime = {stop} s; use a shorter \
+                     step or a later stopTime"
                 )))
             }
             _ => Ok(end),

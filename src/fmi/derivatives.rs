@@ -77,7 +77,8 @@ impl Instance {
             [] => overflow.map_or(Ok(()), |known| {
                 let name = self.described(known).map_or("", |(name, _)| name);
                 Err(Refusal::warning(format!(
-                    "the adjoint derivative along {name} is beyond the largest number, so NaN; take smaller seeds"
+                    "the adjoint derivative with respect to {name} is larger than the largest number, so the result \
+                     is NaN; use smaller seeds"
                 )))
             }),
             _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
@@ -112,7 +113,8 @@ impl Instance {
         self.must_exist(references.iter())?;
         if self.usage.model_exchange {
             return Err(Refusal::error(
-                "derivatives of inputs are for the steps of co-simulation; set values at each time",
+                "derivatives of inputs are available in co-simulation only; in model exchange set the input values \
+                 at each time",
             ));
         }
         for ((&reference, &order), &value) in references.iter().zip(orders).zip(values) {

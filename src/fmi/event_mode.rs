@@ -39,7 +39,7 @@ impl Instance {
     pub fn enter_event_mode(&mut self) -> Result<(), Refusal> {
         if !self.usage.event_mode {
             return Err(Refusal::error(
-                "the instance was made without event mode; events within a step are handled by the step",
+                "this instance has no event mode (eventModeUsed was false); doStep handles the events within a step",
             ));
         }
         self.phase = Phase::Event;
@@ -61,7 +61,10 @@ impl Instance {
     /// Leave event mode for step mode.
     pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
         if self.usage.model_exchange {
-            return Err(Refusal::error("step mode is of co-simulation; the instance was made for model exchange"));
+            return Err(Refusal::error(
+                "step mode belongs to co-simulation; this instance was created for model \
+                                       exchange",
+            ));
         }
         if self.awaits_event {
             return Err(self.event_first("step mode"));
@@ -74,7 +77,7 @@ impl Instance {
     #[cold]
     pub(super) fn event_first(&self, what: &str) -> Refusal {
         Refusal::error(format!(
-            "an event at t = {} s comes before {what}: let it be handled in event mode by an update of discrete states",
+            "the event at t = {} s must be handled before {what}: enter event mode and call updateDiscreteStates",
             self.clock.time
         ))
     }
@@ -84,8 +87,9 @@ impl Instance {
 #[cold]
 pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
     Refusal::error(format!(
-        "the state was saved in the phase '{}'{}, and this instance was made without it; restore it into one with it",
+        "the state was saved in the phase '{}'{}, which this instance does not have; restore the state into an \
+         instance with the same settings",
         saved.phase.name(),
-        if saved.awaits_event { " with an event to be handled" } else { "" }
+        if saved.awaits_event { " with an unhandled event" } else { "" }
     ))
 }

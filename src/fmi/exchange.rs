@@ -28,7 +28,7 @@ fn same_length(what: &str, count: usize, own: usize) -> Result<(), Refusal> {
     if count == own {
         return Ok(());
     }
-    Err(Refusal::error(format!("{count} {what}; this FMU has {own}, pass memory for these")))
+    Err(Refusal::error(format!("{count} {what} were passed, but this FMU has {own}; pass an array of this length")))
 }
 
 impl Instance {
@@ -37,7 +37,10 @@ impl Instance {
         if self.usage.model_exchange {
             return Ok(());
         }
-        Err(Refusal::error("a function of model exchange; the instance was made for co-simulation, make steps"))
+        Err(Refusal::error(
+            "this function belongs to model exchange; this instance was created for co-simulation, \
+                            so call doStep",
+        ))
     }
 
     /// The time at which derivatives and outputs are asked for [s]. No law depends on it.
@@ -114,7 +117,7 @@ impl Instance {
             let number = self.component.real(reference)?;
             if number.is_nan() {
                 let name = self.component.interface().get(reference).map_or("", |variable| &variable.name);
-                return Err(Refusal::discard(format!("{name} has no value at this state; take a shorter step")));
+                return Err(Refusal::discard(format!("{name} has no value in this state; use a shorter step")));
             }
             value.write(number);
         }

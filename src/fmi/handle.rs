@@ -154,11 +154,10 @@ fn guarded(
 #[cold]
 fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
-        Phase::Fatal => "the instance is lost; it and its states can only be freed".to_owned(),
+        Phase::Fatal => "the instance failed and can only be freed, together with its saved states".to_owned(),
         Phase::Interrupted => format!(
-            "not allowed after a step that met solver.max_steps, at t = {} s; restore a state saved before, or reset \
-             and \
-             take shorter communication steps or raise solver.max_steps; allowed in: {}",
+            "not allowed after a step that reached solver.max_steps, at t = {} s; restore an earlier state, or \
+             reset and use shorter communication steps or a larger solver.max_steps; allowed in: {}",
             instance.clock.time,
             function.legal_phases()
         ),
@@ -186,7 +185,7 @@ fn lose(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Sen
 fn fault(payload: &(dyn Any + Send)) -> Refusal {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-    let message = format!("fault in the FMU, please report: {}", text.unwrap_or("no message"));
+    let message = format!("internal fault in the FMU, please report: {}", text.unwrap_or("no message"));
     Refusal { verdict: Verdict::Fatal, message }
 }
 

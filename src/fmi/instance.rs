@@ -89,7 +89,7 @@ impl Instance {
         self.clock = clock;
         self.set_up = true;
         if is_zero {
-            self.logger.remark("tolerance is 0, which is taken as none: solver.tolerance holds");
+            self.logger.remark("tolerance is 0, which counts as no tolerance: solver.tolerance is used");
         }
         Ok(())
     }

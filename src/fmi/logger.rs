@@ -14,12 +14,16 @@ use std::ffi::{CStr, CString};
 /// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
 /// index; `logAll` stands for all others.
 pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
-    (c"logEvents", "Changes of mode, impacts, contacts and locks with their times, and what the integration cost"),
-    (c"logStatusWarning", "Calls that were done although something about them is unusual; outputs without a value"),
-    (c"logStatusDiscard", "Questions of the host that have no answer, and steps made in part"),
-    (c"logStatusError", "Calls that were refused or failed, and why"),
-    (c"logStatusFatal", "Faults inside the FMU; the instance is lost"),
-    (c"logDebug", "Changes of the regime of friction in each joint"),
+    (
+        c"logEvents",
+        "Changes of mode, impacts, contacts and locks with their times, and the number of integration \
+                    steps",
+    ),
+    (c"logStatusWarning", "Calls that succeeded with a warning; outputs without a value"),
+    (c"logStatusDiscard", "Requests of the host that are not supported, and steps that ended early"),
+    (c"logStatusError", "Calls that returned an error, and the reason"),
+    (c"logStatusFatal", "Faults inside the FMU, after which the instance can only be freed"),
+    (c"logDebug", "Changes of the friction regime in each joint"),
     (c"logAll", "All messages"),
 ];
 
@@ -142,7 +146,7 @@ fn shortened(line: String) -> String {
     }
     let boundary = |from: usize| (0..=from).rev().find(|index| line.is_char_boundary(*index)).unwrap_or(0);
     let (first, last) = (boundary(LONGEST - END - MARK), boundary(line.len() - END));
-    format!("{} ... ({} bytes left out) ... {}", &line[..first], last - first, &line[last..])
+    format!("{} ... ({} bytes omitted) ... {}", &line[..first], last - first, &line[last..])
 }
 
 /// Categories that are on if the host names none: details are told to those only who ask for them.
@@ -156,7 +160,7 @@ fn bits(category: &CStr) -> Result<u8, Refusal> {
         Some(index) if index == Verdict::Warning as usize => Ok(bit(Verdict::Warning) | WARNING_ANSWER),
         Some(index) => Ok(1 << index),
         None => Err(Refusal::error(format!(
-            "unknown log category '{}'; known are {}",
+            "there is no log category '{}'; the categories are {}",
             category.to_bytes().escape_ascii(),
             LOG_CATEGORIES.map(|(name, _)| name.to_string_lossy()).join(", ")
         ))),

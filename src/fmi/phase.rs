@@ -142,7 +142,7 @@ fn is_computed(variable: &Variable) -> bool {
 fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
     match of_kind(instance, reference, kind) {
         Ok(variable) => Refusal::error(format!(
-            "'{}' (value reference {reference}) is {}; it has a value from initialization mode on",
+            "'{}' (value reference {reference}) is {}; it has no value before initialization mode",
             variable.name,
             if variable.causality == Causality::Local { "a local variable" } else { "an output" }
         )),
@@ -168,7 +168,7 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
     let variable = of_kind(instance, reference, kind)?;
     let reason = match (variable.causality, instance.phase) {
         (Causality::Input, Phase::Continuous) if variable.variability == Variability::Discrete => {
-            "a discrete input; in model exchange it is set in event mode"
+            "a discrete input; in model exchange set it in event mode"
         }
         (Causality::Input, _) => return Ok(Way::Set),
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
@@ -176,16 +176,14 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
             return Ok(Way::Tuned);
         }
         (Causality::Parameter, Phase::Continuous) if variable.variability == Variability::Tunable => {
-            "a tunable parameter; in model exchange it is set in event mode"
+            "a tunable parameter; in model exchange set it in event mode"
         }
-        (Causality::Parameter, _) => {
-            "a fixed parameter; it can be set until initialization mode ends, or after a reset"
-        }
+        (Causality::Parameter, _) => "a fixed parameter; set it before initialization mode ends, or after a reset",
         // The component names the parameters that decide it.
         (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
-        (Causality::CalculatedParameter, _) => "a calculated parameter; it cannot be set",
-        (Causality::Output, _) => "an output; it cannot be set",
-        (Causality::Local, _) => "a local variable; it cannot be set",
+        (Causality::CalculatedParameter, _) => "a calculated parameter, which cannot be set",
+        (Causality::Output, _) => "an output, which cannot be set",
+        (Causality::Local, _) => "a local variable, which cannot be set",
     };
     Err(Refusal::error(format!("'{}' (value reference {reference}) is {reason}", variable.name)))
 }

@@ -25,7 +25,7 @@ pub use crate::format::LARGEST_DEFINITION;
 /// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
 pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -> Result<Loaded, Refusal> {
     let guid = guid.filter(|guid| !guid.is_empty()).ok_or_else(|| {
-        Refusal::error(format!("{guid_argument} is NULL or empty; pass the one of modelDescription.xml"))
+        Refusal::error(format!("{guid_argument} is NULL or empty; pass the one from modelDescription.xml"))
     })?;
     let folder = match location.filter(|location| !location.is_empty()) {
         Some(location) => from_uri(location.to_bytes())?,
@@ -40,8 +40,8 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {
         return Err(Refusal::error(format!(
-            "{guid_argument} is '{}', but '{}' has the interface '{own}'; \
-             import the FMU again, or restore the names in the file",
+            "{guid_argument} is '{}', but the interface of '{}' has '{own}'; import the FMU again, or restore the \
+             names in the file",
             guid.to_bytes().escape_ascii(),
             file.display(),
         )));
@@ -67,10 +67,13 @@ fn read(file: &Path) -> Result<String, Refusal> {
     let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
     let metadata = std::fs::metadata(file).map_err(|error| refused(error.to_string()))?;
     if !metadata.is_file() {
-        return Err(refused("it is no file; put the model's definition there".to_owned()));
+        return Err(refused("this is not a file; put the definition of the model there".to_owned()));
     }
     let too_large = |size: u64| {
-        refused(format!("it has {size} bytes, and a definition at most {LARGEST_DEFINITION}; is it the right file?"))
+        refused(format!(
+            "the file has {size} bytes, but a definition has at most {LARGEST_DEFINITION}; check that \
+                         this is the right file"
+        ))
     };
     if metadata.len() > LARGEST_DEFINITION {
         return Err(too_large(metadata.len()));
@@ -125,7 +128,7 @@ fn local_path(uri: &[u8], system: System) -> Result<Vec<u8>, String> {
         Some(path) if path.starts_with(b"/") => Ok(without_slash_before_drive(path, system)),
         _ if system == System::Windows && drive(after).is_some() => Ok(without_slash_before_drive(after, system)),
         _ if system == System::Windows && after.contains(&b'/') => Ok(decoded),
-        _ => Err("names another machine; write 'file:///' and an absolute path".to_owned()),
+        _ => Err("names another computer; write 'file:///' and an absolute path".to_owned()),
     }
 }
 
@@ -161,7 +164,8 @@ fn without_slash_before_drive(path: &[u8], system: System) -> Vec<u8> {
 fn beside_library() -> Result<PathBuf, Refusal> {
     let library = library_path().ok_or_else(|| {
         Refusal::error(
-            "the resource location is empty and the library's own place is unknown; pass the resources folder",
+            "the resource location is empty, and the folder of the library is unknown; pass the path of the \
+             resources folder",
         )
     })?;
     Ok(resources_beside(&library))

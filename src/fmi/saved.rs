@@ -69,36 +69,50 @@ impl Saved {
     pub fn from_bytes(bytes: &[u8], component: &Component) -> Result<Self, Refusal> {
         let refuse = |what: String| Err(Refusal::error(what));
         if bytes.get(..8) != Some(&MAGIC) {
-            return refuse("the bytes are no state of this kind of FMU; pass those of a serialized state".to_owned());
+            return refuse(
+                "the bytes are not a serialized state of this type of FMU; pass the bytes of a serialized \
+                           state"
+                    .to_owned(),
+            );
         }
         let number = |range: std::ops::Range<usize>| {
             let field = bytes.get(range).unwrap_or_default();
             field.iter().rev().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte))
         };
         if bytes.len() < HEADER + CHECK {
-            return refuse(format!("the state is cut off: {} bytes are not even its header", bytes.len()));
+            return refuse(format!(
+                "the serialized state is incomplete: {} bytes are fewer than its header has",
+                bytes.len()
+            ));
         }
         let version = number(8..12);
         if version != u64::from(VERSION) {
-            return refuse(format!("the state has the version {version}; this library reads version {VERSION}"));
+            return refuse(format!(
+                "the serialized state has format version {version}, but this library reads \
+                                   version {VERSION}"
+            ));
         }
         let length = number(12..20);
         if length != bytes.len() as u64 {
-            let what = if length > bytes.len() as u64 { "cut off" } else { "too long" };
-            return refuse(format!("the state is {what}: it has {length} bytes, and {} were passed", bytes.len()));
+            let what = if length > bytes.len() as u64 { "incomplete" } else { "too long" };
+            return refuse(format!(
+                "the serialized state is {what}: its header states {length} bytes, but {} bytes \
+                                   were passed",
+                bytes.len()
+            ));
         }
         let (all, check) = bytes.split_at(bytes.len() - CHECK);
         if check != crc32(all).to_le_bytes() {
-            return refuse("the state is damaged: its check sum is wrong".to_owned());
+            return refuse("the serialized state is damaged: its check sum is wrong".to_owned());
         }
         let ([guid, structure], own) = ([number(20..28), number(28..36)], component.identity());
         if guid != own[0] {
-            return refuse("the state was saved by another FMU: its GUID is not that of this one".to_owned());
+            return refuse("the state was saved by another FMU, which has another GUID".to_owned());
         }
         if structure != own[1] {
             let file = component.definition_file();
             return refuse(format!(
-                "the state was saved with another {file}, that differs in more than parameters and inputs"
+                "the state was saved with a different {file}, which differs in more than parameters and inputs"
             ));
         }
         let mut record = Record::Read(&all[HEADER..]);
@@ -117,7 +131,7 @@ impl Saved {
         };
         let component = component.read_snapshot(rest)?;
         if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
-            return refuse(format!("phase = '{}', but the state is not initialised", phase.name()));
+            return refuse(format!("phase = '{}', but the saved state is not initialised", phase.name()));
         }
         Ok(Saved { phase, awaits_event, set_up, tolerance, clock, component })
     }
@@ -128,5 +142,5 @@ fn record_tolerance(tolerance: &mut Option<f64>, record: &mut Record) -> Result<
 }
 
 fn damaged(damaged: Damaged) -> Refusal {
-    Refusal::error(format!("the state is damaged: {}", damaged.0))
+    Refusal::error(format!("the serialized state is damaged: {}", damaged.0))
 }

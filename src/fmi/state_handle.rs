@@ -79,9 +79,9 @@ fn keep(saved: Saved, instance: &Instance) -> State {
 unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Refusal> {
     let kept = state.cast::<Kept>();
     if kept.is_null() {
-        return Err(Refusal::error("the state is NULL; pass one that was saved or deserialized"));
+        return Err(Refusal::error("the state is NULL; pass a saved or deserialized state"));
     }
-    let foreign = "the pointer leads to no state of this FMU and version of its library, or to one that was freed";
+    let foreign = "the pointer is not a saved state of this FMU and library version, or the state was freed";
     if !kept.is_aligned() {
         return Err(Refusal::error(foreign));
     }
@@ -94,7 +94,7 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     let kept = unsafe { &mut *kept };
     if kept.identity != instance.component.identity() {
         return Err(Refusal::error(format!(
-            "the state was saved by another FMU, or with another {}",
+            "the state was saved by another FMU, or with a different {}",
             instance.component.definition_file()
         )));
     }
@@ -166,7 +166,10 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
     let serialized = unsafe { serialize(instance, state) }?;
     let needed = serialized.len();
     if size != needed {
-        return Err(Refusal::error(format!("size is {size}; the state has {needed} bytes, pass memory for these")));
+        return Err(Refusal::error(format!(
+            "size is {size}, but the state has {needed} bytes; pass a buffer of at \
+                                           least this size"
+        )));
     }
     // SAFETY: the caller's promise.
     let bytes = unsafe { output("serializedState", bytes, size) }?;

@@ -44,9 +44,9 @@ impl Undefined {
     /// The warning; None if all variables have a value.
     pub fn warning(self) -> Option<Refusal> {
         let Self { what, reasons, others } = self;
-        let mut line = format!("no {what} in this state, so NaN, of ");
+        let mut line = format!("no {what} exists in this state (NaN is returned) for ");
         for (index, (reason, names, count)) in reasons.iter().enumerate() {
-            line.push_str(if index > 0 { "; of " } else { "" });
+            line.push_str(if index > 0 { "; for " } else { "" });
             line.push_str(&names.join(", "));
             if *count > names.len() {
                 let _ = write!(line, " and {} more", count - names.len());
@@ -54,7 +54,7 @@ impl Undefined {
             let _ = write!(line, ": {reason}");
         }
         if others > 0 {
-            let _ = write!(line, "; of {others} more");
+            let _ = write!(line, "; for {others} more");
         }
         (!reasons.is_empty()).then(|| Refusal::warning(line))
     }
@@ -75,7 +75,7 @@ mod tests {
         assert_eq!(line(0, 1), None);
         let one = line(2, 1).unwrap();
         assert_eq!(one.verdict, Verdict::Warning);
-        assert_eq!(one.message, "no value in this state, so NaN, of x0, x1: reason 0");
+        assert_eq!(one.message, "no value exists in this state (NaN is returned) for x0, x1: reason 0");
         assert!(line(11, 1).unwrap().message.ends_with("x6, x7 and 3 more: reason 0"));
         let many = line(5, 5).unwrap().message;
         assert!(many.ends_with("of x0: reason 0; of x1: reason 1; of x2: reason 2; of 2 more"), "{many}");

@@ -178,15 +178,18 @@ pub fn of(component: &Component, has_vectors: bool) -> Vec<Vector> {
 #[cold]
 pub fn wrong_number(variables: usize, scalars: usize, values: usize) -> Refusal {
     let plural = if variables == 1 { "" } else { "s" };
-    Refusal::error(format!("{values} values for {variables} variable{plural} with {scalars} in all; pass {scalars}"))
+    Refusal::error(format!(
+        "{values} values were passed for {variables} variable{plural} with {scalars} elements in \
+                            total; pass {scalars} values"
+    ))
 }
 
 /// The refusal of a variable of which no dependencies are told.
 #[cold]
 fn no_output(instance: &Instance, reference: Reference) -> Refusal {
     let what = match instance.described(reference) {
-        Some((name, _)) => format!("'{name}' (value reference {reference}) is no output"),
+        Some((name, _)) => format!("'{name}' (value reference {reference}) is not an output"),
         None => format!("value reference {reference} does not exist"),
     };
-    Refusal::error(format!("{what}; dependencies are told of outputs"))
+    Refusal::error(format!("{what}; dependencies are available for outputs"))
 }

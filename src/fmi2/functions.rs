@@ -103,7 +103,8 @@ exported! {
     /// From here on outputs have values; they are computed when one is read, or when the mode ends.
     fn fmi2EnterInitializationMode() in INSTANTIATED => |i| {
         if !i.set_up {
-            let message = "fmi2EnterInitializationMode: no fmi2SetupExperiment before; startTime is 0, no stopTime";
+            let message = "fmi2EnterInitializationMode: fmi2SetupExperiment was not called; startTime is 0 and \
+                           there is no stopTime";
             i.logger.remark(message);
         }
         i.phase = Phase::Initialization;
@@ -265,7 +266,7 @@ exported! {
 
     /// Always an error: no step is asynchronous, so that there is none to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|
-        Err(Refusal::error("no step is in progress; fmi2DoStep returns when its step is done"));
+        Err(Refusal::error("no step is in progress; fmi2DoStep returns when its step is complete"));
 
     /// `fmi2DoStepStatus`: how the last step ended.
     // SAFETY: `value` leads to memory for one value (4.2.3).
@@ -313,8 +314,8 @@ fn no_such_status(kind: c_int) -> Refusal {
     match kind {
         DO_STEP_STATUS..=TERMINATED => {
             let name = ["fmi2DoStepStatus", "fmi2PendingStatus", "fmi2LastSuccessfulTime", "fmi2Terminated"];
-            let hint = if kind == PENDING_STATUS { "; steps are never pending here" } else { "" };
-            Refusal::discard(format!("no answer to {}{hint}", name[kind as usize]))
+            let hint = if kind == PENDING_STATUS { "; steps are never pending in this FMU" } else { "" };
+            Refusal::discard(format!("there is no status of the kind {}{hint}", name[kind as usize]))
         }
         _ => Refusal::error(format!("the status kind is {kind}; it must be from 0 to 3")),
     }

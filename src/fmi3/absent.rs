@@ -48,7 +48,10 @@ unsafe fn refuse_instance(
     let name = unsafe { text(name) }.unwrap_or_default();
     let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
     handle::instantiate(VERSION, function, name, logger, Usage::default(), || {
-        Err(Refusal::error("this FMU is for co-simulation and model exchange; use fmi3InstantiateCoSimulation"))
+        Err(Refusal::error(
+            "this FMU does not support scheduled execution; use fmi3InstantiateCoSimulation or \
+                            fmi3InstantiateModelExchange",
+        ))
     })
 }
 
@@ -131,13 +134,13 @@ exported! {
 
     // Configuration mode (2.3.3): there are no structural parameters.
     fn fmi3EnterConfigurationMode() in ALIVE => |_i|
-        Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
+        Err(Refusal::error("this FMU has no structural parameter, so it has no configuration mode"));
     fn fmi3ExitConfigurationMode() in ALIVE => |_i|
-        Err(Refusal::error("there is no structural parameter, so that there is nothing to configure"));
+        Err(Refusal::error("this FMU has no structural parameter, so it has no configuration mode"));
 
 }
 
 /// Refusal of variables that do not exist; the empty list is done.
 fn none(count: usize, what: &str) -> Result<(), Refusal> {
-    if count == 0 { Ok(()) } else { Err(Refusal::error(format!("there is no {what}"))) }
+    if count == 0 { Ok(()) } else { Err(Refusal::error(format!("this FMU has no {what}"))) }
 }

@@ -61,8 +61,8 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             let loaded = resources::load("instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
-                    "eventModeUsed is true; this FMU has no stop and thus no event mode (hasEventMode is false), pass \
-                     false",
+                    "eventModeUsed is true, but this FMU has no stop and therefore no event mode (hasEventMode is \
+                     false); pass false",
                 ));
             }
             Ok(loaded)
@@ -303,8 +303,8 @@ exported! {
         let dependencies = i.dependencies(dependent)?;
         if dependencies.len() != count {
             let needed = dependencies.len();
-            return Err(Refusal::error(format!("nDependencies is {count}; the variable has {needed}, pass memory for \
-                these")));
+            return Err(Refusal::error(format!("nDependencies is {count}, but the variable has {needed} \
+                                               dependencies; pass arrays of this length")));
         }
         for (index, (element, known)) in dependencies.into_iter().enumerate() {
             elements[index].write(element);
@@ -349,13 +349,13 @@ exported! {
 }
 
 /// What is said of the time in a call about derivatives.
-const NO_DERIVATIVES: &str = "it is neither an input nor an output";
+const NO_DERIVATIVES: &str = "this variable is neither an input nor an output";
 
 /// Refuse the time among the unknowns and knowns of a derivative, and vectors among the knowns: they are outputs.
 fn scalar_knowns(i: &Instance, unknowns: &[ValueReference], knowns: &[ValueReference]) -> Result<(), Refusal> {
     i.without_time(unknowns, NO_DERIVATIVES)?;
     i.without_time(knowns, NO_DERIVATIVES)?;
-    i.without_vectors(knowns, "it is an output, and knowns are inputs")
+    i.without_vectors(knowns, "this variable is an output; a known must be an input")
 }
 
 /// Every variable of the call is a scalar: as many values as variables.

@@ -2,7 +2,7 @@
 use super::{DefinitionError, line};
 
 /// Licence of the library in every FMU; that of a model whose definition states none.
-const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; model: as its author states";
+const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; model: as stated by its author";
 /// Copyright of the library in every FMU; that of a model whose definition states none.
 const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author";
 

@@ -17,7 +17,7 @@ impl Experiment {
     /// Key, message and remedy of a step that is longer than the whole run; none if it is not.
     pub fn coarse(&self) -> Option<(&'static str, String, &'static str)> {
         let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
-        let message = format!("is {step} s, longer than the whole run of {stop} s, which is cut to one step");
+        let message = format!("is {step} s, longer than the run of {stop} s, so the run is one step of {stop} s");
         let remedy = "give a step_size below stop_time";
         (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
     }

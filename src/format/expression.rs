@@ -121,13 +121,14 @@ impl Expression {
     pub fn new(text: &str) -> Result<Self, String> {
         if text.len() > LONGEST_EXPRESSION {
             return Err(format!(
-                "it has {} bytes, and an expression at most {LONGEST_EXPRESSION}: split it by parameters of its own",
+                "the expression has {} bytes, but at most {LONGEST_EXPRESSION} are allowed: move parts of it into \
+                 named parameters",
                 text.len()
             ));
         }
         let mut reader = Reader { tokens: tokens(text)?, at: 0, open: 0, names: Vec::new(), steps: Vec::new() };
         if reader.tokens.is_empty() {
-            return Err("it is empty: write a number, or an expression such as \"2 * crank.length\"".to_owned());
+            return Err("the text is empty: write a number, or an expression such as \"2 * crank.length\"".to_owned());
         }
         reader.terms(0)?;
         if reader.peek().is_some() {
@@ -208,7 +209,7 @@ impl<'t> Reader<'t> {
             self.at += 1;
             self.terms(strength + 1)?;
             if strength == POWER && self.is_next('^') {
-                return Err("a power of a power: put one of the two in parentheses".to_owned());
+                return Err("two powers follow each other: put one of them in parentheses".to_owned());
             }
             self.steps.push(Step::Binary(apply));
         }
@@ -218,7 +219,13 @@ impl<'t> Reader<'t> {
     /// A value behind an operator for which at least this strength binds.
     fn value(&mut self, least: u8) -> Result<(), String> {
         let Some(token) = self.peek() else {
-            return Err(if self.open > 0 { "`)` is missing" } else { "it ends before its last value" }.to_owned());
+            return Err(if self.open > 0 {
+                "`)` is missing"
+            } else {
+                "the expression ends with an operator: add the \
+                last value"
+            }
+            .to_owned());
         };
         self.at += 1;
         match token {
@@ -226,13 +233,12 @@ impl<'t> Reader<'t> {
             Token::Name(name) => return self.named(name),
             Token::Symbol('(') => return self.list("( )", 1),
             Token::Symbol(sign @ ('+' | '-')) if least > POWER => {
-                return Err(format!("`{sign}` after an operator: put what it changes in parentheses"));
+                return Err(format!("`{sign}` follows an operator: put the signed value in parentheses"));
             }
             Token::Symbol(sign @ ('+' | '-')) => {
                 if let Some(Token::Symbol(second @ ('+' | '-'))) = self.peek() {
                     return Err(format!(
-                        "`{second}` after a sign: write one sign for the two, or put what the first one changes in \
-                         parentheses"
+                        "`{second}` follows another sign: write one sign, or put the signed value in parentheses"
                     ));
                 }
                 self.terms(POWER)?;
@@ -256,7 +262,7 @@ impl<'t> Reader<'t> {
             self.list(name, count)?;
             self.steps.push(function);
         } else if is_called {
-            return Err(format!("`{name}` is no function: there are {}", functions()));
+            return Err(format!("`{name}` is not a function: the functions are {}", functions()));
         } else if let Some((_, value)) = CONSTANTS.iter().find(|(constant, _)| *constant == name) {
             self.steps.push(Step::Number(*value));
         } else {
@@ -274,7 +280,7 @@ impl<'t> Reader<'t> {
         self.open += 1;
         if self.open > DEEPEST {
             return Err(format!(
-                "more than {DEEPEST} parentheses are open at one place: split it by parameters of its own"
+                "more than {DEEPEST} parentheses are open: move parts of the expression into named parameters"
             ));
         }
         self.terms(0)?;
@@ -288,7 +294,7 @@ impl<'t> Reader<'t> {
             return Err(self.misplaced());
         }
         if found != count {
-            return Err(format!("`{of}` takes {count} values"));
+            return Err(format!("`{of}` needs {count} values"));
         }
         self.at += 1;
         self.open -= 1;
@@ -299,9 +305,9 @@ impl<'t> Reader<'t> {
     fn misplaced(&self) -> String {
         match self.peek() {
             None => "`)` is missing".to_owned(),
-            Some(Token::Symbol(')')) => "`)` closes nothing: remove it".to_owned(),
+            Some(Token::Symbol(')')) => "`)` has no matching `(`: remove it".to_owned(),
             Some(Token::Symbol(',')) => {
-                "decimals are written with a point, such as 0.5: `,` separates two values".to_owned()
+                "`,` separates two values of a function: write decimals with a point, such as 0.5".to_owned()
             }
             Some(token) => format!("an operator is missing before `{}`", shown(token)),
         }
@@ -328,7 +334,7 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
                 }
                 let number: Option<f64> = text[at..end].parse().ok();
                 let number = number.filter(|number| number.is_finite());
-                let number = number.ok_or_else(|| format!("`{}` is no finite number", &text[at..end]))?;
+                let number = number.ok_or_else(|| format!("`{}` is not a finite number", &text[at..end]))?;
                 tokens.push(Token::Number(number));
                 end
             }
@@ -344,7 +350,8 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
             _ => {
                 let letter = text[at..].chars().next().unwrap_or_default().escape_debug();
                 return Err(format!(
-                    "`{letter}` has no meaning in it: it is made of names, numbers, + - * / ^ ( ) and the functions {}",
+                    "`{letter}` is not allowed in an expression: use names, numbers, + - * / ^ ( ) and the \
+                     functions {}",
                     functions()
                 ));
             }

@@ -82,7 +82,7 @@ impl DefinitionError {
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
-        Self::new(key.to_string(), Fault::Value(format!("\"{name}\""), format!("there is none; {allowed}")))
+        Self::new(key.to_string(), Fault::Value(format!("\"{name}\""), format!("no element has this name; {allowed}")))
     }
 
     /// The fault with its place.
@@ -142,11 +142,11 @@ impl Display for Fault {
                 }
             }
             Self::Missing(key) => write!(f, "the key `{key}` is missing: add it"),
-            Self::Twice(name) => write!(f, "`{name}` stands twice: remove one of the two, or rename it"),
+            Self::Twice(name) => write!(f, "`{name}` occurs twice: remove or rename one of the two"),
             Self::Type { expected, found, remedy } => write!(f, "must be {expected}, not {found}{remedy}"),
             Self::Word(word, words) if words.len() > MANY => {
                 let nearest = nearest(words.iter().copied(), word);
-                write!(f, "there is no `{word}` here; the nearest are {}", listed(nearest.into_iter(), "and"))
+                write!(f, "there is no `{word}` here; the nearest names are {}", listed(nearest.into_iter(), "and"))
             }
             Self::Word(word, words) => {
                 write!(f, "must be {}, not `{word}`", listed(words.iter().copied(), "or"))?;

@@ -71,8 +71,7 @@ pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
     let read = parser.value().and_then(|node| match parser.peek() {
         None => Ok(node),
         Some(_) => Err(parser.fault(
-            "the object ends before this: remove what follows, or a closing bracket too many \
-                                     before it",
+            "the definition ends before this: remove the text that follows, or a surplus closing bracket before it",
         )),
     });
     read.map_err(|Stop { at, message, path }| {
@@ -137,17 +136,17 @@ impl Parser<'_> {
         let comma =
             bytes[..at].iter().rposition(|byte| !byte.is_ascii_whitespace()).filter(|last| bytes[*last] == b',');
         let message = if self.text.trim_start_matches('\u{feff}').trim().is_empty() {
-            "the file is empty; a definition is one object { \"name\": ... }"
+            "the file is empty; write a definition as one object { \"name\": ... }"
         } else if rest.is_empty() {
-            "the text ends before its last closing bracket: is the file complete?"
+            "the text ends before its last closing bracket: check that the file is complete"
         } else if ["//", "/*", "#"].into_iter().any(starts) {
-            "JSON has no comments: remove this one"
+            "JSON has no comments: remove the comment"
         } else if ["nan", "inf", "-inf"].into_iter().any(starts) {
-            "numbers are finite in JSON: give one, or leave the key out"
+            "JSON has no such number: write a finite number, or leave the key out"
         } else if is_digit(Some(at)) && comma == at.checked_sub(1) && is_digit(at.checked_sub(2)) {
-            "decimals are written with a point, such as 0.5"
+            "write decimals with a point, such as 0.5"
         } else if comma.is_some() && matches!(rest[0], b'}' | b']') {
-            "a comma before the closing bracket: nothing follows it; remove it"
+            "a comma stands before the closing bracket: remove the comma"
         } else {
             message
         };
@@ -165,7 +164,7 @@ impl Parser<'_> {
             _ => {
                 let words = [("true", Json::Flag(true)), ("false", Json::Flag(false)), ("null", Json::Null)];
                 let found = words.into_iter().find(|(word, _)| self.text[start..].starts_with(word));
-                let (word, json) = found.ok_or_else(|| self.fault("here a value is expected"))?;
+                let (word, json) = found.ok_or_else(|| self.fault("a value is missing here"))?;
                 self.at += word.len();
                 json
             }
@@ -177,7 +176,7 @@ impl Parser<'_> {
 
     fn nested(&mut self, read: fn(&mut Self) -> Result<Json, Stop>) -> Result<Json, Stop> {
         if self.depth == DEEPEST {
-            return Err(self.fault("more than 128 brackets stand inside one another: a definition has a few"));
+            return Err(self.fault("more than 128 brackets are nested: a definition has a few"));
         }
         self.at += 1;
         self.depth += 1;
@@ -193,7 +192,7 @@ impl Parser<'_> {
         while self.peek() != Some(b'}') || !members.is_empty() {
             let start = self.at;
             if self.peek() != Some(b'"') {
-                return Err(self.fault("here a key in double quotes is expected"));
+                return Err(self.fault("a key in double quotes is missing here"));
             }
             let key = self.text()?;
             let span = start..self.at;
@@ -247,9 +246,7 @@ impl Parser<'_> {
                 }
                 Some(b'\\') => text.push(self.escaped()?),
                 _ => {
-                    return Err(
-                        self.fault("a text without its closing quote: put a quote \" at its end, on the same line")
-                    );
+                    return Err(self.fault("a text has no closing quote: add a quote \" at its end, on the same line"));
                 }
             }
         }
@@ -257,7 +254,7 @@ impl Parser<'_> {
 
     /// The character for which an escape from its backslash on stands.
     fn escaped(&mut self) -> Result<char, Stop> {
-        const NONE: &str = "JSON has no such escape: write \\\\ for a backslash";
+        const NONE: &str = "JSON has no such escape sequence: write \\\\ for a backslash";
         let letter = self.text.as_bytes().get(self.at + 1).copied();
         let character = match letter {
             Some(b'u') => {
@@ -300,7 +297,7 @@ impl Parser<'_> {
         let whole = self.digits()?;
         if leads_by_zero && whole > 1 {
             self.at = start;
-            return Err(self.fault("a number does not begin with a zero that is followed by a digit: remove the zero"));
+            return Err(self.fault("a number starts with a zero that is followed by a digit: remove the zero"));
         }
         if self.peek() == Some(b'.') {
             self.at += 1;
@@ -312,7 +309,7 @@ impl Parser<'_> {
             self.digits()?;
         }
         // All that JSON calls a number, Rust does too.
-        self.text[start..self.at].parse().map_err(|_| self.fault("here a number is expected"))
+        self.text[start..self.at].parse().map_err(|_| self.fault("a number is missing here"))
     }
 
     /// Skip one or more digits; their number.
@@ -321,7 +318,7 @@ impl Parser<'_> {
         while matches!(self.peek(), Some(b'0'..=b'9')) {
             self.at += 1;
         }
-        if self.at == start { Err(self.fault("here a digit is expected")) } else { Ok(self.at - start) }
+        if self.at == start { Err(self.fault("a digit is missing here")) } else { Ok(self.at - start) }
     }
 }
 
@@ -435,11 +432,11 @@ mod tests {
             ("{ \"a\": 1", "no test: the text ends before its last closing bracket", [1, 9]),
             ("{ // none\n}", "no test: JSON has no comments", [1, 3]),
             ("{ \"a\": 1 # none\n}", "no test: JSON has no comments", [1, 10]),
-            ("{ \"a\": NaN }", "a: numbers are finite", [1, 8]),
+            ("{ \"a\": NaN }", "a: JSON has no such number", [1, 8]),
             ("{ \"a\": [1, -Infinity] }", "a[1]: ", [1, 13]),
-            ("{ \"a\": 0,5 }", "no test: decimals are written with a point", [1, 10]),
-            ("{ \"a\": { \"b\": [1,] } }", "a.b[1]: a comma before the closing bracket", [1, 18]),
-            ("{} }", "bracket too many", [1, 4]),
+            ("{ \"a\": 0,5 }", "no test: write decimals with a point", [1, 10]),
+            ("{ \"a\": { \"b\": [1,] } }", "a.b[1]: a comma stands before the closing bracket", [1, 18]),
+            ("{} }", "surplus closing bracket", [1, 4]),
             ("{ a: 1 }", "a key in double quotes", [1, 3]),
         ] {
             let fault = parse("test", text).unwrap_err();

@@ -59,14 +59,14 @@ impl Range {
             Self::Fraction => (value > 0.0 && value <= 1.0, "a number > 0 and <= 1"),
             Self::Unit => ((0.0..=1.0).contains(&value), "a number from 0 to 1"),
             Self::Revolution => {
-                (value > 0.0 && value <= TAU, "an angle > 0 and <= 6.283185307 rad, a whole revolution")
+                (value > 0.0 && value <= TAU, "an angle > 0 and <= 6.283185307 rad, one full revolution")
             }
             Self::Pressure => ((0.0..=1.2).contains(&value), "an angle from 0 to 1.2 rad"),
             Self::Eccentricity => ((0.0..=0.9).contains(&value), "a number from 0 to 0.9"),
             Self::Polytropic => ((1.0..=2.0).contains(&value), "a number from 1 to 2"),
             Self::Tolerance => ((1e-14..=1e-1).contains(&value), "a number from 1e-14 to 1e-1"),
             Self::Count => ((1.0..=1e15).contains(&value) && value.fract() == 0.0, "a whole number from 1 to 1e15"),
-            Self::Snap => ((0.0..=0.01).contains(&value), "from 0 to 0.01, a part of the mechanism's size"),
+            Self::Snap => ((0.0..=0.01).contains(&value), "from 0 to 0.01, relative to the size of the mechanism"),
             Self::Substep => (value >= 1e-9, "a finite number >= 1e-9"),
         }
     }

@@ -21,7 +21,7 @@ const MOST: usize = 100;
 pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed) -> Faults {
     let mut faults = Faults::default();
     if text.len() as u64 > LARGEST_DEFINITION {
-        let message = format!("it has {} bytes, and a definition at most {LARGEST_DEFINITION}", text.len());
+        let message = format!("the file has {} bytes, but a definition has at most {LARGEST_DEFINITION}", text.len());
         faults.push(DefinitionError::key(format!("no {kind}"), message));
         return faults;
     }
@@ -90,9 +90,9 @@ impl Reader<'_> {
         };
         let remedy = match (&node.json, kind) {
             (Json::Null, _) => "; leave the key out if it has no value",
-            (_, Kind::Object(_)) if self.path.is_empty() => "; a definition is one object { \"name\": ... }",
-            (Json::List(_), Kind::Object(_) | Kind::Group(_)) => "; write { \"name\": value } in place of [ value ]",
-            (Json::List(nodes), Kind::Pair) if nodes.len() > 2 => "; decimals are written with a point, such as 0.5",
+            (_, Kind::Object(_)) if self.path.is_empty() => "; write a definition as one object { \"name\": ... }",
+            (Json::List(_), Kind::Object(_) | Kind::Group(_)) => "; write { \"name\": value } instead of [ value ]",
+            (Json::List(nodes), Kind::Pair) if nodes.len() > 2 => "; write decimals with a point, such as 0.5",
             (Json::Text(text), Kind::Number | Kind::Whole) if text.parse::<f64>().is_ok() => "; remove the quotes",
             _ => "",
         };
@@ -178,7 +178,11 @@ impl Reader<'_> {
         match &node.json {
             Json::Number(number) if number.is_finite() => return Some(*number),
             Json::Number(_) => {
-                let (value, allowed) = (shortened(&self.text[node.span.clone()]), "out of range: at most 1.8e308");
+                let (value, allowed) = (
+                    shortened(&self.text[node.span.clone()]),
+                    "larger than the largest number, \
+                    1.8e308",
+                );
                 self.fault(Fault::Value(value, allowed.to_owned()), &node.span);
             }
             Json::Text(text) if self.numbers.takes_texts() => match self.numbers.take(text) {

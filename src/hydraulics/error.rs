@@ -70,28 +70,32 @@ impl fmt::Display for HydraulicsError {
                 write!(f, "value reference {reference} is {name}, a {own}, not a {kind}")
             }
             Self::Reference { reference, kind, own: None, count } => {
-                write!(f, "value reference {reference}: no {kind} has it; there are {count} variables, from 0")
+                write!(
+                    f,
+                    "value reference {reference} is not a {kind} variable; there are {count} variables, \
+                           numbered from 0"
+                )
             }
-            Self::Output { name } => write!(f, "{name} is an output, which cannot be set"),
+            Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::StepSize { h } => write!(f, "step size {} s: must be finite and greater than 0", Decimal(*h)),
-            Self::NotInitialised => f.write_str("not initialised: initialise before the first step"),
+            Self::NotInitialised => f.write_str("doStep was called before the initialisation; initialise first"),
             Self::Travel { length, lengths: [least, most] } => write!(
                 f,
                 "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m \
-                 (cylinder.closed_length \
-                 + cylinder.stroke); lengthen the stroke, or stop the mechanism before",
+                 (cylinder.closed_length + cylinder.stroke); use a longer stroke, or add a stop that ends the \
+                 travel before",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)
             ),
             Self::Overrun { speed, length, lengths: [least, most] } => write!(
                 f,
-                "actuator.speed = {} m/s, with its derivatives, leads to actuator.length = {} m within the step: the \
+                "actuator.speed = {} m/s, with its derivatives, gives actuator.length = {} m within the step: the \
                  cylinder allows {} m (cylinder.closed_length) to {} m (cylinder.closed_length + cylinder.stroke); \
-                 check the speed and its derivatives, or take a shorter step",
+                 check the speed and its derivatives, or use a shorter step",
                 Decimal::rounded(*speed),
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
@@ -99,27 +103,24 @@ impl fmt::Display for HydraulicsError {
             ),
             Self::Vacuum { chamber, time } => write!(
                 f,
-                "the absolute pressure of {chamber} came to 0 {} s after the beginning of the step: oil without air \
-                 has \
-                 none below; give fluid.air_fraction a value > 0, or raise anticavitation.conductance",
+                "the absolute pressure of {chamber} fell to 0 {} s after the start of the step: oil without air has \
+                 no pressure below 0; set fluid.air_fraction above 0, or increase anticavitation.conductance",
                 Decimal::rounded(*time)
             ),
             Self::Stuck { time, what } => write!(
                 f,
-                "no step of the integration meets solver.tolerance {} s after the beginning of the step, at {what}; \
-                 check \
-                 the inputs, or raise solver.tolerance",
+                "no integration step reaches solver.tolerance {} s after the start of the step, at {what}; check \
+                 the inputs, or increase solver.tolerance",
                 Decimal::rounded(*time)
             ),
             Self::Overflow { time } => write!(
                 f,
-                "an energy of the circuit is beyond the largest number, 1.8e308 J, {} s after the beginning of the \
-                 step: \
-                 check the sizes of pressures, flows, conductances and friction",
+                "an energy of the circuit exceeds the largest number, 1.8e308 J, {} s after the start of the step: \
+                 check the values of pressures, flows, conductances and friction",
                 Decimal::rounded(*time)
             ),
             Self::Interrupted { why, .. } => f.write_str(why),
-            Self::Damaged(Damaged(reason)) => write!(f, "no saved state of this model: {reason}"),
+            Self::Damaged(Damaged(reason)) => write!(f, "the saved state does not belong to this model: {reason}"),
         }
     }
 }

@@ -355,7 +355,10 @@ impl CommandSignal {
 #[cold]
 pub fn clipping(command: f64) -> String {
     let command = Decimal::rounded(command);
-    format!("valve.command with command.* is {command}: clipped to the range from -1 to 1")
+    format!(
+        "valve.command plus the ramp and sine of command.* is {command}: the sum was clipped to the range from \
+             -1 to 1"
+    )
 }
 
 /// Pressures of the ports and the command during a step.

@@ -39,12 +39,12 @@ impl Model {
             && !(closed..=closed + stroke).contains(&length)
         {
             let message = format!(
-                "is {} m, beyond the cylinder's lengths of {} m to {} m",
+                "is {} m, outside the lengths of the cylinder from {} m to {} m",
                 Decimal(length),
                 Decimal(closed),
                 Decimal::rounded(closed + stroke)
             );
-            let remedy = "start within them, or change cylinder.closed_length or cylinder.stroke";
+            let remedy = "start within this range, or change cylinder.closed_length or cylinder.stroke";
             all.push(Finding::warning("actuator.length", message, remedy));
         }
         all
@@ -92,7 +92,7 @@ pub fn inspect(text: &str) -> Inspection {
     let fact = fact.with("most", closed + stroke, Unit::Metre).with("stroke", stroke, Unit::Metre);
     facts.push(fact.with("start", value("actuator.length"), Unit::Metre));
     let fact = Fact::new("Cylinder", "largest force").with("pushing", piston * supply - ring * tank, Unit::Newton);
-    let text = "without seal friction, the other chamber at tank pressure";
+    let text = "without seal friction, with the other chamber at tank pressure";
     facts.push(fact.with("pulling", ring * supply - piston * tank, Unit::Newton).saying(text));
     let fact = Fact::new("Cylinder", "speed at the rated flow").with("out", flow / piston, Unit::MetrePerSecond);
     facts.push(fact.with("in", flow / ring, Unit::MetrePerSecond));
@@ -106,14 +106,17 @@ pub fn inspect(text: &str) -> Inspection {
     let fact = Fact::new("Oil at the start", "spring").with("stiffness", stiffness, Unit::NewtonPerMetre);
     facts.push(match mass > 0.0 {
         true => fact.with("frequency", (stiffness / mass).sqrt() / (2.0 * PI), Unit::Hertz),
-        false => fact.saying("its frequency follows from actuator.reduced_mass, an input"),
+        false => fact.saying("the frequency depends on actuator.reduced_mass, an input"),
     });
     let [force, load] = [value("actuator.force"), value("actuator.holding_force")];
     let fact = Fact::new("Equilibrium at the start", "").with("force", force, Unit::Newton);
     facts.push(fact.with("holding force of the load", load, Unit::Newton).saying(
         match (force - load).abs() <= 1e-3 * (force.abs() + load.abs()) {
-            true => "holds: the force is what the load asks for, to a part in a thousand",
-            false => "does not hold: with the load's inputs at their start values it sets off",
+            true => "at the start the actuator holds its load: the force equals the holding force to 0.1 %",
+            false => {
+                "at the start the load moves the actuator (no equilibrium), with the inputs at their start \
+                      values"
+            }
         },
     ));
     out

@@ -30,21 +30,22 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator; within a step its value at the beginning plus the integral of the speed",
+        "Length of the actuator; within a step the length at its start plus the integral of the speed",
         Unit::Metre,
     ),
-    ("actuator.speed", "Rate of the length of the actuator", Unit::MetrePerSecond),
+    ("actuator.speed", "Speed of the actuator, positive when it extends", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, for derivatives of outputs only; 0: that of the reduced mass, if it is told",
+        "Acceleration of the actuator, positive when it extends; used for derivatives of outputs only; 0: \
+         acceleration of the reduced mass, if known",
         Unit::MetrePerSecondSquared,
     ),
-    ("valve.command", "Command of the valve, from -1 to 1", Unit::One),
+    ("valve.command", "Command of the valve from -1 to 1, positive to extend", Unit::One),
     ("supply.pressure", "Pressure of the supply, relative to the ambient pressure", Unit::Pascal),
     ("tank.pressure", "Pressure of the tank, relative to the ambient pressure", Unit::Pascal),
     (
         "actuator.reduced_mass",
-        "Mass of what the actuator moves, reduced to the actuator; 0: unknown, no preview",
+        "Mass that the actuator moves, reduced to the actuator; 0: unknown, no preview",
         Unit::Kilogram,
     ),
     (
@@ -52,13 +53,17 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of the reduced mass with respect to the length",
         Unit::KilogramPerMetre,
     ),
-    ("actuator.holding_force", "Force of the actuator that holds what it moves at rest", Unit::Newton),
+    (
+        "actuator.holding_force",
+        "Force of the actuator that holds the load at rest, positive in extension",
+        Unit::Newton,
+    ),
     (
         "actuator.holding_force_derivative",
         "Derivative of the holding force with respect to the length; 0: unknown",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Next step of the host", Unit::Second),
+    ("preview.horizon", "Size of the next communication step", Unit::Second),
 ];
 
 /// Inputs that the acceleration at the beginning of the foreseen motion depends on: it is that of the element under the
@@ -74,10 +79,16 @@ const FLOW: &[Input] = &[Length, Supply, Tank];
 
 /// Name, text, unit and quantity of each output, and the inputs on which its present value depends.
 const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
-    ("actuator.force", "Force of the actuator, positive pushing its ends apart", Unit::Newton, Output::Force, &[Speed]),
+    (
+        "actuator.force",
+        "Force of the actuator, positive when it pushes its ends apart",
+        Unit::Newton,
+        Output::Force,
+        &[Speed],
+    ),
     (
         "actuator.stiffness",
-        "Stiffness of the oil along the actuator",
+        "Stiffness of the oil column along the actuator",
         Unit::NewtonPerMetre,
         Output::Stiffness,
         &[Length],
@@ -91,31 +102,38 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Force at the beginning of the next step of the line with the impulse and the first moment foreseen",
+        "Preview force at the start of the next step: start of the straight line with the predicted impulse and \
+         first moment",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
-    ("preview.force_rate", "Rate of that line", Unit::NewtonPerSecond, Output::PreviewForceRate, FORESEEN),
-    ("preview.force_mean", "Mean force foreseen over the next step", Unit::Newton, Output::PreviewForceMean, FORESEEN),
-    ("preview.length", "Length foreseen at the end of the next step", Unit::Metre, Output::PreviewLength, FORESEEN),
+    (
+        "preview.force_rate",
+        "Rate of the preview force over the next step",
+        Unit::NewtonPerSecond,
+        Output::PreviewForceRate,
+        FORESEEN,
+    ),
+    ("preview.force_mean", "Predicted mean force over the next step", Unit::Newton, Output::PreviewForceMean, FORESEEN),
+    ("preview.length", "Predicted length at the end of the next step", Unit::Metre, Output::PreviewLength, FORESEEN),
     (
         "preview.speed",
-        "Speed foreseen at the end of the next step",
+        "Predicted speed at the end of the next step",
         Unit::MetrePerSecond,
         Output::PreviewSpeed,
         FORESEEN,
     ),
     (
         "preview.start_acceleration",
-        "Acceleration under the force at the beginning of the next step",
+        "Acceleration under the force at the start of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewStartAcceleration,
         START_ACCELERATION,
     ),
     (
         "preview.acceleration",
-        "Acceleration under the force foreseen at the end of the next step",
+        "Acceleration under the predicted force at the end of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewAcceleration,
         FORESEEN_ACCELERATION,
@@ -140,31 +158,37 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ("chamber_b.flow", "Flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
     ("chamber_b.volume", "Volume of chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
     ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[Length]),
-    ("valve.position", "Position of the spool", Unit::One, Output::SpoolPosition, &[]),
-    ("valve.speed", "Speed of the spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
+    (
+        "valve.position",
+        "Position of the valve spool, 1 at full opening, positive to extend",
+        Unit::One,
+        Output::SpoolPosition,
+        &[],
+    ),
+    ("valve.speed", "Speed of the valve spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
     (
         "accumulator.pressure",
-        "Pressure at the supply: that of the accumulator; without one, the input",
+        "Pressure at the supply side of the valve: pressure of the accumulator, or the input if there is none",
         Unit::Pascal,
         Output::SupplyPressure,
         &[Supply],
     ),
-    ("supply.flow", "Flow from the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, &[Length, Supply]),
+    ("supply.flow", "Flow out of the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, &[Length, Supply]),
     ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, &[Length, Tank]),
     (
         "cylinder.stroke_position",
-        "Position of the piston, from the closed length",
+        "Position of the piston, 0 at the closed length",
         Unit::Metre,
         Output::StrokePosition,
         &[Length],
     ),
-    ("power.supply", "Power from the supply", Unit::Watt, Output::Power(0), &[Length, Supply]),
-    ("power.return", "Power into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
-    ("power.piston", "Power of the force on what the actuator moves", Unit::Watt, Output::Power(2), &[Speed]),
-    ("power.seal_friction", "Power lost in the seals", Unit::Watt, Output::Power(3), &[Speed]),
+    ("power.supply", "Hydraulic power from the supply", Unit::Watt, Output::Power(0), &[Length, Supply]),
+    ("power.return", "Hydraulic power into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
+    ("power.piston", "Mechanical power of the force on the load", Unit::Watt, Output::Power(2), &[Speed]),
+    ("power.seal_friction", "Power lost in seal friction", Unit::Watt, Output::Power(3), &[Speed]),
     (
         "power.compression",
-        "Power into the elasticity of the oil",
+        "Power stored in the compression of the oil",
         Unit::Watt,
         Output::Power(4),
         &[Length, Speed, Supply, Tank],
@@ -178,11 +202,11 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("energy.supplied", "Energy from the supply since the start", Unit::Joule, Output::Energy(0), &[]),
     ("energy.returned", "Energy into the tank since the start", Unit::Joule, Output::Energy(1), &[]),
-    ("energy.piston", "Work of the force since the start", Unit::Joule, Output::Energy(2), &[]),
-    ("energy.seal_friction", "Energy lost in the seals since the start", Unit::Joule, Output::Energy(3), &[]),
+    ("energy.piston", "Work of the force on the load since the start", Unit::Joule, Output::Energy(2), &[]),
+    ("energy.seal_friction", "Energy lost in seal friction since the start", Unit::Joule, Output::Energy(3), &[]),
     (
         "energy.compression",
-        "Energy into the elasticity of the oil since the start",
+        "Energy stored in the compression of the oil since the start",
         Unit::Joule,
         Output::Energy(4),
         &[],
@@ -196,14 +220,15 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.balance",
-        "Energy supplied less all other energies: 0 but for rounding",
+        "Energy supplied minus all other energies: 0 except for rounding",
         Unit::Joule,
         Output::Balance,
         &[],
     ),
     (
         "coupling.stable_step",
-        "Largest step of a coupling with held inputs and without preview; 0: none, or no mass is told",
+        "Largest stable communication step for a coupling with held inputs and without preview; 0: no limit, or the \
+         mass is unknown",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -263,7 +288,7 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     let words = Mode::ALL.map(|mode| format!("\"{}\"", mode.word())).join(" or ");
     list.push(Variable {
         name: "coupling.mode".to_owned(),
-        description: format!("Motion of a step: {words}; foreseen, or that of the inputs"),
+        description: format!("Motion within a step: {words}; predicted from the mass, or taken from the inputs"),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,
         variability: Variability::Fixed,

@@ -95,7 +95,7 @@ impl Model {
         let mut version = 0;
         record.small("version", &mut version)?;
         if version != VERSION {
-            return Err(Damaged(format!("version {version}: this model reads version {VERSION}")).into());
+            return Err(Damaged(format!("format version {version}, but this model reads version {VERSION}")).into());
         }
         let mut parameters = Parameters::clone(&self.parameters);
         record_parameters(record, &mut parameters.values)?;
@@ -135,7 +135,7 @@ impl Model {
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
             Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
-            _ => Err(Damaged("it goes on after its end".to_owned()).into()),
+            _ => Err(Damaged("the data is too long".to_owned()).into()),
         }
     }
 

@@ -207,7 +207,7 @@ impl State {
         record.option("last step", &mut self.last, blank, |record, last| {
             record.positive("size of the last step", &mut last.step)?;
             record.finite("speed before", &mut last.start_speed)?;
-            record.finite("foreseen speed", &mut last.speed)?;
+            record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
             record.finite("load before", &mut last.load)
         })?;
@@ -217,6 +217,6 @@ impl State {
             || [0.0; 2],
             |record, arrival| record.all_finite("arrival", arrival),
         )?;
-        record.option("step told", &mut self.told, Told::blank, |record, told| told.record(record))
+        record.option("step reported", &mut self.told, Told::blank, |record, told| told.record(record))
     }
 }

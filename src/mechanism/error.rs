@@ -107,13 +107,16 @@ impl ModelError {
         let reason = match end {
             End::OfTravel => "limit the loads or the time".into(),
             End::OfNumbers => format!(
-                "{:.0e} m from the guess, {:.0e} times the size of the largest body, numbers no longer tell positions \
-                 apart; limit the loads or the time, or add a stop",
+                "{:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding of numbers is \
+                 larger than the mechanism; limit the loads or the time, or add a stop",
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
             ),
             End::Failed(error @ ReductionError::EndsMeet { .. }) => error.to_string(),
-            End::Failed(error) => format!("{error}; or limit the loads or the time, or add a stop before"),
+            End::Failed(error) => format!(
+                "{error}; or limit the loads or the time, or add a stop before this \
+                                           position"
+            ),
         };
         Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
     }
@@ -132,32 +135,34 @@ impl fmt::Display for ModelError {
             Self::Reference { reference, own: Some((name, own)), kind, .. } => {
                 write!(
                     f,
-                    "{name} (value reference {reference}) is a {own}, not a {kind}: use the functions for a {own}"
+                    "{name} (value reference {reference}) is a {own} variable, not a {kind} variable: call the \
+                     function for {own} variables"
                 )
             }
             Self::Reference { reference, kind, count, .. } => write!(
                 f,
-                "value reference {reference} is no {kind} variable: references run from 0 to {}, \
-                 kinds are in modelDescription.xml",
+                "value reference {reference} is not a {kind} variable: references run from 0 to {}; \
+                 modelDescription.xml states the type of each",
                 count.saturating_sub(1)
             ),
             Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::RigidFem(RigidFemError::Substeps { count, limit }) => write!(
                 f,
-                "a step would take {count:e} steps of solver.fem_step, solver.max_steps allows {limit:e}: \
-                 take shorter communication steps, or raise solver.fem_step or solver.max_steps"
+                "the step needs {count:e} steps of solver.fem_step, but solver.max_steps allows {limit:e}: use \
+                 shorter communication steps, or increase solver.fem_step or solver.max_steps"
             ),
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
             Self::NotInRigidFem { name, value, remedy } => write!(
                 f,
-                "{name} = {value}: solver.method = \"rigid_fem\" does not have it; {remedy}, \
-                 or choose solver.method = \"reduced\""
+                "{name} = {value}: solver.method = \"rigid_fem\" does not support this; {remedy}, or choose \
+                 solver.method = \"reduced\""
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
-                "{name} = {} {}: this stop is reached {} s into the step, and solver.method = \"rigid_fem\" has no \
-                 stops; end the run before, set the stop's enabled to false, or choose solver.method = \"reduced\"",
+                "{name} = {} {}: the mechanism reaches this stop {} s into the step, but solver.method = \
+                 \"rigid_fem\" has no stops; end the run earlier, set enabled of the stop to false, or choose \
+                 solver.method = \"reduced\"",
                 Decimal(*value),
                 unit_of(name),
                 Decimal(*time)
@@ -168,7 +173,7 @@ impl fmt::Display for ModelError {
                     [] => "change the number in the definition".to_owned(),
                     names => format!("set {}", names.join(" or ")),
                 };
-                write!(f, "{name} is calculated, \"{text}\", and cannot be set: {remedy}")
+                write!(f, "{name} is calculated from \"{text}\" and cannot be set: {remedy}")
             }
             Self::Follows { set, fault } => {
                 let set: Vec<String> =
@@ -176,8 +181,8 @@ impl fmt::Display for ModelError {
                 let Fault { name, text, value, allowed, because } = &**fault;
                 write!(
                     f,
-                    "{}: {name} = \"{text}\" would be {}, which must be {allowed}{because}; set other values, or those \
-                     that go together in one call",
+                    "{}: {name} = \"{text}\" would become {}, but must be {allowed}{because}; set other values, or \
+                     set values that belong together in one call",
                     set.join(", "),
                     Decimal(*value)
                 )
@@ -185,75 +190,73 @@ impl fmt::Display for ModelError {
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Table { name, position } => write!(
                 f,
-                "{name} is not smooth near {position}, so that it cannot be told; \
-                 change the lengths, or do not read it"
+                "{name} is not smooth near {position} and has no value there; change the lengths, or do not read \
+                 this variable"
             ),
             Self::Overflow { name } => write!(
                 f,
-                "{name} is beyond the largest number, 1.8e308, under the present inputs and parameters: check their \
-                 sizes"
+                "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check \
+                 their values"
             ),
-            Self::NotInitialised => f.write_str("a step was asked for before initialisation: initialise first"),
+            Self::NotInitialised => f.write_str("doStep was called before the initialisation: initialise first"),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
-                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance; \
-                 check the sizes of the inputs",
+                "the integration stopped {} s into the step: no step longer than {step:.1e} s reaches \
+                 solver.tolerance; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::Locked { position, joint } => write!(
                 f,
-                "friction locks the mechanism near {position}, most of it in {joint}: the coefficients or pin radii \
-                 ask for \
-                 more friction than the reactions can cause; reduce them, or let stops end the travel before"
+                "friction locks the mechanism near {position}, mainly in {joint}: the joint forces cause more friction than any load can overcome; reduce the coefficients or pin radii, or add a stop before this \
+                 position"
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "stops.{name} = {} {unit}: the start, at {} {unit}, is beyond this stop; \
-                 move the start or the stop, or set the stop's enabled to false{}",
+                "stops.{name} = {} {unit}: the start, at {} {unit}, is beyond this stop; move the start or the \
+                 stop, or set enabled of the stop to false{}",
                 Decimal::rounded(*value),
                 Decimal::rounded(*start),
                 if name.ends_with(".angle") { if_degrees(*start) } else { String::new() },
                 unit = unit_of(name)
             ),
             Self::NoEquilibrium { near, reason, remedy } => {
-                write!(f, "start.equilibrium: no stable equilibrium is found from {near} on: {reason}; {remedy}")
+                write!(f, "start.equilibrium: there is no stable equilibrium in reach of {near}: {reason}; {remedy}")
             }
             Self::TooManyBumpers { count, limit } => write!(
                 f,
-                "stops: {count} bumpers are enabled, where {limit} may be; \
-                 set enabled of some to false, or rigid to true"
+                "stops: {count} bumpers are enabled, but at most {limit} are allowed; for some of them set enabled \
+                 to false or rigid to true"
             ),
             Self::LockStill { name, stop, position } => write!(
                 f,
-                "locks.{name}.at: this point stands still where {stop} is, near {position}, so the lock cannot act: \
-                 name a point that moves there"
+                "locks.{name}.at: this point does not move at the position of {stop}, near {position}, so the lock \
+                 cannot hold the mechanism: use a point that moves there"
             ),
-            Self::Saved { what } => write!(f, "the saved state is none of this mechanism: {what}"),
+            Self::Saved { what } => write!(f, "the saved state does not belong to this mechanism: {what}"),
             Self::Stroke { name, length, lengths: [least, most], what } => write!(
                 f,
                 "{name} = {} m at {what}: the cylinder allows {} m (cylinder.closed_length) to {} m \
-                 (cylinder.closed_length + cylinder.stroke); lengthen the stroke, or stop the mechanism before",
+                 (cylinder.closed_length + cylinder.stroke); use a longer stroke, or add a stop that ends the \
+                 travel before",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)
             ),
             Self::Vacuum { chamber } => write!(
                 f,
-                "the absolute pressure of {chamber} came to 0: oil without air has none below; give fluid.air_fraction \
-                 a \
-                 value > 0, or raise anticavitation.conductance"
+                "the absolute pressure of {chamber} fell to 0: oil without air has no pressure below 0; set \
+                 fluid.air_fraction above 0, or increase anticavitation.conductance"
             ),
             Self::Stuck { error: IntegrationError::StepTooSmall { t, step }, circuit } => write!(
                 f,
-                "the integration stopped {} s into the step: no step above {step:.1e} s meets solver.tolerance, at \
-                 {circuit}; check the sizes of the inputs",
+                "the integration stopped {} s into the step: no step longer than {step:.1e} s reaches \
+                 solver.tolerance, at {circuit}; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::LoadOverflow { name, value } => write!(
                 f,
-                "{name} = {}: under inputs of this size a load or its work overflows, beyond {:.1e}; set a smaller \
-                 value",
+                "{name} = {}: with inputs of this size a load or its work exceeds {:.1e}; set a smaller value",
                 Decimal(*value),
                 f64::MAX
             ),
@@ -263,7 +266,7 @@ impl fmt::Display for ModelError {
             }
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {
-                write!(f, "the motion has gone past the end of its travel at {position}: {reason}")
+                write!(f, "the mechanism moved past the end of its travel at {position}: {reason}")
             }
         }
     }

@@ -323,7 +323,8 @@ impl Model {
         self.has_told = true;
         let position = state.describe(reduced);
         Some(format!(
-            "the motion is at {position}, beyond what was traced at first: the curve and its tables grow with it"
+            "the motion is at {position}, beyond the curve computed at the start: the curve and its tables are \
+             extended during the run"
         ))
     }
 

@@ -238,7 +238,11 @@ impl Model {
         match parameter_values.stated_method() {
             Some(_) => parameter_values.set_method(method),
             None if method == Method::default() => {}
-            None => return Err(Damaged(format!("solver.method = \"{}\": not a choice here", method.word())).into()),
+            None => {
+                return Err(
+                    Damaged(format!("solver.method = \"{}\": this model has no such choice", method.word())).into()
+                );
+            }
         }
         let parameter_values = self.checked(parameter_values)?;
         inputs.record(record)?;
@@ -272,7 +276,7 @@ impl Model {
             Record::Read([]) => {
                 Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting, untuned })
             }
-            _ => Err(Damaged("it goes on after its end".to_owned()).into()),
+            _ => Err(Damaged("the data is too long".to_owned()).into()),
         }
     }
 
@@ -291,7 +295,7 @@ impl Model {
         let mut computed = values.parameters.clone();
         values.expressions().compute(&mut computed);
         if !same_bits(&computed, &values.parameters) {
-            return Err(Damaged("a calculated parameter has not the value of its expression".to_owned()).into());
+            return Err(Damaged("a calculated parameter differs from the value of its expression".to_owned()).into());
         }
         values.changed();
         let mut values = Arc::new(values);
@@ -311,7 +315,7 @@ impl Model {
         let both = tuned.parameters.iter().zip(&read).zip(&self.original.ranges);
         let mut changed = both.filter(|((after, before), _)| after.to_bits() != before.to_bits());
         if changed.any(|(_, (_, role))| !(role.is_tunable() || *role == Role::Named)) {
-            return Err(Damaged("a parameter has changed that cannot be tuned".to_owned()).into());
+            return Err(Damaged("a parameter that is not tunable differs".to_owned()).into());
         }
         let mut before = tuned.clone();
         before.parameters = read;

@@ -42,10 +42,16 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
     let unit = if mechanism.turns(drive) { "rad" } else { "m" };
     let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
-    let message = format!("begins at {there}, and the start has the drive at {here}: the run begins with this jump");
+    let message = format!("starts at {there}, but the drive is at {here} at the start: the run starts with a jump");
     let (key, remedy) = match motion.profile {
-        Some(_) => ("points", format!("let the table be 0 {unit} at time 0, as its distances count from the start")),
-        None => ("position", format!("state {here}, or the start where the motion begins")),
+        Some(_) => (
+            "points",
+            format!(
+                "let the table start with 0 {unit} at time 0, because its distances count \
+                                       from the start"
+            ),
+        ),
+        None => ("position", format!("write {here}, or start the mechanism where the motion starts")),
     };
     Some(Finding::warning(format_args!("actuators.{name}.motion.{key}"), message, remedy))
 }
@@ -68,14 +74,13 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
             let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
             if (radius - other).abs() > SAME * radius {
                 let message = format!(
-                    "makes the wheel of {} with {teeth} teeth one with a pitch radius of {} m, and couplings.{at} with \
-                     {} m",
+                    "gives the wheel of {} with {teeth} teeth a pitch radius of {} m, but couplings.{at} gives {} m",
                     linkage.bodies[body].name,
                     Decimal::rounded(radius),
                     Decimal::rounded(other)
                 );
-                let remedy = "if this is one wheel, check the numbers of teeth: between a sun and a ring around it the \
-                              ring has those of the sun and twice those of the planet";
+                let remedy = "if this is one wheel, check the numbers of teeth: a ring has the teeth of the sun \
+                              plus twice those of the planet";
                 all.push(Finding::warning(format_args!("couplings.{name}.{which}_teeth"), message, remedy));
             }
         }
@@ -98,13 +103,17 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
         let [stated, found] = [guess[i] + offset, assembled[i] + offset].map(Decimal::rounded);
         let message = match is_angle {
             true => format!(
-                "{name} is assembled at {found} rad ({} deg), {} rad from its guess of {stated} rad ({} deg)",
+                "{name} is assembled at {found} rad ({} deg), which differs by {} rad from its guess of {stated} \
+                 rad ({} deg)",
                 Decimal::rounded(found.0 * 180.0 / PI),
                 Decimal::rounded(away),
                 Decimal::rounded(stated.0 * 180.0 / PI)
             ),
             false => {
-                format!("{name} is assembled at {found} m, {} m from its guess of {stated} m", Decimal::rounded(away))
+                format!(
+                    "{name} is assembled at {found} m, which differs by {} m from its guess of {stated} m",
+                    Decimal::rounded(away)
+                )
             }
         };
         let as_degrees = stated.0 * PI / 180.0;
@@ -112,12 +121,15 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
         let may_be_degrees = is_angle && !mechanism.file_units.has_degrees();
         let remedy = match may_be_degrees && off.min(TAU - off) <= FAR && stated.0.abs() > PI {
             true => format!(
-                "if {stated} degrees are meant, write {} rad or give \"units\": {{ \"angle\": \"deg\" }}",
+                "if you mean {stated} degrees, write {} rad or add \"units\": {{ \"angle\": \"deg\" }}",
                 Decimal::rounded(as_degrees)
             ),
             false => {
                 let unit = if is_angle { "rad" } else { "m" };
-                format!("write {found} {unit} if this assembly is meant, else check the lengths or guess closer")
+                format!(
+                    "if this assembly is correct, write {found} {unit}; otherwise check the lengths or improve \
+                         the guess"
+                )
             }
         };
         all.push(Finding::warning(path, message, remedy));
@@ -144,7 +156,7 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
             miss.miss * size
         );
         let remedy =
-            format!("if it is to go straight on, write \"snap\": {:e} or correct the lengths", cure(miss.miss));
+            format!("to continue straight there, write \"snap\": {:e} or correct the lengths", cure(miss.miss));
         Finding::warning(if mechanism.snap.is_some() { "snap" } else { "" }, message, remedy)
     };
     misses().map(warning).collect()
@@ -180,14 +192,16 @@ pub fn remarks(reduced: &Reduced, snap: f64) -> Vec<String> {
         .iter()
         .map(|(position, miss)| {
             format!(
-                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}: \
-                 less than \
-                 snap = {}, so that the branches are taken to cross and the motion goes straight on",
+                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}, \
+                 less than snap = {}: the branches are made to cross, and the motion continues straight",
                 Decimal(snap)
             )
         })
         .collect();
-    lines.push(format!("for that the points of joints are moved by {largest:.1e} m at most: {}", told.join("; ")));
+    lines.push(format!(
+        "the points of joints are moved by at most {largest:.1e} m for the crossing: {}",
+        told.join("; ")
+    ));
     lines
 }
 
@@ -198,8 +212,8 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
     for (group, name, key, at) in forces.chain(torques) {
         let body = at.split('.').next().unwrap_or_default();
         if linkage.carrier(mechanism, body).is_some_and(|(carrier, _)| carrier == GROUND) {
-            let message = format!("acts on {at}, which does not move, so it does nothing");
-            let remedy = if key == "at" { "name a point that moves" } else { "name a body that moves" };
+            let message = format!("acts on {at}, which does not move, so it has no effect");
+            let remedy = if key == "at" { "give a point that moves" } else { "give a body that moves" };
             all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
         }
     }
@@ -215,7 +229,7 @@ fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Fi
         if load.is_idle() {
             let at = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
             let (words, remedy) = load.idle_words(at, reduced.linkage().size);
-            let message = format!("{words}, so that it never moves the mechanism and only loads joints");
+            let message = format!("{words}, so it never moves the mechanism and only loads the joints");
             all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
     }

@@ -157,10 +157,16 @@ fn slopes_of_the_force_are_exact() {
 #[test]
 fn what_is_no_curve_and_no_gas_is_refused() {
     for (spring, pieces) in [
-        (json!({ "joint": "rail", "points": [[0, 1]] }), &["springs.strut.points", "1 of the 2"][..]),
-        (json!({ "joint": "rail", "points": [[0, 1], [0, 2]] }), &["points[1]", "S = 0 does not follow S = 0", "sort"]),
+        (
+            json!({ "joint": "rail", "points": [[0, 1]] }),
+            &["springs.strut.points", "has 1 points", "needs 2 or more"][..],
+        ),
+        (
+            json!({ "joint": "rail", "points": [[0, 1], [0, 2]] }),
+            &["points[1]", "S = 0 must be larger than S = 0", "sort"],
+        ),
         (json!({ "joint": "rail", "points": [[0, 1], [2, 1e101]] }), &["springs.strut.points[1]", "1e101"]),
-        (json!({ "joint": "rail", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "near to each other"]),
+        (json!({ "joint": "rail", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "so close"]),
         (json!({ "joint": "rail", "points": [[0, 1, 2]] }), &["springs.strut.points[0]"]),
         (changed_gas(|g| g["points"] = json!([[0, 1], [1, 2]])), &["springs.strut.gas", "two springs"]),
         (changed_gas(|g| g["free_length"] = Value::Null), &["springs.strut", "add free_length"]),
@@ -194,7 +200,7 @@ fn a_gas_without_volume_is_refused() {
                                  "far": { "joint": "rail", "limit": "upper", "position": 1 } });
         })
     };
-    assert_says(refusal(&stops(0.15)), &["strut", "down to 0.2 m", "more volume", "stops"]);
+    assert_says(refusal(&stops(0.15)), &["strut", "down to 0.2 m", "increase the gas volume", "stops"]);
     assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
 }
 

@@ -50,7 +50,7 @@ fn a_belt_whose_span_is_slack_at_the_start() {
             let [warning] = &told(&with(pretension), "loop")[..] else { panic!("{crossed} {pretension}") };
             let (force, shown) = (format!("transmits {}", number(transmitted)), format!("the pretension of {shown}"));
             assert_says(warning, &["couplings.loop.pretension: ", &force, &shown, "slack"]);
-            assert_says(warning, &[&format!("give a pretension of more than {}", number(half))]);
+            assert_says(warning, &[&format!("use a pretension of more than {}", number(half))]);
         }
         assert_eq!(told(&with(1.001 * half), "loop"), [""; 0]);
     }
@@ -71,7 +71,7 @@ fn pulleys_that_overlap() {
     assert_says(warning, &["0.21 and 0.1 m", "0.3 m apart", "overlap", "move a centre"]);
     assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
     // A crossed belt cannot be drawn there.
-    assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be more than the sum of the radii"]);
+    assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be larger than the sum of the radii"]);
 }
 
 #[test]

@@ -77,7 +77,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 
 #[test]
 fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
-    let told = [": its two ends coincide near arm = ", "move one of its attachments", "stops"];
+    let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "stops"];
     let pulled = Run::new(&arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
         let mut run = pulled.clone();
@@ -194,7 +194,10 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
             assert!(error.is_none(), "{exact}: {error:?}");
             assert!((run.get("rail.position") - exact).abs() < 1e-9 * exact);
         } else {
-            assert_says(error.unwrap(), &["spring: its two ends coincide near rail = ", "move one of its attachments"]);
+            assert_says(
+                error.unwrap(),
+                &["spring: both ends are at the same place near rail = ", "move one of the attachment points"],
+            );
             return;
         }
     }
@@ -209,13 +212,14 @@ fn the_check_tells_where_the_motion_ends() {
     for finding in &inspection.findings {
         assert_says(
             &finding.message,
-            &["ends its run with an error", "cylinder.force: its two ends coincide near arm = "],
+            &["the run ends with an error", "cylinder.force: both ends are at the same place near arm = "],
         );
         assert_eq!(finding.path, "stops");
     }
     let ends: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic == "Ends of travel").collect();
     assert_eq!(ends.len(), 2);
-    ends.iter().for_each(|fact| assert_says(&fact.text, &["cylinder.force: its two ends coincide near arm = "]));
+    ends.iter()
+        .for_each(|fact| assert_says(&fact.text, &["cylinder.force: both ends are at the same place near arm = "]));
 }
 
 /// A drive between ends that never move to or from one another: rejected on one pin, else without effect, and told.
@@ -242,7 +246,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
     };
     // Both ends on one pin, by way of the crank.
     let error = Simulation::open(&between("actuators", "rod.origin", "twin.origin")).unwrap_err();
-    assert_says(error, &["actuators.idle", "the one point of b", "name two points"]);
+    assert_says(error, &["actuators.idle", "both ends are the point b", "give two different points"]);
     // The ends of a crank, and two points of bars that move as one.
     for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {
         let mut run = Run::new(&between("actuators", first, second)).started();
@@ -255,7 +259,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
             let told = inspect(&between(group, first, second)).findings;
             let path = format!("{group}.idle");
             let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
-            assert!(texts.any(|text| text.contains("apart in every position, so that it never moves")), "{told:?}");
+            assert!(texts.any(|text| text.contains("apart in every position, so it never moves")), "{told:?}");
         }
     }
     assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
@@ -280,7 +284,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
             let path = format!("{group}.idle");
             let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
-                texts.any(|text| text.contains(&format!("0 {unit} in every position, so that it never moves"))),
+                texts.any(|text| text.contains(&format!("0 {unit} in every position, so it never moves"))),
                 "{told:?}"
             );
         }

@@ -144,7 +144,7 @@ fn a_set_that_makes_no_mechanism_changes_nothing() {
     let before = model.snapshot();
     for value in [-0.3, 0.0] {
         let error = model.set_real(size, value).unwrap_err().to_string();
-        assert_says(&error, &["size = ", "ground.length = \"size\"", "> 0", "it reads size"]);
+        assert_says(&error, &["size = ", "ground.length = \"size\"", "> 0", "the expression uses size"]);
     }
     assert!(model.set_real(size, f64::NAN).is_err());
     let error = model.set_real(ratio, -1.0).unwrap_err().to_string();
@@ -225,31 +225,34 @@ fn what_is_wrong_is_named_with_its_key() {
     let with = |change: &dyn Fn(&mut Value)| changed(FAMILY, change);
     let length = |text: &str| with(&|m| m["bodies"]["crank"]["length"] = json!(text));
     let cases: [(String, &[&str]); 16] = [
-        (length("size / "), &["bodies.crank.length", "\"size / \"", "ends before its last value"]),
-        (length("sise"), &["bodies.crank.length", "no parameter of the file is called sise", "size"]),
-        (length("size - 1"), &["bodies.crank.length = \"size - 1\" = -0.7", "> 0", "it reads size = 0.3"]),
+        (length("size / "), &["bodies.crank.length", "\"size / \"", "the expression ends with an operator"]),
+        (length("sise"), &["bodies.crank.length", "there is no parameter sise", "size"]),
+        (length("size - 1"), &["bodies.crank.length = \"size - 1\" = -0.7", "> 0", "the expression uses size = 0.3"]),
         (length("size / 0"), &["bodies.crank.length = \"size / 0\"", "> 0"]),
         (length("0 / 0"), &["bodies.crank.length", "NaN"]),
-        (length("crank.length"), &["bodies.crank.length", "crank.length reads crank.length is a circle"]),
-        (length("ground.length + rocker.mass"), &["is a circle", "crank.length"]),
-        (with(&|m| m["parameters"]["size"] = json!("load.mass")), &["parameters.size", "is a circle"]),
-        (with(&|m| m["parameters"]["pi"] = json!(3)), &["parameters.pi", "choose another one"]),
+        (
+            length("crank.length"),
+            &["bodies.crank.length", "crank.length reads crank.length refer to each other in a circle"],
+        ),
+        (length("ground.length + rocker.mass"), &["in a circle", "crank.length"]),
+        (with(&|m| m["parameters"]["size"] = json!("load.mass")), &["parameters.size", "in a circle"]),
+        (with(&|m| m["parameters"]["pi"] = json!(3)), &["parameters.pi", "choose another name"]),
         (with(&|m| m["parameters"]["a b"] = json!(3)), &["a b", "letters, digits or underscores"]),
         (
             with(&|m| m["parameters"]["size"]["unit"] = json!("mm")),
-            &["parameters.size.unit", "no `mm` here", "nearest are `m`"],
+            &["parameters.size.unit", "no `mm` here", "nearest names are `m`"],
         ),
         (with(&|m| m["solver"]["tolerance"] = json!("1e-9")), &["solver.tolerance", "write a number"]),
         (with(&|m| m["guess"]["crank"] = json!("1 / 0")), &["guess.crank", "must be a finite number"]),
-        (with(&|m| m["guess"]["crank"] = json!("sise")), &["guess.crank", "is called sise"]),
+        (with(&|m| m["guess"]["crank"] = json!("sise")), &["guess.crank", "there is no parameter sise"]),
         (
             with(&|m| m["springs"]["damper"]["points"] = json!([["-size", 0], [1, 2]])),
-            &["springs.damper.points[0][0]", "size may change"],
+            &["springs.damper.points[0][0]", "size can change"],
         ),
         (with(&|m| m["parameters"]["rocker"] = json!([1])), &["parameters.rocker", "a number"]),
     ];
     for (text, said) in cases {
-        let text = if said.contains(&"crank.length") && said.contains(&"is a circle") {
+        let text = if said.contains(&"crank.length") && said.contains(&"in a circle") {
             changed(&text, |m| m["bodies"]["rocker"]["mass"] = json!("crank.length"))
         } else {
             text

@@ -118,6 +118,6 @@ fn a_local_variable_is_read_only_and_has_no_derivatives() {
     let refused = run.directional_derivative(&[locals[0]], &[input], &[1.0], &mut |_, _| {}).unwrap_err();
     assert_says(refused, &["crank.frame.x", "an unknown must be a continuous output"]);
     let refused = run.output_derivative(locals[0], 1).unwrap_err();
-    assert_says(refused, &["crank.frame.x", "derivatives are told of continuous outputs"]);
+    assert_says(refused, &["crank.frame.x", "derivatives are available for continuous outputs only"]);
     assert!(run.set_real(locals[0], 1.0).is_err());
 }

@@ -127,7 +127,10 @@ fn inputs_before_the_end_of_the_initialisation_move_the_equilibrium_and_later_on
     // A torque beyond the weight turns it round for ever.
     let mut definition = pendulum();
     definition["actuators"]["motor"]["torque"] = json!(1.01 * weight);
-    assert_says(refusal(&definition), &["start.equilibrium", "move the mechanism on", "spring or a stop"]);
+    assert_says(
+        refusal(&definition),
+        &["start.equilibrium", "move the mechanism at every position", "spring or a stop"],
+    );
 }
 
 #[test]
@@ -156,7 +159,7 @@ fn a_carriage_rests_where_spring_and_force_balance() {
 #[test]
 fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
     let neutral = carriage(0.0, 0.0);
-    assert_says(refusal(&neutral), &["start.equilibrium", "no load acts", "state the start by a position"]);
+    assert_says(refusal(&neutral), &["start.equilibrium", "no load acts", "give a start position"]);
     let mut pressed = carriage(0.0, 0.0);
     pressed["forces"]["push"]["force"] = json!([-5, 0]);
     let mut simulation = open(&pressed);
@@ -362,7 +365,7 @@ fn an_unstable_position_has_no_eigenfrequency() {
     let mut simulation = open(&definition);
     assert!(simulation.get("linearisation.eigenfrequency").unwrap().is_nan());
     let reason = simulation.undefined("linearisation.eigenfrequency").unwrap().unwrap();
-    assert_says(&reason, &["do not drive the mechanism back", "rod"]);
+    assert_says(&reason, &["do not return the mechanism", "rod"]);
     let at = here(&definition, "rod.angle", &[], &[]);
     assert!(at.omega.is_nan() && at.eigenvalues[1][0] * at.eigenvalues[0][0] < 0.0);
     let mut plain = pendulum();

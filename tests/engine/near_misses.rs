@@ -130,7 +130,7 @@ fn without_snap_misses_are_refused_with_their_size() {
     for change in [1e-8, 1e-10] {
         let error = linkage_fmu::simulation::Simulation::open(&parallelogram(change, json!({ "snap": 0 })));
         let error = error.err().unwrap().to_string();
-        assert_says(&error, &["almost cross", "miss a crossing by 5.0e-", "give \"snap\": "]);
+        assert_says(&error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
     }
     for (value, told) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
         let text = parallelogram(0.0, json!({ "snap": value.parse::<f64>().unwrap() }));

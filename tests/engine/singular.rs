@@ -230,7 +230,7 @@ fn rounding_is_not_taken_for_a_bend() {
     // This one is 5e-7 of its size from a crossing.
     let text = include_str!("../fixtures/inverted_slider_crank.json");
     let as_drawn = changed(text, |definition| definition["snap"] = json!(0));
-    assert_says(Simulation::open(&as_drawn).err().unwrap(), &["almost cross", "give \"snap\": "]);
+    assert_says(Simulation::open(&as_drawn).err().unwrap(), &["almost cross", "write \"snap\": "]);
     let mut model = Run::new(text).started();
     model.step(0.02);
     assert!(!model.0.model().remarks().is_empty());
@@ -278,7 +278,7 @@ fn crossings_are_tabulated_whatever_the_masses() {
 #[test]
 fn a_guess_at_a_crossing_must_say_which_branch() {
     let error = Simulation::open(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, 1.0, [0.0, 0.0, 0.0], 0.0)).unwrap_err();
-    assert_says(error, &["branches", "guess a position off the crossing"]);
+    assert_says(error, &["branches", "guess a position away from the crossing"]);
 }
 
 #[test]

@@ -181,7 +181,7 @@ fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
     let method = |m: &mut Value| m["solver"] = json!({ "tolerance": 1e-9, "method": "rigid_fem" });
     assert_says(Model::from_json(&changed(SLIDER_CRANK, method)).unwrap_err(), &["prismatic"]);
     let mut model = by_rigid_fem(&changed(GEAR, |m| m["actuators"]["actuator"]["efficiency"] = json!(0.9)));
-    assert_says(model.refusal(), &["actuator = 0.9", "set it to 1"]);
+    assert_says(model.refusal(), &["actuator = 0.9", "set the efficiency to 1"]);
     model.set("actuator.efficiency", 1.0);
     model.initialize();
     let ternary = Model::from_json(&changed(CHAIN, method)).unwrap_err().to_string();

@@ -84,7 +84,7 @@ fn tables_of_another_text_are_refused() {
     let edited = GEAR.replacen("0.", "0.0", 1);
     assert_ne!(edited, GEAR);
     let refusal = Component::with_table_bytes(FILE, &edited, made.tables(GEAR).unwrap()).unwrap_err();
-    assert!(refusal.0.contains("tables.bin is of another definition"), "{refusal}");
+    assert!(refusal.0.contains("tables.bin belongs to another definition"), "{refusal}");
 }
 
 /// Whatever a section holds, with a right check sum: the model is made, and it answers.

@@ -378,7 +378,10 @@ fn a_motion_beyond_all_numbers_ends_with_an_error() {
     let mut run = Run::new(&carriage("")).with(&[("push.force", 1e9)]).started();
     let before = run.get("rail.position");
     let error = run.0.step(1e4).unwrap_err();
-    assert_says(error, &["past the end of its travel", "numbers no longer tell positions apart", "add a stop"]);
+    assert_says(
+        error,
+        &["past the end of its travel", "the rounding of numbers is larger than the mechanism", "add a stop"],
+    );
     assert_eq!(run.get("rail.position"), before);
     run.step(1e-3);
     run.place(("rail.start_position", 0.5), ("rail.start_speed", -1e7));

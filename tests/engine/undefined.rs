@@ -103,7 +103,10 @@ fn the_bucket_locks_where_statics_has_no_force() {
                     }
                     None => {
                         let reason = run.undefined(name);
-                        assert_says(reason, &["friction locks the mechanism against cylinder near", "no force of it"]);
+                        assert_says(
+                            reason,
+                            &["friction locks the mechanism against cylinder near", "every force of this drive"],
+                        );
                         lacks = true;
                         locked += 1;
                     }

@@ -39,7 +39,7 @@ fn a_tolerance_of_0_is_none_and_a_warning_says_so() {
     gear.log.take();
     assert_eq!(gear.set_up(Some(0.0), 0.0, None), Status::Ok);
     let line = gear.log.take().pop().unwrap();
-    assert!(format!("{line:?}").contains("tolerance is 0, which is taken as none"), "{line:?}");
+    assert!(format!("{line:?}").contains("tolerance is 0, which counts as no tolerance"), "{line:?}");
     assert_eq!(gear.initialize(), Status::Ok);
     assert_eq!(gear.get("solver.tolerance"), Ok(1e-3));
 }

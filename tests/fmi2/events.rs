@@ -54,7 +54,7 @@ fn an_impact_is_told_with_time_speed_and_impulse() {
     let first = &said[0].1;
     assert!(first.starts_with("at t = 5.13205985") && first.contains("impact on upstop at -30.2577"), "{first}");
     assert!(first.contains(&format!("impulse {impulse:.4}")[..12]) && first.ends_with("kg.m2/s"), "{first} {impulse}");
-    assert!(said[1].1.ends_with("the mechanism comes to rest at upstop"), "{said:?}");
+    assert!(said[1].1.ends_with("the mechanism stops at upstop"), "{said:?}");
     assert_eq!(said.len(), 2, "{said:?}");
 }
 
@@ -67,8 +67,11 @@ fn bounces_are_told_as_one_series() {
     let count = host.get("upstop.impact_count").unwrap();
     assert!(count > 50.0, "{count}");
     assert!(said.len() == 6 && said[..5].iter().all(|line| line.contains("impact on upstop")), "{said:?}");
-    assert!(said[4].ends_with("; slower ones that follow are counted, and told at their end"), "{said:?}");
-    assert!(said[5].ends_with(&format!("comes to rest at upstop after {count} impacts")), "{said:?}");
+    assert!(
+        said[4].ends_with("; slower impacts that follow are counted and reported at the end of the series"),
+        "{said:?}"
+    );
+    assert!(said[5].ends_with(&format!("stops at upstop after {count} impacts")), "{said:?}");
     // The same series over many steps.
     let host = gear("series cut", &elastic, true, 0.0);
     (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));

@@ -40,7 +40,7 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
 }
 
-/// Tables of the definition are taken in silence; those of another one are told and made anew, as are damaged ones.
+/// Tables of the definition are taken in silence; those of another one are told and computed again, as are damaged ones.
 #[test]
 fn tables_beside_a_definition() {
     let folder = Folder::new("tables beside");
@@ -71,7 +71,7 @@ fn tables_beside_a_definition() {
     std::fs::write(&definition, mechanism() + "\n").unwrap();
     let (angle, force, said) = retraction();
     assert_eq!((angle, force), (without.0, without.1));
-    let fragments = ["tables.bin' is of another definition", "made anew", "package the model again"];
+    let fragments = ["tables.bin' belongs to another definition", "computed again", "package the model again"];
     assert!(said.len() == 1 && fragments.iter().all(|fragment| said[0].contains(fragment)), "{said:?}");
 }
 
@@ -182,7 +182,7 @@ fn growth_is_told_once() {
             assert_eq!(host.step(f64::from(k), 1.0), Status::Ok);
         }
         let told = host.log.take();
-        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("grow with it"));
+        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("are extended"));
         assert_eq!(told.count(), expected);
     }
     std::fs::remove_dir_all(folder).unwrap();

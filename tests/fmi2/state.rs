@@ -338,10 +338,10 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
     let changed = |at: usize, by: &[u8]| [&bytes[..at], by, &bytes[at + by.len()..]].concat();
     let longer = |n: usize| [&bytes[..], &vec![0; n]].concat();
     for (bytes, expected) in [
-        (vec![], "no state of this kind"),
-        (vec![0; 1000], "no state of this kind"),
-        (bytes[..12].to_vec(), "cut off"),
-        (bytes[..bytes.len() - 1].to_vec(), "cut off"),
+        (vec![], "not a serialized state of this type"),
+        (vec![0; 1000], "not a serialized state of this type"),
+        (bytes[..12].to_vec(), "incomplete"),
+        (bytes[..bytes.len() - 1].to_vec(), "incomplete"),
         (longer(1), "too long"),
         (longer(1000), "too long"),
         (changed(8, &[255]), "version 255"),

@@ -53,7 +53,11 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
             assert_eq!((status, messages.len()), (Status::Warning, 1), "{messages:?}");
             let message = &messages[0];
             assert_eq!((message.status, message.category.as_str()), (1, "logStatusWarning"));
-            assert!(message.text.starts_with("fmi2GetReal: no value in this state, so NaN, of "), "{}", message.text);
+            assert!(
+                message.text.starts_with("fmi2GetReal: no value exists in this state (NaN is returned) for "),
+                "{}",
+                message.text
+            );
             assert!(lacking.iter().all(|name| message.text.contains(name)), "{}", message.text);
             assert!(message.text.contains("friction locks the mechanism against cylinder near "), "{}", message.text);
             // One after the other: the same answers.
@@ -95,7 +99,11 @@ fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
         assert_eq!([rates, partials].map(|values| values.map(f64::is_nan)), [[false, lacks, false]; 2]);
         let messages = host.log.take();
         assert_eq!(messages.len(), if lacks { 2 } else { 0 });
-        assert!(messages.iter().all(|m| m.text.contains("no derivative in this state, so NaN, of cylinder.required")));
+        assert!(
+            messages
+                .iter()
+                .all(|m| m.text.contains("no derivative exists in this state (NaN is returned) for cylinder.required"))
+        );
         warned += usize::from(lacks);
     }
     assert!(warned > 2);
@@ -109,5 +117,5 @@ fn a_line_of_the_log_is_bounded() {
     // SAFETY: one category.
     assert_eq!(unsafe { fmi2SetDebugLogging(gear.c, 1, 1, &long.as_ptr()) }, Status::Error);
     let refusal = gear.refusal();
-    assert!(refusal.len() <= LONGEST && refusal.contains(" bytes left out) "), "{refusal:.300}");
+    assert!(refusal.len() <= LONGEST && refusal.contains(" bytes omitted) "), "{refusal:.300}");
 }

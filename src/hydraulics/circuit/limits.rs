@@ -61,8 +61,8 @@ impl Equations {
         let cavitates = |chamber: &usize| pressures[*chamber] + self.ambient < CAVITATES * self.ambient;
         match (0..2).find(cavitates) {
             Some(chamber) => format!(
-                "{both}: {} cavitates with fluid.air_fraction = {}; give fluid.air_fraction or \
-                 anticavitation.conductance a larger value",
+                "{both}: {} cavitates with fluid.air_fraction = {}; use a larger fluid.air_fraction or \
+                 anticavitation.conductance",
                 ["chamber_a", "chamber_b"][chamber],
                 Decimal(self.air)
             ),

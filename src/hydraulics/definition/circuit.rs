@@ -72,7 +72,7 @@ keys! {
 
 /// Range of the pressures that are relative to the ambient pressure, in words.
 pub const ABOVE_VACUUM: &str =
-    "above -fluid.ambient_pressure, as pressures are relative to the surroundings, and at most 1e12 Pa";
+    "above -fluid.ambient_pressure, as pressures are relative to the ambient pressure, and at most 1e12 Pa";
 /// Largest pressure [Pa], beyond which a sum of flows and powers means nothing.
 const MOST_PRESSURE: f64 = 1e12;
 /// Least band of a pump over which its flow falls, as a part of its absolute pressure: less is not resolved by the
@@ -95,7 +95,7 @@ pub fn check_pressure(name: &str, pressure: f64, ambient: f64) -> Result<(), Def
     Err(DefinitionError::value(
         name,
         Decimal(pressure),
-        format!("{ABOVE_VACUUM}; the former is {} Pa", Decimal(-ambient)),
+        format!("{ABOVE_VACUUM}; -fluid.ambient_pressure is {} Pa", Decimal(-ambient)),
     ))
 }
 
@@ -129,7 +129,8 @@ impl Circuit {
         }
         let cylinder = &self.cylinder;
         if cylinder.rod >= cylinder.bore {
-            let allowed = format!("below cylinder.bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
+            let allowed =
+                format!("below cylinder.bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
             faults.push(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
         }
         for (side, hose, dead) in [
@@ -137,8 +138,11 @@ impl Circuit {
             ("b", self.hose.volume_b, self.chamber_b.dead_volume),
         ] {
             if hose > dead {
-                let allowed =
-                    format!("at most chamber_{side}.dead_volume = {} m3, of which it is a part", Decimal(dead));
+                let allowed = format!(
+                    "at most chamber_{side}.dead_volume = {} m3, because the hose volume is part of the \
+                             dead volume",
+                    Decimal(dead)
+                );
                 faults.push(DefinitionError::value(format!("hose.volume_{side}"), Decimal(hose), allowed));
             }
         }
@@ -155,9 +159,8 @@ impl Circuit {
         let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);
         if pump.max_pressure - pump.full_pressure < band {
             let allowed = format!(
-                "above pump.full_pressure = {} Pa by at least {} Pa, 1e-5 of it, for the integration to resolve the \
-                 band \
-                 over which the flow falls",
+                "larger than pump.full_pressure = {} Pa by at least {} Pa (1e-5 of the absolute pressure), so that \
+                 the integration can resolve the fall of the flow",
                 Decimal(pump.full_pressure),
                 Decimal::rounded(band)
             );

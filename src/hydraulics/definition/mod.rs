@@ -73,7 +73,7 @@ keys! {
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
         /// Largest number of integration steps in one communication step [1], a whole number.
         max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
-            .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
+            .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }
 
     /// A differential cylinder with servo valve, oil and lines. Numbers are in SI units. Pressures are relative to the
@@ -142,7 +142,7 @@ impl HydraulicActuator {
         let mut letters = actuator.name.chars();
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if !letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') || !letters.all(is_word) {
-            let allowed = "a C identifier: ASCII letters, digits and underscores, not beginning with a digit";
+            let allowed = "a C identifier: ASCII letters, digits and underscores, not starting with a digit";
             faults.push(DefinitionError::value("name", format!("\"{}\"", actuator.name), allowed));
         }
         actuator.find_faults(&mut faults);

@@ -79,7 +79,11 @@ impl Model {
         for (known, seed) in knowns.iter().zip(seeds) {
             if !seed.is_finite() {
                 let name = self.name_of(*known);
-                return Err(HydraulicsError::Value { name, value: *seed, allowed: "finite, as a seed".into() });
+                return Err(HydraulicsError::Value {
+                    name,
+                    value: *seed,
+                    allowed: "finite, because it is a seed".into(),
+                });
             }
             // Inputs come first: the reference of an input is its index.
             direction.inputs[*known as usize] += seed;
@@ -115,10 +119,10 @@ impl Model {
     /// # Errors
     /// No continuous output has this reference, or another order than 1.
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, HydraulicsError> {
-        self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
+        self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = "maxOutputDerivativeOrder is 1: ask for order 1".into();
+            let reason = "maxOutputDerivativeOrder is 1: request order 1".into();
             return Err(HydraulicsError::Derivative { what, reason });
         }
         self.started()?;
@@ -161,11 +165,11 @@ impl Model {
     pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
         match self.original.variables.quantity(reference)? {
             Quantity::Output(Output::PreviewStartAcceleration | Output::PreviewAcceleration) => {
-                Some("an acceleration at one instant of the next step, which has no rate".to_owned())
+                Some("an acceleration at one instant of the next step has no rate".to_owned())
             }
-            Quantity::Output(_) => {
-                Some("beyond the largest number under the present inputs and parameters: check their sizes".to_owned())
-            }
+            Quantity::Output(_) => Some(
+                "larger than the largest number with the present inputs and parameters: check their values".to_owned(),
+            ),
             _ => None,
         }
     }
@@ -175,11 +179,11 @@ impl Model {
     /// # Errors
     /// No continuous input has this reference, the order is not one of those that count, the value is not finite.
     pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), HydraulicsError> {
-        self.continuous(reference, Causality::Input, "derivatives are set of continuous inputs")?;
+        self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         let most = Input::ALL[reference as usize].order();
         if !(1..=most as i32).contains(&order) {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = format!("set the orders 1 to {most}");
+            let reason = format!("set orders 1 to {most}");
             return Err(HydraulicsError::Derivative { what, reason });
         }
         if !value.is_finite() {

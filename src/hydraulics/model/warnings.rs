@@ -101,27 +101,25 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
     match kind {
         Warning::Clipped => clipping(numbers[0]),
         Warning::Drift => format!(
-            "actuator.length = {one} m, but actuator.speed led to {two} m: connect both to the same motion, and set \
-             the \
-             speed's derivatives if the step is long"
+            "actuator.length = {one} m, but the integral of actuator.speed is {two} m: connect both to the same \
+             motion; for long steps set the derivatives of the speed"
         ),
         Warning::Horizon => format!(
-            "a step of {two} s was announced as preview.horizon = {one} s: the motion was foreseen anew; set \
-             preview.horizon to the next step"
+            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again; set \
+             preview.horizon to the next step size"
         ),
         Warning::Unstable => format!(
-            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: held inputs make the force \
-             grow; \
-             shorten the step, or give the mechanism preview.force or preview.force_mean"
+            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: with held inputs the force \
+             grows without limit; use a shorter step, or connect preview.force or preview.force_mean to the \
+             mechanism"
         ),
         Warning::Toggle => format!(
-            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a toggle of the \
-             actuator: no motion is foreseen there"
+            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of \
+             the actuator: no motion is predicted there"
         ),
         Warning::Unforeseen => format!(
-            "no motion is found with actuator.reduced_mass = {one} kg under actuator.holding_force = {two} N: \
-             preview.force \
-             is the present force; check both"
+            "no motion can be predicted with actuator.reduced_mass = {one} kg and actuator.holding_force = {two} N: \
+             preview.force is the present force; check both inputs"
         ),
     }
 }

@@ -48,15 +48,15 @@ impl Told {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let Self { start, element, correction, preview } = self;
-        record.all_finite("motion told", start)?;
-        record.positive("mass told", &mut element.mass)?;
+        record.all_finite("motion reported", start)?;
+        record.positive("mass reported", &mut element.mass)?;
         let Element { mass_derivative, load, load_derivative, load_rate, length, .. } = element;
         for value in [mass_derivative, load, load_derivative, load_rate, length, correction] {
-            record.finite("element told", value)?;
+            record.finite("element reported", value)?;
         }
         let Preview { force, force_rate, force_mean, length, speed, start_acceleration, acceleration } = preview;
         for value in [force, force_rate, force_mean, length, speed, start_acceleration, acceleration] {
-            record.finite("preview told", value)?;
+            record.finite("preview reported", value)?;
         }
         Ok(())
     }

@@ -156,9 +156,8 @@ pub fn finite(y: &[f64], time: f64) -> Result<(), HydraulicsError> {
 #[cold]
 pub fn interrupted(solver: &Solver, time: f64, h: f64) -> HydraulicsError {
     let why = format!(
-        "solver.max_steps = {}: reached {} s of the {} s of this step; take shorter steps, or raise solver.max_steps \
-         or \
-         solver.tolerance",
+        "solver.max_steps = {} was reached after {} s of the step of {} s; use shorter steps, or increase \
+         solver.max_steps or solver.tolerance",
         Decimal(solver.max_steps),
         Decimal::rounded(time),
         Decimal::rounded(h)

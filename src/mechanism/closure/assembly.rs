@@ -153,7 +153,7 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                 let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
                     (Some(_), _) => {
                         format!(
-                            "the ground holds this body, so that it does not turn: remove this key; the coordinates \
+                            "this body is fixed to the ground and does not turn: remove this key; the coordinates \
                              are {all}"
                         )
                     }
@@ -164,11 +164,10 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                         format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
                     }
                     (None, Some(_)) => format!(
-                        "its position follows from those of other prismatic joints between the same bodies: leave it \
-                         out; \
+                        "its position follows from other prismatic joints between the same bodies: remove this key; \
                          the coordinates are {all}"
                     ),
-                    (None, None) => format!("gives no coordinate; those are {all}"),
+                    (None, None) => format!("is not a coordinate; the coordinates are {all}"),
                 };
                 return Err(AssemblyError::Guess { name: on_one_line(name), message });
             }
@@ -178,8 +177,8 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
     let what = |i: usize| if i < linkage.angles { "angle [rad]" } else { "position [m]" };
     if let Some(first) = missing.next() {
         let others: Vec<String> = missing.map(|i| format!("{} of {}", what(i), linkage.coordinates[i])).collect();
-        let others = if others.is_empty() { String::new() } else { format!("; missing too: {}", others.join(", ")) };
-        let message = format!("is missing: give its rough {}{others}", what(first));
+        let others = if others.is_empty() { String::new() } else { format!("; also missing: {}", others.join(", ")) };
+        let message = format!("is missing: add a rough {}{others}", what(first));
         return Err(AssemblyError::Guess { name: linkage.coordinates[first].clone(), message });
     }
     Ok(q.into_iter().flatten().collect())

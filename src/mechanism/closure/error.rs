@@ -50,16 +50,14 @@ impl fmt::Display for AssemblyError {
             Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
             Self::Open { joint, gap, contradicts: true } => write!(
                 f,
-                "the loops do not close: {joint} stays open by {gap:.3e} m, as other joints hold its bodies too and \
-                 the lengths \
-                 contradict each other; correct the lengths by as much, to the last digit (snap does not help here), \
-                 or leave \
-                 out a joint that the others make needless"
+                "the loops do not close: {joint} stays open by {gap:.3e} m, because the lengths contradict other \
+                 joints between the same bodies; correct the lengths by this gap, with all digits (snap does not \
+                 help here), or remove a redundant joint"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
-                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or guess \
-                 closer"
+                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or \
+                 improve the guess"
             ),
             Self::TooLong { joint, side, is_slide, length, others } => {
                 let told = Decimal::rounded;
@@ -68,8 +66,8 @@ impl fmt::Display for AssemblyError {
                     others.iter().map(|(name, length)| format!("{name} {} m", told(*length))).collect();
                 let (what, only) = match length.0.total_cmp(&reach.0) {
                     Ordering::Greater => ("cannot close", " only"),
-                    Ordering::Equal => ("fits only stretched flat and cannot move", " only"),
-                    Ordering::Less => ("is stretched almost flat and can hardly move", ""),
+                    Ordering::Equal => ("fits only when stretched flat, and cannot move", " only"),
+                    Ordering::Less => ("is stretched almost flat, and can hardly move", ""),
                 };
                 let (between, remedy) = match is_slide {
                     true => (format!("across the slide {side} its joints"), format!("bring the axis of {side} nearer")),
@@ -84,7 +82,7 @@ impl fmt::Display for AssemblyError {
             }
             Self::Freedom { count } => write!(
                 f,
-                "the linkage has {count} degrees of freedom where it must have 1: {}",
+                "the linkage has {count} degrees of freedom, but it must have 1: {}",
                 if *count == 0 {
                     "remove a joint or a coupling, or add a body"
                 } else {
@@ -93,9 +91,8 @@ impl fmt::Display for AssemblyError {
             ),
             Self::Crossing => write!(
                 f,
-                "two branches of motion cross at the guess: guess a position off the crossing, on the branch that is \
-                 meant \
-                 (start may still state the crossing itself)"
+                "two branches of motion cross at the guess: guess a position away from the crossing, on the \
+                 intended branch (start may still be the crossing)"
             ),
         }
     }

@@ -53,41 +53,41 @@ impl fmt::Display for CurveError {
         match self {
             Self::Massless(position) => write!(
                 f,
-                "the reduced inertia vanishes at {position}: nothing or almost nothing with mass moves there; give a \
-                 mass or an inertia to a body that does"
+                "the reduced inertia vanishes at {position}: nothing with mass, or almost nothing, moves there; add \
+                 a mass or an inertia to a body that moves there"
             ),
             Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by so little that \
-                 rounding decides; \
-                 change a length by a part in 1e5 or more, or make them cross to the last digit"
+                "two branches of motion almost cross at {position}: rounding decides between them; change a length \
+                 by at least 1e-5 of its value, or write the lengths with all digits so that the branches cross"
             ),
             Self::NearCrossing { position, miss: Some(miss), .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of the \
-                 size of \
-                 the mechanism, so little that rounding decides; give \"snap\": {:e} or more if the motion is to go \
-                 straight \
-                 on there, or change a length by a part in 1e5 or more",
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of \
+                 the size of the mechanism, so rounding decides; to continue straight there, write \"snap\": {:e} \
+                 or more; else change a length by at least 1e-5 of its value",
                 cure(*miss)
             ),
             Self::Stuck { position, .. } => {
                 write!(
                     f,
-                    "the linkage cannot be followed past {position}: its motion ends or has a cusp there; change the \
-                     lengths"
+                    "the linkage cannot be followed past {position}: the motion ends or has a cusp there; change \
+                     the lengths"
                 )
             }
             Self::Unwound { position, revolutions } => write!(
                 f,
-                "an angle has made {revolutions:.1e} revolutions at {position}, where the rounding of angles, {:.0e} \
-                 rad, no \
-                 longer keeps the wheels of the couplings in mesh: numbers of teeth whose angles all return within 100 \
-                 revolutions have no such limit",
+                "an angle has made {revolutions:.1e} revolutions at {position}: the rounding of the angle, {:.0e} \
+                 rad, is too large to keep the wheels of the couplings in mesh; use numbers of teeth whose angles \
+                 all return within 100 revolutions, which have no limit",
                 revolutions * TAU * f64::EPSILON
             ),
             Self::Outside(position) => {
-                write!(f, "no travel is permitted from {position}: state a position within the limits, or widen them")
+                write!(
+                    f,
+                    "no travel is allowed from {position}: start at a position within the stops, or move the \
+                           stops"
+                )
             }
             Self::TooLong { panels } => {
                 write!(f, "the motion does not return to its start within {panels} panels; simplify the linkage")

@@ -72,12 +72,12 @@ impl Coupling {
         match (&self.segments, &self.points) {
             (Some(segments), None) => of_segments(segments, key, self.joint.is_none()),
             (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
-            (Some(_), Some(_)) => {
-                refused(format!("{key}.points"), "the lift is given by segments already: remove one of both")
-            }
-            (None, None) => {
-                refused(key.to_owned(), "has no lift: add segments, or the points of a table [angle, lift]")
-            }
+            (Some(_), Some(_)) => refused(
+                format!("{key}.points"),
+                "the segments define the lift already: remove the points or the \
+                                                  segments",
+            ),
+            (None, None) => refused(key.to_owned(), "has no lift: add segments, or points [angle, lift]"),
         }
     }
 
@@ -88,34 +88,47 @@ impl Coupling {
             (Some(_), Some(_)) => {
                 return refused(
                     at("second"),
-                    "the follower slides in a joint already: remove second, or joint for a follower that turns",
+                    "the follower slides in a joint already: remove second, or remove joint for a follower that \
+                     turns",
                 );
             }
             (None, None) => {
-                let message = "the follower has no motion: add joint, in which it slides, or second, the centre about \
-                    which it turns";
+                let message = "the follower has no motion: add joint for a follower that slides, or second for a \
+                               follower that turns about this centre";
                 return refused(key.to_owned(), message);
             }
             (Some(_), None) if self.carrier.is_some() => {
-                return refused(at("carrier"), "the joint of the follower says what carries the cam: remove it");
+                return refused(
+                    at("carrier"),
+                    "the joint of the follower defines the carrier of the cam: remove \
+                                               carrier",
+                );
             }
             _ => {}
         }
         if self.interpolation.is_some() && self.points.is_none() {
-            return refused(at("interpolation"), "segments have laws of their own: remove it, or give points");
+            return refused(at("interpolation"), "segments have their own laws: remove interpolation, or use points");
         }
         if self.phase.is_some() {
-            return refused(at("phase"), "the base circle says where the follower is without lift: remove it");
+            return refused(
+                at("phase"),
+                "the base circle defines the position of the follower without lift: remove \
+                                         phase",
+            );
         }
         match (self.follower, self.roller_radius, self.face_angle) {
             (Some(Follower::Roller), None, _) => return refused(at("roller_radius"), "is missing: add it"),
             (Some(Follower::Roller), _, Some(_)) => {
-                return refused(at("face_angle"), "a roller has no face: remove it, or write flat for follower");
+                return refused(
+                    at("face_angle"),
+                    "a roller has no face: remove face_angle, or write \"follower\": \
+                                                  \"flat\"",
+                );
             }
             (Some(Follower::Flat), Some(_), _) => {
                 return refused(
                     at("roller_radius"),
-                    "a flat follower has no roller: remove it, or write roller for follower",
+                    "a flat follower has no roller: remove roller_radius, or write \"follower\": \"roller\"",
                 );
             }
             _ => {}
@@ -140,22 +153,22 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
             None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
             None if k == last => {
                 let message = format!(
-                    "the segments before it take {} rad, the whole revolution: remove it",
+                    "the segments before this one have {} rad in total, the full revolution: remove this segment",
                     Decimal::rounded(angle)
                 );
                 return refused(at("angle"), message);
             }
-            None => return refused(at("angle"), "is missing: only the last segment has the rest of the revolution"),
+            None => return refused(at("angle"), "is missing: only the last segment may leave out its angle"),
         };
         let distance = match (law, segment.rise) {
-            (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove it, or choose another law"),
+            (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove rise, or choose another law"),
             (None, None) => 0.0,
             (Some(_), Some(rise)) => {
                 Range::Coordinate.check_in(unit, at("rise"), rise)?;
                 rise
             }
             (Some(_), None) if k == last => -lift,
-            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment returns without it"),
+            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment may leave out its rise"),
         };
         angle += length;
         lift += distance;
@@ -164,8 +177,8 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
     }
     if (angle - TAU).abs() > CLOSE * TAU {
         let message = format!(
-            "the angles add up to {} rad instead of {} rad, 2 pi: change them, or leave out that of the last \
-             segment, which then has the rest",
+            "the angles add up to {} rad instead of {} rad (2 pi): correct them, or leave out the angle of the last \
+             segment",
             Decimal::rounded(angle),
             Decimal::rounded(TAU)
         );
@@ -173,14 +186,15 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
     }
     if lift.abs() > CLOSE * largest {
         let message = format!(
-            "the rises add up to {} {} instead of 0, so that the lift does not return: change them, or leave out that \
-             of the last segment",
+            "the rises add up to {} {} instead of 0, so the lift does not return: correct them, or leave out the \
+             rise of the last segment",
             Decimal::rounded(lift),
             unit.name()
         );
         return refused(format!("{key}.segments"), message);
     }
-    Periodic::of_segments(&all).map_or_else(|| refused(format!("{key}.segments"), "there are none: add some"), Ok)
+    Periodic::of_segments(&all)
+        .map_or_else(|| refused(format!("{key}.segments"), "the list is empty: add segments"), Ok)
 }
 
 fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Result<Periodic, DefinitionError> {
@@ -189,9 +203,8 @@ fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Re
         Some(lift) => Ok(lift),
         None => refused(
             format!("{key}.points"),
-            "give 3 or more points [angle, lift] of finite numbers with ascending angles, from the first to the last \
-             less \
-             than 2 pi: the first follows on the last by itself",
+            "give 3 or more points [angle, lift] with ascending angles and finite numbers; all angles lie within \
+             less than 2 pi, because the first point follows the last one automatically",
         ),
     }
 }

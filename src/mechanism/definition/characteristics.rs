@@ -19,22 +19,22 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
     }
     if points.len() < 2 {
-        let message =
-            format_args!("has {} of the 2 or more points [{abscissa}, force] that make a curve", points.len());
+        let message = format_args!("has {} points [{abscissa}, force]; a curve needs 2 or more", points.len());
         return refused(key, message);
     }
     if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
         let [before, after] = [points[i][0], points[i + 1][0]];
         return refused(
             format_args!("{key}[{}]", i + 1),
-            format_args!("{abscissa} = {after} does not follow {abscissa} = {before}: sort the points by {abscissa}"),
+            format_args!(
+                "{abscissa} = {after} must be larger than {abscissa} = {before} of the point before: sort \
+                          the points by {abscissa}"
+            ),
         );
     }
     match monotone(points) {
         Some(function) => Ok(function),
-        None => {
-            refused(key, "two points are so near to each other that the slope between them is infinite: remove one")
-        }
+        None => refused(key, "two points are so close that the slope between them is infinite: remove one"),
     }
 }
 
@@ -42,13 +42,17 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
 pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check {
     if spring.gas.is_some() {
         if is_rotary {
-            return refused(format_args!("{key}.gas"), "a gas acts along a line: name two points or a prismatic joint");
+            return refused(
+                format_args!("{key}.gas"),
+                "a gas spring acts along a line: give first and second, or a \
+                                                       prismatic joint",
+            );
         }
         if spring.points.is_some() {
-            return refused(format_args!("{key}.gas"), "a spring has points or a gas: make two springs of them");
+            return refused(format_args!("{key}.gas"), "a spring has points or a gas, not both: define two springs");
         }
         if spring.free_length.is_none() {
-            return refused(key, "a gas has its volume at the free length: add free_length");
+            return refused(key, "the gas volume refers to the free length: add free_length");
         }
     }
     let Some(points) = &spring.points else { return Ok(()) };
@@ -62,23 +66,23 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     let function = function(&key, points, "speed")?;
     if let Some((i, [speed, force])) = points.iter().enumerate().find(|(_, [speed, force])| speed * force < 0.0) {
         let message = format_args!(
-            "the force {force} at the speed {speed} drives: give it the sign of the speed, as a damper resists"
+            "the force {force} at the speed {speed} drives the motion, but a damper resists: give the force the \
+             sign of the speed"
         );
         return refused(format_args!("{key}[{i}]"), message);
     }
     if !points.contains(&[0.0, 0.0]) {
         return refused(
             key,
-            "a damper gives no force at rest: add the point [0, 0], or state a force at rest as friction",
+            "a damper has no force at rest: add the point [0, 0], or model a force at rest as friction",
         );
     }
     let ends = function.ends().into_iter().zip([points.first(), points.last()]);
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
             let message = format!(
-                "beyond the speed {speed} its size goes on falling, through 0, so that it drives: add a point with a \
-                 force \
-                 that is no smaller"
+                "beyond the speed {speed} the force falls through 0 and then drives the motion: add a point with a \
+                 force that is not smaller"
             );
             refused(key, message)
         }
@@ -90,15 +94,24 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
 pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
     let Some(points) = &drive.points else {
         return match drive.command {
-            Some(_) => refused(format_args!("{key}.command"), "is a factor of a curve: add points [speed, force]"),
+            Some(_) => refused(
+                format_args!("{key}.command"),
+                "scales a curve, but there are no points: add points \
+                [speed, force]",
+            ),
             None => Ok(()),
         };
     };
     if drive.hydraulics.is_some() {
-        return refused(format_args!("{key}.points"), "the circuit gives the force: remove points, or hydraulics");
+        return refused(
+            format_args!("{key}.points"),
+            "the hydraulic circuit gives the force: remove points or \
+                                                      hydraulics",
+        );
     }
     if drive.motion.is_some() {
-        let message = "the motion tells the speed, and the force is what it takes: remove points, or motion";
+        let message = "the motion prescribes the speed, and the force follows from the motion: remove points or \
+                       motion";
         return refused(format_args!("{key}.points"), message);
     }
     function(&format!("{key}.points"), points, "speed").map(drop)
@@ -110,12 +123,15 @@ pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
     let key = format!("{key}.points");
     function(&key, points, "depth")?;
     if points[0] != [0.0, 0.0] {
-        return refused(format_args!("{key}[0]"), "a bumper begins to push where it is touched: begin with [0, 0]");
+        return refused(format_args!("{key}[0]"), "a bumper has no force at the contact: start with [0, 0]");
     }
     match points.windows(2).position(|pair| pair[1][1] < pair[0][1]) {
         Some(i) => {
             let [before, after] = [points[i][1], points[i + 1][1]];
-            let message = format_args!("the push {after} is less than {before} before: it may not fall with the depth");
+            let message = format_args!(
+                "the force {after} is smaller than {before} at the point before: the force \
+                                        of a bumper must not fall with the depth"
+            );
             refused(format_args!("{key}[{}]", i + 1), message)
         }
         None => Ok(()),
@@ -140,7 +156,10 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message = format!("push no more beyond the depth {depth} {unit}, however hard the impact");
+                let message = format!(
+                    "give a constant force beyond the depth {depth} {unit}, however hard the \
+                                       impact"
+                );
                 let remedy = "add a point for the deepest impact, or a stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
@@ -150,24 +169,32 @@ impl Mechanism {
 
 fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if points.iter().all(|[_, force]| *force == 0.0) {
-        all.push(Finding::warning(key, "have no force, so it never resists", "give the points forces, or remove them"));
+        all.push(Finding::warning(
+            key,
+            "have no force, so the damper never resists",
+            "give the points forces, or remove them",
+        ));
         return;
     }
     if let Some([a, b]) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]).map(|pair| [pair[0][0], pair[1][0]]) {
         let message = format!(
-            "fall from the speed {} to {}: there a faster motion is damped less, and may excite itself",
+            "fall from the speed {} to {}: in this range the damper resists a faster motion less and can excite \
+             vibrations",
             Decimal(a),
             Decimal(b)
         );
-        all.push(Finding::warning(key, message, "let the force rise with the speed, if that is not meant"));
+        all.push(Finding::warning(key, message, "use forces that rise with the speed, unless the fall is intended"));
     }
     for (is_missing, word) in [
         (points.first().is_some_and(|point| point[0] >= 0.0), "negative"),
         (points.last().is_some_and(|point| point[0] <= 0.0), "positive"),
     ] {
         if is_missing {
-            let message = format!("have no point at a {word} speed, where the force has the slope that it has at rest");
-            all.push(Finding::warning(key, message, "add points of both directions"));
+            let message = format!(
+                "have no point at a {word} speed, so the force there continues with the slope at \
+                                   rest"
+            );
+            all.push(Finding::warning(key, message, "add points for both directions"));
         }
     }
 }
@@ -175,21 +202,29 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
 fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     let (Some(function), [[first, _], .., [last, _]]) = (monotone(points), points) else { return };
     if points.iter().all(|[_, force]| *force == 0.0) {
-        all.push(Finding::warning(key, "have no force, so it never drives", "give the points forces, or remove them"));
+        all.push(Finding::warning(
+            key,
+            "have no force, so the drive never moves the mechanism",
+            "give the points forces, or remove them",
+        ));
         return;
     }
     if !(*first..=*last).contains(&0.0) {
         let end = if *first > 0.0 { first } else { last };
-        let message =
-            format!("do not tell the force at rest, which follows from the slope at the speed {}", Decimal(*end));
+        let message = format!(
+            "have no force at rest, so the force at rest is extrapolated from the slope at the speed {}",
+            Decimal(*end)
+        );
         all.push(Finding::warning(key, message, "add a point at the speed 0"));
     }
     for ([value, slope], speed) in function.ends().into_iter().zip([*first, *last]) {
         // With the sign of the speed the force adds to it.
         if slope > 0.0 && value * speed > 0.0 {
-            let message =
-                format!("rise beyond the speed {}: the faster, the harder it drives, without end", Decimal(speed));
-            all.push(Finding::warning(key, message, "add a point at the speed at which the drive gives no force"));
+            let message = format!(
+                "rise beyond the speed {}: the force of the drive grows with the speed without limit",
+                Decimal(speed)
+            );
+            all.push(Finding::warning(key, message, "add a point at the speed at which the drive has no force"));
         }
     }
 }
@@ -224,18 +259,18 @@ mod tests {
             (damper(json!([[-1, 0], [0, 0], [1, 0]])), &["springs.d.damping_points", "have no force"]),
             (
                 damper(json!([[-1, -1], [0, 0], [1, 5], [2, 3], [3, 3]])),
-                &["fall from the speed 1 to 2", "excite itself"],
+                &["fall from the speed 1 to 2", "excite vibrations"],
             ),
             (damper(json!([[0, 0], [1, 5]])), &["no point at a negative speed"]),
             (damper(json!([[-1, -5], [0, 0]])), &["no point at a positive speed"]),
             (drive(json!([[0, 5], [10, 0]])), &[]),
-            (drive(json!([[0, 0], [10, 0]])), &["actuators.m.points", "never drives"]),
+            (drive(json!([[0, 0], [10, 0]])), &["actuators.m.points", "never moves the mechanism"]),
             (drive(json!([[2, 5], [10, 0]])), &["the force at rest", "slope at the speed 2"]),
             (drive(json!([[0, 5], [10, 8]])), &["rise beyond the speed 10", "no force"]),
             (drive(json!([[-10, -8], [0, 5], [9, 0]])), &["rise beyond the speed -10"]),
             (stop(json!([[0, 0], [1, 5]])), &[]),
             (stop(json!([[0, 0], [1, 0]])), &["stops.b", "never pushes"]),
-            (stop(json!([[0, 0], [1, 5], [2, 5]])), &["stops.b.points", "no more beyond the depth 2"]),
+            (stop(json!([[0, 0], [1, 5], [2, 5]])), &["stops.b.points", "constant force beyond the depth 2"]),
         ] {
             let told = warnings(more.clone());
             assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{more}: {told:?}");

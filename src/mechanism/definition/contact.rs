@@ -27,12 +27,12 @@ keys! {
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the points");
         /// Whether the mechanism has this stop (false: the stop is ignored).
-        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether @ is there");
+        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether @ is enabled");
         /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. Must
         /// be given together with `stiffness`, `damping` or `points`.
         rigid: Option<bool> => Key::PLAIN
-            .parameter(Role::Load, "Whether @ is rigid; else it is a spring and damper that only \
-                pushes").absent("true");
+            .parameter(Role::Load, "Whether @ is rigid; otherwise a bumper with stiffness and damping that only \
+                                    pushes").absent("true");
         /// Rigid stop only: speed after an impact divided by the speed before [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Restitution");
         /// Bumper only: stiffness [N/m or N.m/rad], >= 0.

@@ -52,7 +52,7 @@ keys! {
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
         /// Cam: angle u1 at which the first segment starts, or at which the table has the angle 0 [rad].
         start_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift begins").absent("0");
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift starts").absent("0");
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution as pairs of angle and lift [rad, m or rad], in place of `segments`. The angles
@@ -197,15 +197,14 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so that its rotation is no planar motion: give the \
-                key \
-                           screw of an actuator, or write rack for a wheel that turns in the plane";
+            let message = "the axis of a screw lies in the plane, so its rotation is not a planar motion: use the \
+                           key screw of an actuator, or write \"type\": \"rack\" for a wheel that turns in the \
+                           plane";
             return refused("type", message);
         }
         if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
-            let message = "couplings of variable ratio pass on all power: remove it, and give the efficiency of a \
-                drive, or the \
-                           friction of joints";
+            let message = "couplings of variable ratio have no losses: remove efficiency, and use the efficiency of \
+                           a drive or the friction of joints";
             return refused("efficiency", message);
         }
         let (needed, allowed) = coupling.kind.keys();
@@ -217,7 +216,7 @@ impl Mechanism {
             // A cam says more about a phase.
             if is_given && !is_needed && !allowed.contains(k) && !others.contains(k) && *k != "phase" {
                 let keys = [&others[1..2], needed, allowed, &others[2..]].concat().join(", ");
-                return refused(k, &format!("goes with another type of coupling; the keys of this one are {keys}"));
+                return refused(k, &format!("belongs to another type of coupling; the keys of this type are {keys}"));
             }
             if !is_given && is_needed {
                 return refused(k, "is missing: add it");
@@ -236,7 +235,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("is a revolute joint: name the prismatic joint in which the {what} slides"),
+                &format!("is a revolute joint: give the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {
@@ -246,7 +245,11 @@ impl Mechanism {
             coupling.check_cam(&format!("couplings.{name}"))?;
         }
         if coupling.internal == Some(true) && coupling.first_teeth == coupling.second_teeth {
-            return refused("internal", "a wheel cannot lie in a ring with as many teeth: change a number of teeth");
+            return refused(
+                "internal",
+                "a wheel cannot run inside a ring with the same number of teeth: change a \
+                                        number of teeth",
+            );
         }
         Ok(())
     }

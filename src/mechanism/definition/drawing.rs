@@ -205,21 +205,25 @@ impl Mechanism {
             // A name that there is not is reported by the checks.
             let Ok((_, local)) = self.point(&key, to) else { continue };
             let Some(&(of, own)) = frames.get(carrier) else {
-                let message = format!("{name} is drawn, so {carrier} must be: give bodies.{carrier}.drawn");
+                let message = format!("{name} is drawn, so {carrier} must be drawn too: add bodies.{carrier}.drawn");
                 faults.keep::<()>(Err(DefinitionError::key(key, message)));
                 continue;
             };
             let off = (of + turned(Vec2::from(local), own) - origin).norm();
             if off > ROUNDING * size {
-                let message =
-                    format!("{name}'s origin is drawn {} m away from {to}; correct one", Decimal::rounded(off));
+                let message = format!(
+                    "the origin of {name} is drawn {} m away from {to}; correct one of the two",
+                    Decimal::rounded(off)
+                );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("bodies.{name}.drawn.origin"), message)));
             }
             let relative = wrapped(angle - own);
             match body.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message =
-                        format!("as drawn it is {} rad: remove one, or correct it", Decimal::rounded(relative));
+                    let message = format!(
+                        "the drawing gives {} rad: remove this angle, or correct one of the two",
+                        Decimal::rounded(relative)
+                    );
                     let key = format!("bodies.{name}.angle");
                     faults.keep::<()>(Err(DefinitionError::key(key, message)));
                 }
@@ -243,8 +247,10 @@ impl Mechanism {
             let relative = wrapped(second - first);
             match joint.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message =
-                        format!("as drawn it is {} rad: remove one, or correct it", Decimal::rounded(relative));
+                    let message = format!(
+                        "the drawing gives {} rad: remove this angle, or correct one of the two",
+                        Decimal::rounded(relative)
+                    );
                     faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}.angle"), message)));
                 }
                 Some(_) => {}
@@ -272,8 +278,16 @@ impl Mechanism {
             let gap = to - from;
             let off = if is_prismatic { cross(axis, gap).abs() } else { gap.norm() };
             if off > OPEN * size {
-                let what = if is_prismatic { "off the line through its first" } else { "away from its first" };
-                let message = format!("its second point is drawn {} m {what}: correct one", Decimal::rounded(off));
+                let what = if is_prismatic {
+                    "off the line through the first point"
+                } else {
+                    "away from the first \
+                    point"
+                };
+                let message = format!(
+                    "the second point is drawn {} m {what}: correct one of the two points",
+                    Decimal::rounded(off)
+                );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
             }
             if is_own && self.guess.get(name).is_none() {
@@ -337,30 +351,33 @@ impl<'m> Groups<'m> {
 fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64), DefinitionError> {
     let key = |k: &str| format!("bodies.{name}.drawn{k}");
     if name == GROUND {
-        let message = "the ground's frame is the mechanism frame: give its points and its length";
+        let message = "the frame of the ground is the mechanism frame: give points and length instead of drawn";
         return Err(DefinitionError::key(key(""), message));
     }
     let finite = |p: &[f64; 2]| p.iter().all(|x| x.abs() <= 1e100);
     let all = [Some(&drawn.origin), drawn.end.as_ref(), drawn.center.as_ref()];
     if !all.into_iter().flatten().chain(drawn.points.iter().map(|(_, p)| p)).all(finite) {
-        return Err(DefinitionError::key(key(""), "its coordinates must be numbers from -1e100 to 1e100"));
+        return Err(DefinitionError::key(key(""), "the coordinates must be numbers from -1e100 to 1e100"));
     }
     let origin = Vec2::from(drawn.origin);
     let angle = match (drawn.end, drawn.angle) {
         (Some(_), Some(_)) => {
-            let message = "the body's x axis points from origin to end: remove it, or end";
+            let message = "the x axis of the body points from origin to end: remove angle or end";
             return Err(DefinitionError::key(key(".angle"), message));
         }
         (Some(end), None) => {
             let along = Vec2::from(end) - origin;
             let length = along.norm();
             if length == 0.0 {
-                return Err(DefinitionError::key(key(".end"), "is where the origin is: the body has no length"));
+                return Err(DefinitionError::key(key(".end"), "equals the origin, so the body has no length"));
             }
             match body.length {
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
                     let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
-                    let allowed = format!("that too, as {message}: remove it, or correct one of them");
+                    let allowed = format!(
+                        "the length in the drawing, as {message}: remove this length, or correct \
+                                           one of the two"
+                    );
                     let (key, stated) = (format!("bodies.{name}.length"), Decimal::rounded(stated));
                     return Err(DefinitionError::value(key, format_args!("{stated} m"), allowed));
                 }
@@ -377,14 +394,18 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     };
     if let Some(center) = drawn.center {
         if body.center.is_some() {
-            return Err(DefinitionError::key(key(".center"), "is given in the body's frame too: remove one"));
+            return Err(DefinitionError::key(
+                key(".center"),
+                "is also given in the frame of the body: remove one of \
+                                                             the two",
+            ));
         }
         body.center = Some(local(center));
     }
     let mut points: Vec<(String, [f64; 2])> = body.points.iter().map(|(n, p)| (n.to_owned(), *p)).collect();
     for (point, place) in drawn.points.iter() {
         if body.points.get(point).is_some() {
-            let message = "is given in the body's frame too: remove one";
+            let message = "is also given in the frame of the body: remove one of the two";
             return Err(DefinitionError::key(key(&format!(".points.{point}")), message));
         }
         points.push((point.to_owned(), local(*place)));

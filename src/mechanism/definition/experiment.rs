@@ -28,12 +28,12 @@ keys! {
         /// present loads would give the mechanism over a motion of 1 rad. Small values make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
-            "Least speed to which errors are relative, as a part of that gained over 1 rad under the present loads",
+            "Smallest speed for relative errors, as a part of the speed gained over 1 rad under the present loads",
         );
         /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
         /// of `rigid_fem` and events count too.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
-            .parameter(Role::Tolerance, "Most steps of the integration in one communication step");
+            .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
         /// Formulation of the motion; start value of the variable `solver.method`. `reduced`: rigid bodies.
         /// `rigid_fem`: links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key
         /// the formulation is `reduced` and the FMU has no such variable.
@@ -45,7 +45,7 @@ keys! {
         /// false: each evaluation solves the loop equations, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
-            "Whether the right-hand side is read from tables; else it is computed anew each time",
+            "Whether the equation of motion is read from tables; otherwise it is computed at each step",
         );
     }
 }
@@ -77,7 +77,7 @@ impl Start {
             };
         let mut add = |quantity, kind, value| {
             let word = match (self.equilibrium, quantity) {
-                (true, "angle" | "position") => "At the start the stable equilibrium nearest to it is sought: ",
+                (true, "angle" | "position") => "Start at the nearest stable equilibrium, searched from ",
                 _ => "Start ",
             };
             let description = [word, quantity, " of ", of];

@@ -128,7 +128,7 @@ impl Calculated {
         let read = self.expression.names().iter().zip(&self.arguments).zip(&self.units);
         let read = read.map(|((name, &i), &of)| format!("{name} = {}{}", Decimal(values[i]), unit(of)));
         let read: Vec<String> = read.collect();
-        if read.is_empty() { String::new() } else { format!("; it reads {}", read.join(", ")) }
+        if read.is_empty() { String::new() } else { format!("; the expression uses {}", read.join(", ")) }
     }
 
     /// What is unclear about the unit of this expression. `parameters`: units and values of all parameters.
@@ -348,7 +348,9 @@ impl Mechanism {
         for (index, place) in places.iter().enumerate() {
             let Some(text) = place.expression.and_then(|expression| texts.get(expression)) else { continue };
             let read = match Expression::new(text) {
-                _ if place.name == "solver.tolerance" => Err("hosts set this number: write a number".to_owned()),
+                _ if place.name == "solver.tolerance" => Err("hosts set this number: write a number, not an \
+                    expression"
+                    .to_owned()),
                 Ok(expression) => match expression.names().iter().find(|name| !names.contains_key(*name)) {
                     Some(unknown) => Err(unknown_name(unknown, places)),
                     None => Ok(expression),
@@ -383,7 +385,7 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
     let (number, unit) = number_with_unit(text).filter(|(_, unit)| !names.contains_key(*unit))?;
     let own = place.map(|place| place.file_unit.unwrap_or(place.unit.name()));
     Some(match own {
-        Some(own) if own == unit => format!("write {number}: numbers stand without their unit ({own})"),
+        Some(own) if own == unit => format!("write {number}: numbers have no unit here (the unit is {own})"),
         Some(own) if own != "1" => format!("write the number in {own}, without a unit"),
         _ => format!("write the number without a unit, such as {number}"),
     })
@@ -391,9 +393,5 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
 
 fn unknown_name(name: &str, places: &[Place]) -> String {
     let nearest = nearest(places.iter().map(|place| place.name.as_str()), name).join(", ");
-    format!(
-        "no parameter of the file is called {name}: the nearest are {nearest}; a number under a name of its own stands \
-         in \
-         \"parameters\""
-    )
+    format!("there is no parameter {name}: the nearest names are {nearest}; define named numbers in \"parameters\"")
 }

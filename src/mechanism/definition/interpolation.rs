@@ -96,14 +96,14 @@ fn warn_of_table(
     let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
     let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
     let message = format!(
-        "make a spline that goes beyond them: {} {second} at the {of} {} {first}, where the points lie from {} \
-         {second} to {} {second}",
+        "give a spline that overshoots the points: {} {second} at the {of} {} {first}, but the points lie between \
+         {} {second} and {} {second}",
         Decimal::rounded(value),
         Decimal::rounded(x),
         Decimal(low),
         Decimal(high)
     );
-    let remedy = "add points there, three of one value for a rest, or \"interpolation\": \"monotone\"";
+    let remedy = "add points there (three equal values for a rest), or write \"interpolation\": \"monotone\"";
     all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
 }
 
@@ -123,8 +123,8 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {} {of}: at this distance of the points their rounding makes up to about \
-             {part:.0} % of the acceleration",
+            "have values in steps of {} {of}: at this spacing the rounding causes up to about {part:.0} % of the \
+             acceleration",
             Decimal(unit)
         );
         let remedy = "give more digits, or fewer points";
@@ -186,7 +186,7 @@ mod tests {
         };
         assert!(told(true, 0.0).is_empty() && told(false, 5.0).is_empty());
         let [one] = &told(true, 5.0)[..] else { panic!("one warning") };
-        assert!(one.starts_with("start.speed: does nothing, as actuators.servo.motion says"), "{one}");
+        assert!(one.starts_with("start.speed: has no effect, because actuators.servo.motion prescribes"), "{one}");
     }
 
     #[test]

@@ -152,14 +152,14 @@ keys! {
     pub struct Air: Copy {
         /// Mass density [kg/m3], >= 0.
         density: f64 => number(KilogramPerCubicMetre, Range::NonNegative)
-            .parameter(Role::Law, "Mass density of the air").required();
+            .parameter(Role::Law, "Density of the air").required();
         /// Direction in which the air flows, as an angle from the X axis [rad].
         flow_angle: f64 => number(Radian, Range::Finite)
-            .parameter(Role::Load, "Direction in which the air flows, angle from the X axis").required();
+            .parameter(Role::Load, "Direction of the air flow, angle from the X axis").required();
         /// true: drag depends on the air velocity relative to the moving surface. false: on the airspeed alone.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
-            "Whether the motion of the surfaces counts for the speed of the air that meets them",
+            "Whether the speed of the surfaces counts in the relative speed of the air",
         );
         /// Start value of the input `airspeed` [m/s].
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
@@ -222,7 +222,7 @@ impl Force {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         for ((axis, index), value) in AXES.into_iter().zip(&mut self.force) {
             let (key, kind) = (["forces.", name, ".force", index], (Newton, Range::Finite, Role::Load));
-            let description = ["Constant force at ", name, ", ", axis, ", mechanism frame"];
+            let description = [axis, " component of the constant force ", name, " in the mechanism frame"];
             visit(Parameter::new([name, ".force_", axis], key, description, kind), value);
         }
     }
@@ -231,7 +231,10 @@ impl Force {
 impl Torque {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let (key, kind) = (["torques.", name, ".torque"], (NewtonMetre, Range::Finite, Role::Load));
-        visit(Parameter::new([name, ".torque"], key, ["Constant torque on ", &self.on], kind), &mut self.torque);
+        visit(
+            Parameter::new([name, ".torque"], key, ["Constant torque on ", &self.on, ", anticlockwise positive"], kind),
+            &mut self.torque,
+        );
     }
 }
 

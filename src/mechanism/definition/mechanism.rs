@@ -128,13 +128,11 @@ impl Mechanism {
             groups.into_iter().filter(|(_, has)| *has).map(|(group, _)| format!("{group}.{name}")).collect();
         match owners.as_slice() {
             [first, second, ..] => {
-                let message = format!("{first} and {second} both give the variable {variable}: rename one");
+                let message = format!("{first} and {second} both have the variable {variable}: rename one");
                 DefinitionError::key(second, message)
             }
-            [one] => {
-                DefinitionError::key(one, format!("another element gives the variable {variable} too: rename one"))
-            }
-            [] => DefinitionError::key(variable, "two elements give a variable of this name: rename one"),
+            [one] => DefinitionError::key(one, format!("another element also has the variable {variable}: rename one")),
+            [] => DefinitionError::key(variable, "two elements have a variable of this name: rename one"),
         }
     }
 

@@ -25,7 +25,7 @@ keys! {
         /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
         /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
-            .parameter(Role::Load, "Time at rest before the profile of the motion").absent("0");
+            .parameter(Role::Load, "Time at rest before the motion starts").absent("0");
         /// Duration of the profile [s], > 0. Not for a trapezoid or a table, whose duration follows from the other
         /// keys.
         duration: Option<f64> => number(Second, Range::Positive).parameter(Role::Load, "Duration of the motion");
@@ -72,7 +72,7 @@ impl PrescribedMotion {
     pub(super) fn check(&self, key: &str, faults: &mut Faults) {
         use ProfileKind::{Cycloidal, Polynomial345, Polynomial4567, Table, Trapezoid};
         let (what, wanted): (&str, &[&str]) = match self.profile {
-            None => ("without a profile", &["position"]),
+            None => ("a motion without a profile", &["position"]),
             Some(Trapezoid) => ("a trapezoid", &["distance", "speed", "acceleration"]),
             Some(Cycloidal | Polynomial345 | Polynomial4567) => ("this profile", &["duration", "distance"]),
             Some(Table) => ("a table", &["points"]),
@@ -87,9 +87,12 @@ impl PrescribedMotion {
                 _ => false,
             };
             match (is_stated, wanted.contains(name)) {
-                (false, true) => faults.keep::<()>(refused(key, format_args!("{what} asks for {name}: add this key"))),
+                (false, true) => faults.keep::<()>(refused(key, format_args!("{what} needs {name}: add this key"))),
                 (true, false) if !is_optional => {
-                    let message = format_args!("{what} does not use it: remove it, or choose another profile");
+                    let message = format_args!(
+                        "{what} does not use this key: remove the key, or choose another \
+                                                profile"
+                    );
                     faults.keep::<()>(refused(path, message))
                 }
                 _ => None,
@@ -108,8 +111,11 @@ impl Mechanism {
     pub(super) fn warn_of_start_speed(&self, all: &mut Vec<Finding>) {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
-            let message = format!("does nothing, as actuators.{drive}.motion says the speed from the start on");
-            let remedy = "remove it, or write \"enabled\": false for a motion that is switched on later";
+            let message = format!(
+                "has no effect, because actuators.{drive}.motion prescribes the speed from the \
+                                   start"
+            );
+            let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
     }
@@ -120,16 +126,21 @@ impl Mechanism {
         let key = format!("actuators.{name}.motion");
         if let Some((_, other, _)) = self.hydraulic_drive() {
             let message = format!(
-                "actuators.{other} has a hydraulic circuit, which takes no prescribed motion: remove one of both"
+                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove one of the \
+                 two"
             );
             faults.keep::<()>(refused(&key, message));
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
-            let message = format!("{other} has a motion already, which moves the whole mechanism: remove one");
+            let message = format!(
+                "{other} already has a prescribed motion, which moves the whole mechanism: remove \
+                                   one of the two"
+            );
             faults.keep::<()>(refused(&key, message));
         }
         if self.start.equilibrium && motion.enabled {
-            let message = "the motion holds the mechanism at any position: state a start, or enabled = false";
+            let message = "the prescribed motion holds the mechanism at any position: give a start position, or \
+                           write \"enabled\": false";
             faults.keep::<()>(refused(&key, message));
         }
         motion.check(&key, faults);

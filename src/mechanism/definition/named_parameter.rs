@@ -56,8 +56,8 @@ impl Shared {
             None => Err(DefinitionError::value(
                 "parameters_from",
                 format_args!("\"{}\"", self.file),
-                "read together with the definition: name the definition by its path to `cargo fmu`, which packs the \
-                 contents of this file into the FMU",
+                "the file of shared parameters was not read: pass the path of the definition to `cargo fmu`, which \
+                 packs this file into the FMU",
             )),
         }
     }

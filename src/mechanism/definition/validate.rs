@@ -57,7 +57,7 @@ impl Mechanism {
         let Solver { method, fem_step, .. } = &mut self.solver;
         match (method, &fem_step) {
             (Some(_), None) => *fem_step = Some(Solver::FEM_STEP),
-            (None, Some(_)) => return refused("solver.fem_step", "goes with solver.method only: add that key"),
+            (None, Some(_)) => return refused("solver.fem_step", "needs solver.method: add the key solver.method"),
             _ => {}
         }
         Ok(())
@@ -75,7 +75,7 @@ impl Mechanism {
 
     fn check_bodies(&self, faults: &mut Faults) {
         if self.bodies.get(GROUND).is_none() {
-            faults.keep::<()>(refused("bodies", "there is no body `ground`, the one that does not move: add it"));
+            faults.keep::<()>(refused("bodies", "the body `ground`, which does not move, is missing: add it"));
         }
         let before = faults.len();
         for (name, body) in self.bodies.iter() {
@@ -100,21 +100,21 @@ impl Mechanism {
         if name == GROUND
             && let Some((key, _)) = given.iter().find(|(_, there)| *there)
         {
-            return refused(key, "the ground does not move: it has only length and points");
+            return refused(key, "the ground does not move and has only length and points: remove this key");
         }
         if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
             let other = to.split('.').next().unwrap_or_default();
-            let message = "state the axial stiffness of the body that they are fixed to";
+            let message = "give the axial stiffness of the body that carries this one";
             return refused("axial_stiffness", &format!("{name} is part of {other}: {message}"));
         }
         if body.angle.is_some() && body.fixed_to.is_none() {
-            return refused("angle", "goes with fixed_to only; a moving body's angle is in guess");
+            return refused("angle", "needs fixed_to; the angle of a moving body belongs in guess");
         }
         if body.shape.is_some() && body.length.is_none() {
             return refused("shape", "a uniform_rod needs a length");
         }
         if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
-            return refused("shape", "a uniform_rod has its own center and inertia: remove them");
+            return refused("shape", "a uniform_rod defines center and inertia: remove these keys");
         }
         Ok(())
     }
@@ -134,7 +134,11 @@ impl Mechanism {
                 body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    faults.keep::<()>(refused(key, "the bodies are fixed to one another in a circle"));
+                    faults.keep::<()>(refused(
+                        key,
+                        "the bodies are fixed to each other in a circle: fix one of them \
+                                                    to another body",
+                    ));
                 }
             }
         }
@@ -146,8 +150,12 @@ impl Mechanism {
             faults.keep(self.point(key("first"), &joint.first));
             faults.keep(self.point(key("second"), &joint.second));
             let is_revolute = joint.kind == JointKind::Revolute;
-            let (no_slide, no_pin) = ("goes with a prismatic joint only", "goes with a revolute joint only");
-            let no_friction = "there is no friction that it could change: add the key friction";
+            let (no_slide, no_pin) = (
+                "belongs to a prismatic joint: remove this key",
+                "belongs to a revolute \
+                joint: remove this key",
+            );
+            let no_friction = "has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, is_revolute, no_slide),
@@ -174,13 +182,14 @@ impl Mechanism {
                     refuse("a screw drives along a line: give first and second, or a prismatic joint");
                 }
                 if a.hydraulics.is_some() {
-                    refuse("a hydraulic circuit drives already: remove one of both");
+                    refuse("a hydraulic circuit already drives this actuator: remove screw or hydraulics");
                 }
             }
             let turns = is_rotary || a.screw.is_some();
             let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
-                let message = "a drive in a revolute joint or with a screw has a torque, any other a force";
+                let message = "a drive in a revolute joint or with a screw has a torque; all other drives have a \
+                               force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
             if let Some(circuit) = &a.hydraulics {
@@ -192,10 +201,13 @@ impl Mechanism {
                     refuse("the circuit gives the force, which is an output: remove force");
                 }
                 if a.efficiency.is_some() {
-                    refuse("the circuit has the friction of its seals: remove efficiency");
+                    refuse("the losses of a circuit are the friction of its seals: remove efficiency");
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
-                    refuse(&format!("{other} has a circuit already, and one drive may have one: remove one"));
+                    refuse(&format!(
+                        "{other} already has a circuit, and only one drive can have one: remove one of \
+                                     the two"
+                    ));
                 }
                 circuit.find_faults(faults);
             }
@@ -211,7 +223,7 @@ impl Mechanism {
             let Some(is_rotary) = faults.keep(ends) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                let message = "a spring in a revolute joint has a free_angle, any other a free_length";
+                let message = "a spring in a revolute joint has a free_angle; all other springs have a free_length";
                 faults.keep::<()>(refused(&key, message));
             }
             faults.keep(check_spring(&key, spring, is_rotary));
@@ -231,8 +243,10 @@ impl Mechanism {
             let (is_body, is_joint) = (self.bodies.get(name).is_some(), self.joints.get(name).is_some());
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
-                let message =
-                    format!("is fixed to {carrier} and turns with it: guess that body, and leave this key out");
+                let message = format!(
+                    "is fixed to {carrier} and turns with it: guess the angle of that body, and remove this \
+                             key"
+                );
                 faults.keep::<()>(refused(key, message));
             } else if is_body || is_joint {
                 faults.keep(range.check_in(unit, key, value));
@@ -241,7 +255,13 @@ impl Mechanism {
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
                 let allowed = alternatives("the bodies and prismatic joints", &names, name);
-                faults.keep::<()>(refused(key, format!("gives no coordinate, as nothing is called so; {allowed}")));
+                faults.keep::<()>(refused(
+                    key,
+                    format!(
+                        "there is no body or prismatic joint with this name; \
+                                                        {allowed}"
+                    ),
+                ));
             }
         }
     }
@@ -259,7 +279,11 @@ impl Mechanism {
                 let one = self.point(format_args!("{key}.first"), first)?;
                 let other = self.point(format_args!("{key}.second"), second)?;
                 if one == other {
-                    return refused(key, "its two ends are one point, so its length is zero: name two points");
+                    return refused(
+                        key,
+                        "both ends are the same point, so the length is zero: give two different \
+                                         points",
+                    );
                 }
                 Ok(false)
             }
@@ -273,7 +297,7 @@ impl Mechanism {
 
     fn check_surfaces(&self, faults: &mut Faults) {
         if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
-            let message = "there is no air that could drag on it: add the key air";
+            let message = "drag needs air: add the key air";
             faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
         }
         for (name, s) in self.surfaces.iter() {
@@ -288,10 +312,14 @@ impl Mechanism {
                 let (first, a) = self.point(key("from"), from)?;
                 let (second, b) = self.point(key("to"), to)?;
                 if first != second || a == b {
-                    return refused(key("to"), "must be another point of the same body as `from`");
+                    return refused(key("to"), "must be another point of the body of `from`");
                 }
                 if s.surface_angle.is_some() {
-                    return refused(key("surface_angle"), "goes with an area; a strip lies along its line");
+                    return refused(
+                        key("surface_angle"),
+                        "belongs to an area; a strip lies along the line from \
+                                                          `from` to `to`",
+                    );
                 }
                 Ok(())
             }
@@ -333,9 +361,8 @@ impl Mechanism {
         let given = [("stiffness", s.stiffness != 0.0), ("damping", s.damping != 0.0), ("points", s.points.is_some())];
         for (k, is_given) in given {
             if s.rigid.is_none() && is_given {
-                let message = "a rigid stop has none: remove it, or add \"rigid\": false for a bumper (\"rigid\": true \
-                    says \
-                               that it waits for the parameter to change)";
+                let message = "a rigid stop has no such value: remove this key, or add \"rigid\": false for a \
+                               bumper (or \"rigid\": true, if a host may change the stop to a bumper)";
                 return refused(format_args!("{key}.{k}"), message);
             }
         }
@@ -350,9 +377,9 @@ impl Mechanism {
         let s = &self.start;
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
             let message = format!(
-                "the oil of actuators.{drive} holds the mechanism at any position, as its pressures make it: state a \
-                 position, and start_pressure of chamber_a and chamber_b whose force is {drive}.holding_force there \
-                 (`cargo fmu check` tells both forces), or leave out hydraulics"
+                "the oil of actuators.{drive} holds the mechanism at any position: give a start position, and \
+                 start_pressure of chamber_a and chamber_b so that the force equals {drive}.holding_force (`cargo \
+                 fmu check` prints both forces), or remove hydraulics"
             );
             return refused("start.equilibrium", message);
         }
@@ -362,14 +389,14 @@ impl Mechanism {
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
                 JointKind::Prismatic => Ok(()),
                 JointKind::Revolute => {
-                    let message = "must be a prismatic joint; state a revolute one by body and angle";
+                    let message = "must be a prismatic joint; for a revolute joint give body and angle";
                     refused("start.joint", message)
                 }
             },
             _ => refused(
                 "start",
-                "give body and angle, or joint and position (and speed, 0 where absent), or write \
-                                  \"start\": \"equilibrium\"",
+                "give body and angle, or joint and position (speed is optional, default 0), or write \"start\": \
+                 \"equilibrium\"",
             ),
         }
     }

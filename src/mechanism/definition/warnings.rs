@@ -59,13 +59,13 @@ impl Mechanism {
             let number = Decimal::rounded(value);
             let (si, remedy) = match unit {
                 "mm" => ("m", String::new()),
-                _ => ("rad", format!("write \"rad({text})\" if {number} {unit} are meant, or ")),
+                _ => ("rad", format!("write \"rad({text})\" if you mean {number} {unit}, or ")),
             };
             let message = format!(
-                "\"{text}\" is {number} {si}: expressions are in SI units, and numbers of this file are in {unit}"
+                "\"{text}\" is {number} {si}: expressions are in SI units, but numbers of this file are in {unit}"
             );
             let remedy =
-                format!("{remedy}give its numbers names in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
+                format!("{remedy}define the numbers in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
             all.push(Finding::warning(&key, message, remedy));
         }
     }
@@ -75,16 +75,16 @@ impl Mechanism {
         match friction.enabled {
             None => all.push(Finding::warning(
                 "friction",
-                "is given, but not enabled, so the joints have none",
-                "add \"enabled\": true; \"enabled\": false says that it waits for the parameter",
+                "is given, but not enabled, so the joints have no friction",
+                "add \"enabled\": true; or write \"enabled\": false if a host enables the friction",
             )),
             Some(false) => {}
             Some(true) => {
                 let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
                 if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
-                    let remedy = "give the joints that rub their pin_radius";
-                    let message = "is enabled, but no joint has any: no revolute joint has a pin_radius, and there is \
-                                   no prismatic joint";
+                    let remedy = "give pin_radius for the joints with friction";
+                    let message = "is enabled, but no joint has friction: no revolute joint has a pin_radius, and \
+                                   there is no prismatic joint";
                     all.push(Finding::warning("friction.enabled", message, remedy));
                 }
             }
@@ -98,8 +98,8 @@ impl Mechanism {
             match stop.rigid {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
-                    "is a bumper with neither stiffness nor damping nor points, so it never pushes",
-                    "give it a stiffness, or \"rigid\": true",
+                    "is a bumper without stiffness, damping and points, so it never pushes",
+                    "add stiffness, or \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
                     format_args!(
@@ -110,8 +110,8 @@ impl Mechanism {
                             _ => "points",
                         }
                     ),
-                    "does nothing while the stop is rigid",
-                    "say \"rigid\": false for a bumper",
+                    "has no effect while the stop is rigid",
+                    "write \"rigid\": false for a bumper",
                 )),
                 _ => {}
             }
@@ -123,11 +123,11 @@ impl Mechanism {
             let forces = [Some(spring.stiffness), spring.damping, spring.preload];
             let is_linear = spring.points.is_none() && spring.gas.is_none() && spring.damping_points.is_none();
             if is_linear && forces.into_iter().flatten().all(|value| value == 0.0) {
-                let message = "is a spring with neither stiffness nor damping nor preload, so it never pulls";
+                let message = "is a spring without stiffness, damping and preload, so it has no force";
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),
                     message,
-                    "give it a stiffness, or remove it",
+                    "add stiffness, or remove the spring",
                 ));
             }
         }
@@ -136,7 +136,7 @@ impl Mechanism {
     fn warn_of_bodies(&self, all: &mut Vec<Finding>) {
         for (name, body) in self.bodies.iter() {
             if body.shape.is_some() && body.mass.is_none() {
-                let (message, remedy) = ("says how a mass is spread, but there is no mass", "give the mass");
+                let (message, remedy) = ("describes the distribution of a mass, but there is no mass", "add mass");
                 all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
             }
             let Some([x, y]) = body.center else { continue };
@@ -152,12 +152,12 @@ impl Mechanism {
             let away = (x - 0.5 * (low[0] + high[0])).hypot(y - 0.5 * (low[1] + high[1]));
             if size > 0.0 && away > FAR * size {
                 let message = format!(
-                    "the centre of mass is {} m from the middle of a body whose points are {} m apart at most",
+                    "the centre of mass is {} m from the middle of a body whose points are at most {} m apart",
                     Decimal::rounded(away),
                     Decimal::rounded(size)
                 );
                 let unit = if self.file_units.has_millimetres() { "mm" } else { "m" };
-                let remedy = format!("check its unit: lengths are in {unit}, in the body's frame");
+                let remedy = format!("check the unit: lengths are in {unit}, in the frame of the body");
                 all.push(Finding::warning(format_args!("bodies.{name}.center"), message, remedy));
             }
         }
@@ -174,7 +174,7 @@ impl Mechanism {
                 format!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
             let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
             let remedy = format!(
-                "if {degrees} degrees are meant, write {radians} rad or give \"units\": {{ \"angle\": \"deg\" }}"
+                "if you mean {degrees} degrees, write {radians} rad or add \"units\": {{ \"angle\": \"deg\" }}"
             );
             all.push(Finding::warning(path, message, remedy));
         };
@@ -215,15 +215,16 @@ impl Mechanism {
         let gap = sizes.windows(2).map(|pair| (pair[1].0 / pair[0].0, pair[1])).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((ratio, above)) = gap.filter(|(ratio, _)| *ratio >= APART[0] && last.0 / first.0 >= APART[1]) {
             let message = format!(
-                "{} measures {} m, and the next smaller body a part in {} of that",
+                "{} is {} m long, {} times as long as the next smaller body",
                 above.1,
                 Decimal::rounded(above.0),
                 Decimal::rounded(ratio.round())
             );
             let remedy = match self.file_units.has_millimetres() {
-                true => "check for other units beside millimetres, in which all lengths of this file are",
+                true => "check the units: all lengths of this file are in millimetres",
                 false => {
-                    "check for millimetres beside metres; \"units\": { \"length\": \"mm\" } takes the whole file in mm"
+                    "check whether some lengths are in millimetres and others in metres; with \"units\": { \
+                     \"length\": \"mm\" } all lengths of the file are in mm"
                 }
             };
             all.push(Finding::warning(format_args!("bodies.{}", above.1), message, remedy));
@@ -235,11 +236,12 @@ impl Mechanism {
     fn warn_of_sizes(&self, all: &mut Vec<Finding>) {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {
-            let message = format!("is {} m/s2, and the Earth's is 9.81 m/s2", Decimal::rounded(acceleration));
+            let message =
+                format!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,
-                "give it in m/s2, whatever the unit of lengths",
+                "write the value in m/s2, whatever the unit of lengths",
             ));
         }
         let mut largest = (0.0_f64, "");
@@ -258,15 +260,15 @@ impl Mechanism {
                     Decimal::rounded(radius),
                     Decimal::rounded(size)
                 );
-                let remedy = "give it in kg.m2, about the centre of mass (1e6 kg.mm2 are 1 kg.m2)";
+                let remedy = "write the value in kg.m2, about the centre of mass (1e6 kg.mm2 are 1 kg.m2)";
                 all.push(Finding::warning(format_args!("bodies.{name}.inertia"), message, remedy));
             }
         }
         if largest.0 > HUGE {
-            let message = format!("measures {} m", Decimal::rounded(largest.0));
+            let message = format!("is {} m long", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
-                true => "check its lengths, which are in mm",
-                false => "if millimetres are meant, give \"units\": { \"length\": \"mm\" }",
+                true => "check the lengths, which are in mm",
+                false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",
             };
             all.push(Finding::warning(format_args!("bodies.{}", largest.1), message, remedy));
         }

@@ -207,7 +207,8 @@ fn finite_elements(reduced: &Reduced, mechanism: &Mechanism) -> Result<RigidFem,
     };
     RigidFem::new(linkage, reduced.loading(), &stated).map_err(|error| match error {
         RigidFemError::AxialStiffness { body, value } if value.is_nan() => {
-            let message = "solver.method = \"rigid_fem\" asks for it: state E A of the body in N";
+            let message = "solver.method = \"rigid_fem\" needs this key: write the axial stiffness E A of the body \
+                           in N";
             DefinitionError::key(format_args!("bodies.{body}.axial_stiffness"), message).into()
         }
         error => error.into(),
@@ -225,11 +226,11 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
     let loading = reduced.loading();
     if let Some(drive) = &loading.hydraulics {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
-        return refuse(&name, "a circuit".into(), "give a force");
+        return refuse(&name, "circuit".into(), "use a force instead");
     }
     if let Some(drive) = loading.drives.iter().find(|drive| drive.curve.is_some()) {
         let name = format!("actuators.{}.points", drive.name);
-        return refuse(&name, "a curve over the speed".into(), "give a torque or a force");
+        return refuse(&name, "a force-speed curve".into(), "use a torque or a force instead");
     }
     if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
         let name = format!("{}.motion.enabled", loading.drives[drive.load].name);
@@ -259,7 +260,7 @@ fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result<(),
         Some((lock, _)) => Err(ModelError::NotInRigidFem {
             name: format!("{}.engage", lock.name),
             value: "true".into(),
-            remedy: "set it to false before the mechanism is at its stop".into(),
+            remedy: "set it to false before the mechanism reaches its stop".into(),
         }),
         None => Ok(()),
     }

@@ -47,23 +47,23 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let is_balanced = acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all;
     let fact = Fact::new(TOPIC, name).with("acceleration", if is_balanced { 0.0 } else { acceleration }, unit);
     let text = if sticks {
-        "holds: friction holds it".to_owned()
+        "at the start friction holds the mechanism (equilibrium)".to_owned()
     } else if acceleration.is_nan() {
         let reason = model.undefined(reference).unwrap_or_default();
-        format!("is unknown: {reason}")
+        format!("at the start the acceleration is unknown: {reason}")
     } else if is_balanced {
         match held_by(reduced, &state.travel, here).filter(|_| acceleration == 0.0 && all > 0.0) {
-            Some(stop) => format!("holds: it is pressed against {stop}, or held there"),
-            None if all == 0.0 => "holds: no load acts".to_owned(),
-            None => "holds: the loads are in balance".to_owned(),
+            Some(stop) => format!("at the start the mechanism is held at stop {stop} (equilibrium)"),
+            None if all == 0.0 => "at the start no load acts (equilibrium)".to_owned(),
+            None => "at the start the loads are in balance (equilibrium)".to_owned(),
         }
     } else {
         match creeps(model, reduced) {
             Some(drive) => format!(
-                "does not hold, but creeps: the force of {drive} is within static friction, which allows motion below \
-                 friction.static_speed"
+                "at the start the mechanism creeps (no equilibrium): the force of {drive} is within static \
+                 friction, but this friction law allows motion below friction.static_speed"
             ),
-            None => "does not hold: let go at rest, it sets off".to_owned(),
+            None => "at the start the loads move the mechanism (no equilibrium)".to_owned(),
         }
     };
     facts.push(fact.saying(text));
@@ -75,7 +75,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
         let mut fact = Fact::new(TOPIC, &drive.name);
         let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
         let given = [("given", given), ("holding", format!("holding_{word}"))];
-        let range = [("forward", "breaks away from"), ("backward", "and back from")];
+        let range = [("forward", "moves forward above"), ("backward", "moves backward below")];
         let range = range.map(|(end, label)| (label, format!("breakaway_{word}_{end}")));
         let range = if sticking.is_some() { &range[..] } else { &[] };
         for &(label, ref variable) in given.iter().chain(range) {
@@ -116,9 +116,7 @@ fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, coordinate: us
         });
     }
     if all.is_empty() {
-        facts.push(
-            Fact::new(ALL, "").saying("none: no position of the travel holds, or every one does as no load acts"),
-        );
+        facts.push(Fact::new(ALL, "").saying("none: no load acts, or the loads move the mechanism everywhere"));
     } else if all.len() > MOST {
         facts.push(Fact::new(ALL, "").saying(format!("and {} more", all.len() - MOST)));
     }

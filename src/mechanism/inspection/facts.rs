@@ -124,7 +124,7 @@ fn add_assembly(mechanism: &Mechanism, linkage: &Linkage, q: &[f64], facts: &mut
         let angle = bend.angle(&positions);
         let [from, at, to] = bend.joints.map(|joint| linkage.joints[joint].name.as_str());
         let side = if angle > 0.0 { "left" } else { "right" };
-        let text = format!("bends to the {side} on the way from {from} to {to}");
+        let text = format!("bends to the {side}, seen along the path from {from} to {to}");
         facts.push(Fact::new("Assembly mode", at).with("bend", angle, Unit::Radian).saying(text));
     }
 }
@@ -228,7 +228,7 @@ fn add_travel(
         }
         out.facts.push(match turns == 0.0 {
             true => fact,
-            false => fact.saying(format!("turns fully round, by {} for each round of the whole motion", turns.round())),
+            false => fact.saying(format!("makes full turns: {} for each cycle of the mechanism", turns.round())),
         });
         toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
     }
@@ -257,7 +257,7 @@ fn add_travel(
     }
     let told = toggles.len();
     for (name, sigma) in toggles.into_iter().take(PLACES) {
-        out.facts.push(Fact::new("Toggles", name).saying(format!("stands still at {}", walk.describe(sigma))));
+        out.facts.push(Fact::new("Toggles", name).saying(format!("dead centre at {}", walk.describe(sigma))));
     }
     if told > PLACES {
         out.facts.push(Fact::new("Toggles", "").saying(format!("and {} more", told - PLACES)));
@@ -266,7 +266,7 @@ fn add_travel(
         let [low, high] = walk.extremes(coordinates + 2 * drives + k).range;
         if low * high > 0.0 {
             let fact = Fact::new("Assembly mode", &linkage.joints[bend.joints[1]].name);
-            out.facts.push(fact.saying("keeps its side over the whole travel"));
+            out.facts.push(fact.saying("bends to the same side over the whole travel"));
         }
     }
     add_singular(reduced, &state.travel, out);
@@ -286,17 +286,17 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
             (None, _) if reduced.ends_meet()[side].is_some() => {
                 let reason = ends_meet(reduced, side);
-                let message = format!("a motion that gets there ends its run with an error: {reason}");
-                out.findings.push(Finding::warning("stops", message, "let stops end the travel before"));
+                let message = format!("the run ends with an error if the mechanism reaches this position: {reason}");
+                out.findings.push(Finding::warning("stops", message, "add a stop before this position"));
                 format!("no stop: {reason}")
             }
-            (None, Ends::Closed(_)) => "no stop: the motion goes round".to_owned(),
-            (None, _) => format!("no stop: the motion goes on beyond {}", walk.describe(walk.ends[side])),
+            (None, Ends::Closed(_)) => "no stop: the mechanism turns without end".to_owned(),
+            (None, _) => format!("no stop: the motion continues beyond {}", walk.describe(walk.ends[side])),
         };
         out.facts.push(Fact::new("Ends of travel", word).saying(text));
         for bumper in &state.travel.bumpers {
             if let Some(position) = bumper.positions[side] {
-                let text = format!("bumper {} begins at {}", stops[bumper.stop].name, walk.describe(position));
+                let text = format!("bumper {} starts at {}", stops[bumper.stop].name, walk.describe(position));
                 out.facts.push(Fact::new("Ends of travel", word).saying(text));
             }
         }
@@ -317,15 +317,15 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
         let remedy = match as_degrees {
             true => {
                 format!(
-                    "if {} degrees are meant, write {} rad",
+                    "if you mean {} degrees, write {} rad",
                     Decimal(stop.value),
                     Decimal::rounded(stop.value * PI / 180.0)
                 )
             }
-            false => "correct its value, or say \"enabled\": false".to_owned(),
+            false => "correct the value, or write \"enabled\": false".to_owned(),
         };
         let short: f64 = format!("{:.2e}", -nearest).parse().unwrap_or(-nearest);
-        let message = format!("is never met: the motion stays {} {unit} short of it", Decimal(short));
+        let message = format!("is never reached: the motion ends {} {unit} before this stop", Decimal(short));
         out.findings.push(Finding::warning(format_args!("stops.{}", stop.name), message, remedy));
     }
 }
@@ -343,13 +343,13 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
     let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
     for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
-        let text = format!("branches cross at {}; the motion goes straight on", curve.describe(sigma, 0.0));
+        let text = format!("branches cross at {}; the motion continues straight", curve.describe(sigma, 0.0));
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
         let text = format!("branches almost cross at {}; the motion turns off there", miss.position);
         let fact = Fact::new(NEAR, "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
-        out.facts.push(fact.with("relative to the size", miss.miss, Unit::One).saying(text));
+        out.facts.push(fact.with("relative to the mechanism", miss.miss, Unit::One).saying(text));
     }
 }
 
@@ -382,8 +382,10 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
         others.dedup();
         let names: Vec<&str> = others.iter().map(|&other| linkage.joints[other].name.as_str()).collect();
         let text = match names.is_empty() {
-            true => "holds nothing that the other joints of its loop leave free; they share the reactions".to_owned(),
-            false => format!("follows from {}; the joints of these loops share their reactions", names.join(", ")),
+            true => "repeats conditions of other joints of its loop; these joints share the reactions".to_owned(),
+            false => {
+                format!("repeats conditions of {}; the joints of these loops share the reactions", names.join(", "))
+            }
         };
         facts.push(Fact::new("Redundant joints", &linkage.joints[joint].name).saying(text));
     }

@@ -35,7 +35,7 @@ pub fn add((reduced, state): (&Reduced, &State), inputs: &Inputs, [low, high]: [
             if count <= ARCS {
                 let joint = reduced.locking_joint(0.5 * (from + to));
                 let [from, to] = [from, to].map(|sigma| reduced.curve().describe(sigma, 0.0));
-                let text = format!("locks a slow motion {word} from {from} to {to}, most of it in this joint");
+                let text = format!("locks slow {word} motion from {from} to {to}, mainly in this joint");
                 out.facts.push(Fact::new("Friction", joint).saying(text));
             }
         }
@@ -44,13 +44,13 @@ pub fn add((reduced, state): (&Reduced, &State), inputs: &Inputs, [low, high]: [
         return;
     }
     if count > ARCS {
-        out.facts.push(Fact::new("Friction", "").saying(format!("and {} arcs more", count - ARCS)));
+        out.facts.push(Fact::new("Friction", "").saying(format!("and {} more ranges", count - ARCS)));
     }
     let message = format!(
-        "locks a slow motion in {count} arcs of the travel under the loads at the start: a mechanism that gets there \
-         ends its run with an error"
+        "locks slow motion in {count} ranges of the travel under the loads at the start: a run that reaches one of \
+         these ranges ends with an error"
     );
-    let remedy = "reduce the coefficients or the pin radii, or let stops end the travel before";
+    let remedy = "reduce the coefficients or the pin radii, or add stops before these ranges";
     out.findings.push(Finding::warning("friction", message, remedy));
 }
 

@@ -13,9 +13,9 @@ pub(super) fn add_bodies(b: &mut Builder) {
     let bodies = b.source.linkage.bodies.iter().enumerate();
     for (body, name) in bodies.filter(|(_, b)| b.angle_coordinate.is_some()).map(|(i, b)| (i, &b.name)) {
         let derivatives = [
-            ("angle", "Angle of the x axis of", Radian),
-            ("speed", "Angular speed of", RadianPerSecond),
-            ("acceleration", "Angular acceleration of", RadianPerSecondSquared),
+            ("angle", "Angle (anticlockwise positive) of the x axis of", Radian),
+            ("speed", "Angular speed (anticlockwise positive) of", RadianPerSecond),
+            ("acceleration", "Angular acceleration (anticlockwise positive) of", RadianPerSecondSquared),
         ];
         let stated = b.source.mechanism.start.body.as_ref() == Some(name);
         b.motion(name, derivatives, stated, |order| Output::Angle { body, order });
@@ -49,11 +49,16 @@ pub(super) fn add_reactions(b: &mut Builder) {
         let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in ", n].concat();
         let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
         let reaction = |part| Output::Reaction { joint, part };
-        add("force_x", "Force, x,", Newton, reaction(ReactionPart::X));
-        add("force_y", "Force, y,", Newton, reaction(ReactionPart::Y));
+        add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
+        add("force_y", "y component of the force", Newton, reaction(ReactionPart::Y));
         add("force", "Magnitude of the force", Newton, reaction(ReactionPart::Magnitude));
         if !is_revolute {
-            add("torque", "Moment about the second point", NewtonMetre, reaction(ReactionPart::Moment));
+            add(
+                "torque",
+                "Moment (anticlockwise positive) about the second point",
+                NewtonMetre,
+                reaction(ReactionPart::Moment),
+            );
         }
         // The joints with friction are in the order of the joints.
         let Ok(friction_joint) = friction_joints.binary_search_by_key(&joint, |p| p.joint) else { continue };
@@ -75,13 +80,13 @@ pub(super) fn add_markers(b: &mut Builder) {
         let velocity = Needs { speed: true, ..position };
         let acceleration = Needs { marker: Some(marker), ..s.acceleration() };
         for (order, suffixes, word, unit, needs) in [
-            (0, ["x", "y"], "Position of ", Metre, position),
-            (1, ["velocity_x", "velocity_y"], "Velocity of ", MetrePerSecond, velocity),
-            (2, ["acceleration_x", "acceleration_y"], "Acceleration of ", MetrePerSecondSquared, acceleration),
+            (0, ["x", "y"], " position of ", Metre, position),
+            (1, ["velocity_x", "velocity_y"], " velocity of ", MetrePerSecond, velocity),
+            (2, ["acceleration_x", "acceleration_y"], " acceleration of ", MetrePerSecondSquared, acceleration),
         ] {
             for (axis, letter) in ["x", "y"].into_iter().enumerate() {
                 let (text, output) =
-                    ([word, n, ", ", letter, ", mechanism frame"], Output::Marker { marker, axis, order });
+                    ([letter, word, n, " in the mechanism frame"], Output::Marker { marker, axis, order });
                 b.output(n, suffixes[axis], &text, unit, output, needs);
                 if order > 0 {
                     b.is_rate_of(2);
@@ -98,9 +103,9 @@ pub(super) fn add_energy(b: &mut Builder) {
     let kinetic = Needs { speed: true, inertia: true, ..placed() };
     let potential = Needs { inputs: gravity, loads: &stored, ..placed() };
     b.output("energy", "kinetic", &["Kinetic energy"], Joule, Output::Kinetic, kinetic);
-    let text = "Potential energy of gravity at the present load factor, and of springs";
+    let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
-    let text = "Energy now less energy at the start less work done: the error of the integration";
+    let text = "Energy error of the integration: present energy minus energy at the start minus work done";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }
 
@@ -115,7 +120,7 @@ pub(super) fn add_small_motion(b: &mut Builder) {
     };
     let text = "Eigenfrequency of undamped small motions about the present state";
     add("eigenfrequency", text, Hertz, SmallMotion::Eigenfrequency);
-    let text = "Damping ratio of small motions about the present state, 1 where they are just aperiodic";
+    let text = "Damping ratio of small motions about the present state, 1 at critical damping";
     add("damping_ratio", text, One, SmallMotion::DampingRatio);
 }
 
@@ -127,7 +132,7 @@ pub(super) fn add_frames(b: &mut Builder) {
             ("y", "y of the origin of ", Metre, FramePart::Origin(1)),
             ("cos", "Cosine of the angle of ", One, FramePart::Cos),
             ("sin", "Sine of the angle of ", One, FramePart::Sin),
-            ("minus_sin", "The sine with the other sign of the angle of ", One, FramePart::MinusSin),
+            ("minus_sin", "Negative sine of the angle of ", One, FramePart::MinusSin),
         ];
         for (suffix, text, unit, part) in parts {
             let name = [&carried.name, ".frame.", suffix].concat();

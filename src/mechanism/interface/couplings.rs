@@ -18,21 +18,25 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
         let output = Output::Reaction { joint, part };
         b.output(n, suffix, &[text, &between], Newton, output, needs);
     };
-    add("force_x", "Force, x,", ReactionPart::X);
-    add("force_y", "Force, y,", ReactionPart::Y);
+    add("force_x", "x component of the force", ReactionPart::X);
+    add("force_y", "y component of the force", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     if !is_cam {
-        add("transmitted_force", "Force along the motion, positive if it drives forward,", ReactionPart::Moment);
+        add("transmitted_force", "Force along the motion (positive if it drives forward)", ReactionPart::Moment);
         let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
         let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
-        let on = [first, " exerts on ", body(j.second.body), " by the loss in ", n].concat();
+        let on = [first, " exerts on ", body(j.second.body), " because of the losses in ", n].concat();
         return match s.linkage.couplings[coupling].second {
             Second::Angle { .. } => b.output(n, "loss_torque", &["Torque that ", &on], NewtonMetre, output, needs),
             Second::Position { .. } => b.output(n, "loss_force", &["Force that ", &on], Newton, output, needs),
         };
     }
-    add("contact_force", "Force along the normal of the profile, positive if it presses,", ReactionPart::Moment);
-    let text = ["Pressure angle of ", n, ", from the lift to the normal of the profile"];
+    add(
+        "contact_force",
+        "Contact force along the normal of the profile (positive in compression)",
+        ReactionPart::Moment,
+    );
+    let text = ["Pressure angle of ", n, ", from the direction of the lift to the normal of the profile"];
     b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, placed());
 }

@@ -37,7 +37,7 @@ pub(super) fn add_commands(b: &mut Builder) {
     for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
         if drive.curve.is_some() {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            b.load_input(&["Command of ", name, ": factor of the ", what, " of its curve"], One, a.command());
+            b.load_input(&["Command of ", name, ": factor on the ", what, " of its curve"], One, a.command());
         }
     }
 }
@@ -45,7 +45,7 @@ pub(super) fn add_commands(b: &mut Builder) {
 pub(super) fn add_demands(b: &mut Builder) {
     for drive in &b.source.loading.drives {
         let (n, unit) = (&drive.name, if drive.is_rotary { RadianPerSecondSquared } else { MetrePerSecondSquared });
-        let text = ["Acceleration of ", n, " for which the required drive is told"];
+        let text = ["Demanded acceleration of ", n, ", for which required_force is computed"];
         b.input([n, ".demanded_acceleration"].concat(), &text, unit, 0.0);
     }
 }
@@ -69,7 +69,7 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
 /// Whether the motion of a drive is prescribed.
 pub(super) fn add_motion_switch(b: &mut Builder) {
     let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
-    let text = b.text(|| ["Whether the motion of ", name, " is prescribed; its force acts otherwise"].concat());
+    let text = b.text(|| ["Whether the motion of ", name, " is prescribed; if not, its force acts"].concat());
     let start = (None, Value::Boolean(motion.enabled));
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
 }
@@ -79,17 +79,17 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
     let s = b.source;
     let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
     let (suffix, what, unit) = match is_rotary {
-        true => ("acting_torque", "Torque of ", NewtonMetre),
-        false => ("acting_force", "Force of ", Newton),
+        true => ("acting_torque", "Acting torque of ", NewtonMetre),
+        false => ("acting_force", "Acting force of ", Newton),
     };
     let output = Output::ActingForce { drive };
     if let Some(curve) = &s.loading.drives[drive].curve {
-        let text = [what, n, ": that of the input, and the command times that of the curve at the present speed"];
+        let text = [what, n, ": the input plus the command times the curve at the present speed"];
         let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
         b.output(n, suffix, &text, unit, output, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
-        let text = [what, n, ": that of the input, or that which the prescribed motion takes"];
+        let text = [what, n, ": the input, or the value that the prescribed motion needs"];
         b.output(n, suffix, &text, unit, output, needs);
     }
 }
@@ -106,7 +106,7 @@ pub(super) fn add(b: &mut Builder) {
         let position = Needs { loads: &[load], ..s.displacement(load) };
         for (order, suffix, word, needs) in [
             (0, what, "Present ", position),
-            (1, "speed", "First derivative of the ", Needs { speed: true, ..position }),
+            (1, "speed", "Rate of the ", Needs { speed: true, ..position }),
             (2, "acceleration", "Second derivative of the ", s.acceleration()),
         ] {
             let output = Output::Displacement { load, order };
@@ -157,33 +157,35 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     };
     let (inertia, force) = ([Kilogram, KilogramSquareMetre], [Newton, NewtonMetre]);
     let change = [KilogramPerMetre, KilogramSquareMetrePerRadian];
-    let text = "Reduced inertia: of the mechanism, at";
+    let text = "Inertia of the whole mechanism reduced to";
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
-    let text = "Derivative of the reduced inertia along";
+    let text = "Derivative of the reduced inertia with respect to the displacement of";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    add("static_load", "static_load", "Present loads reduced to", force, StaticLoad, load);
-    let text = "-1/2 speed^2 times the derivative of the reduced inertia of";
+    add("static_load", "static_load", "All other loads, as they act now, reduced to", force, StaticLoad, load);
+    let text = "-1/2 speed^2 times the derivative of the reduced inertia, for";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
-    let text = "Force or torque that the demanded acceleration takes of";
+    let text = "Force or torque that gives the demanded acceleration, with friction and losses, of";
     add("required_force", "required_force", text, force, RequiredForce, required);
-    let text = "What holds the mechanism still here, under the present loads, of";
+    let text = "Force or torque that holds the mechanism at rest under the present loads, without friction, of";
     add("holding_force", "holding_torque", text, force, HoldingForce, holding);
-    let text = "Derivative of the holding force or torque along";
+    let text = "Derivative of the holding force or torque with respect to the displacement of";
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
     let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
     add(linear, rotary, text, stiffness, term, holding);
     if rubs {
-        let text = "What begins to move the mechanism forward from rest against static friction, of";
+        let text =
+            "Force or torque above which the mechanism starts to move forward from rest, with static friction, of";
         add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
-        let text = "What begins to move it backward, of";
+        let text =
+            "Force or torque below which the mechanism starts to move backward from rest, with static friction, of";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
-            let force = ": no force of it gives the demanded acceleration, ";
+            let force = ": no force of this drive gives the demanded acceleration, ";
             [
                 "Whether friction locks the mechanism against ",
                 n,
                 force,
-                "or none begins to move it forward, or none backward",
+                "starts a forward motion or starts a backward motion",
             ]
             .concat()
         });

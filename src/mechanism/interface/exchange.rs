@@ -17,11 +17,15 @@ pub(super) fn add(b: &mut Builder) {
     let states = [
         (
             "position",
-            "Position along the configuration curve: path of a mass of 1 kg of the same kinetic energy",
+            "Position along the motion: distance travelled by a mass of 1 kg that has the kinetic energy of the mechanism",
             Metre,
         ),
-        ("speed", "Speed of a mass of 1 kg of the same kinetic energy", MetrePerSecond),
-        ("acceleration", "Acceleration of a mass of 1 kg of the same kinetic energy", MetrePerSecondSquared),
+        ("speed", "Speed of a mass of 1 kg that has the kinetic energy of the mechanism", MetrePerSecond),
+        (
+            "acceleration",
+            "Acceleration of a mass of 1 kg that has the kinetic energy of the mechanism",
+            MetrePerSecondSquared,
+        ),
     ];
     for (order, (suffix, text, unit)) in states.into_iter().enumerate() {
         let needs = s.acceleration();
@@ -74,36 +78,38 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
     match indicator {
         Indicator::End(0) => {
-            (own("low_end"), ["Gap to the rigid stop at the low end, at rest there the press on it", "", "", ""])
+            (own("low_end"), ["Gap to the rigid stop at the low end; at rest on the stop, the force on it", "", "", ""])
         }
-        Indicator::End(_) => {
-            (own("high_end"), ["Gap to the rigid stop at the high end, at rest there the press on it", "", "", ""])
-        }
+        Indicator::End(_) => (
+            own("high_end"),
+            ["Gap to the rigid stop at the high end; at rest on the stop, the force on it", "", "", ""],
+        ),
         Indicator::Bumper(stop) => {
             let name = s.loading.stops[stop].name.as_str();
-            let text = "Gap or lack of push before the bumper pushes, push of it after, of ";
+            let text = "Gap before contact or force during contact of ";
             ([name, ".indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Lock(lock) => {
             let name = s.loading.locks[lock].name.as_str();
-            let text = "Way to the place where the mechanism is caught by ";
+            let text = "Distance to the position at which the mechanism is caught by ";
             ([name, ".indicator"].concat(), [text, name, "", ""])
         }
-        Indicator::Reversal => {
-            (own("reversal"), ["Speed whose sign decides on friction and on the losses of drives", "", "", ""])
-        }
+        Indicator::Reversal => (
+            own("reversal"),
+            ["Speed whose sign decides the direction of friction and of the losses of drives", "", "", ""],
+        ),
         Indicator::Slip { joint, kinetic } => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             let border = if kinetic { "kinetic" } else { "static" };
-            let text = ["Slip speed less friction.", border, "_speed in ", name];
+            let text = ["Slip speed minus friction.", border, "_speed in ", name];
             ([name, ".", border, "_indicator"].concat(), text)
         }
         Indicator::DriveSign(load) => {
             let name = s.loading.drives[load].name.as_str();
             (
                 [name, ".loss_indicator"].concat(),
-                ["Force along the motion whose sign decides on the loss of ", name, "", ""],
+                ["Force along the motion whose sign decides the direction of the losses of ", name, "", ""],
             )
         }
         Indicator::NormalForce(joint) => {
@@ -111,7 +117,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             (
                 [name, ".normal_indicator"].concat(),
-                ["Normal or transmitted force whose sign decides on the loss in ", name, "", ""],
+                ["Normal or transmitted force whose sign decides the direction of the losses in ", name, "", ""],
             )
         }
         Indicator::Points(curve) => {
@@ -127,7 +133,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
                     (&s.linkage.joints[joint].name, ".points_indicator", "borders of segments or points of ")
                 }
             };
-            ([name, suffix].concat(), ["Function that changes its sign at ", what, name, ""])
+            ([name, suffix].concat(), ["Function that changes sign at the ", what, name, ""])
         }
     }
 }

@@ -9,14 +9,14 @@ use crate::variables::Unit::{
 
 /// The force of the drive, in the place of the input that other drives have.
 pub(super) fn add_force(b: &mut Builder, name: &str) {
-    let text = ["Force of ", name, " that its circuit gives, positive when it pushes its ends apart"];
+    let text = ["Force of ", name, ", computed by its circuit, positive when it pushes its ends apart"];
     let needs = Needs { speed: true, circuit: true, ..placed() };
     b.output(name, "force", &text, Newton, Output::Hydraulic(Hydraulic::Force), needs);
 }
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
-    b.input("valve.command".into(), &["Command of the valve, from -1 to 1"], One, 0.0);
+    b.input("valve.command".into(), &["Command of the valve from -1 to 1, positive to extend"], One, 0.0);
     let text = ["Pressure of the supply, relative to the ambient pressure"];
     b.input("supply.pressure".into(), &text, Pascal, circuit.supply.pressure);
     let text = ["Pressure of the tank, relative to the ambient pressure"];
@@ -65,38 +65,52 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::BulkModulus(1),
         [true, false, false],
     ),
-    ("valve", "position", "Position of the spool", One, Hydraulic::SpoolPosition, [false; 3]),
-    ("valve", "speed", "Speed of the spool", PerSecond, Hydraulic::SpoolSpeed, [false; 3]),
+    (
+        "valve",
+        "position",
+        "Position of the valve spool, 1 at full opening, positive to extend",
+        One,
+        Hydraulic::SpoolPosition,
+        [false; 3],
+    ),
+    ("valve", "speed", "Speed of the valve spool", PerSecond, Hydraulic::SpoolSpeed, [false; 3]),
     (
         "accumulator",
         "pressure",
-        "Pressure at the supply: that of the accumulator; without one, the input",
+        "Pressure at the supply side of the valve: pressure of the accumulator, or the input if there is none",
         Pascal,
         Hydraulic::SupplyPressure,
         [false, false, true],
     ),
-    ("supply", "flow", "Flow from the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),
+    ("supply", "flow", "Flow out of the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),
     ("tank", "flow", "Flow into the tank", CubicMetrePerSecond, Hydraulic::TankFlow, [true, false, true]),
     (
         "cylinder",
         "stroke_position",
-        "Position of the piston, from the closed length",
+        "Position of the piston, 0 at the closed length",
         Metre,
         Hydraulic::StrokePosition,
         [true, false, false],
     ),
-    ("power", "supply", "Power from the supply", Watt, Hydraulic::Power(0), [true, false, true]),
-    ("power", "return", "Power into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
+    ("power", "supply", "Hydraulic power from the supply", Watt, Hydraulic::Power(0), [true, false, true]),
+    ("power", "return", "Hydraulic power into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
     (
         "power",
         "piston",
-        "Power of the force on what the actuator moves",
+        "Mechanical power of the force on the mechanism",
         Watt,
         Hydraulic::Power(2),
         [true, true, false],
     ),
-    ("power", "seal_friction", "Power lost in the seals", Watt, Hydraulic::Power(3), [true, true, false]),
-    ("power", "compression", "Power into the elasticity of the oil", Watt, Hydraulic::Power(4), [true, true, true]),
+    ("power", "seal_friction", "Power lost in seal friction", Watt, Hydraulic::Power(3), [true, true, false]),
+    (
+        "power",
+        "compression",
+        "Power stored in the compression of the oil",
+        Watt,
+        Hydraulic::Power(4),
+        [true, true, true],
+    ),
     (
         "power",
         "throttling",
@@ -107,12 +121,19 @@ const OUTPUTS: &[Row] = &[
     ),
     ("energy", "supplied", "Energy from the supply since the start", Joule, Hydraulic::Energy(0), [false; 3]),
     ("energy", "returned", "Energy into the tank since the start", Joule, Hydraulic::Energy(1), [false; 3]),
-    ("energy", "piston", "Work of the force since the start", Joule, Hydraulic::Energy(2), [false; 3]),
-    ("energy", "seal_friction", "Energy lost in the seals since the start", Joule, Hydraulic::Energy(3), [false; 3]),
+    ("energy", "piston", "Work of the force on the mechanism since the start", Joule, Hydraulic::Energy(2), [false; 3]),
+    (
+        "energy",
+        "seal_friction",
+        "Energy lost in seal friction since the start",
+        Joule,
+        Hydraulic::Energy(3),
+        [false; 3],
+    ),
     (
         "energy",
         "compression",
-        "Energy into the elasticity of the oil since the start",
+        "Energy stored in the compression of the oil since the start",
         Joule,
         Hydraulic::Energy(4),
         [false; 3],
@@ -128,7 +149,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "balance",
-        "Energy supplied less all other energies of the circuit: 0 but for rounding",
+        "Energy supplied minus all other energies of the circuit: 0 except for rounding",
         Joule,
         Hydraulic::Balance,
         [false; 3],
@@ -141,7 +162,7 @@ pub(super) fn add(b: &mut Builder) {
     let ports = [drive.first_input + 1, drive.first_input + 2];
     let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
     let stiffness = Needs { circuit: true, ..position };
-    let text = ["Stiffness of the oil along ", name];
+    let text = ["Stiffness of the oil column along ", name];
     b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
     let damping = Needs { speed: true, ..stiffness };
     let text = ["Derivative of the friction of the seals with respect to the speed of ", name];

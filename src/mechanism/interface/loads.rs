@@ -11,38 +11,43 @@ use crate::variables::{Causality, Unit, Value};
 pub(super) fn add_inputs(b: &mut Builder) {
     let m = b.source.mechanism;
     if let Some(gravity) = &m.gravity {
-        b.load_input(&["Load factor: gravity as a multiple of free fall"], One, gravity.load_factor);
+        b.load_input(&["Load factor: multiple of gravity.acceleration that acts"], One, gravity.load_factor);
     }
     for (name, force) in m.forces.iter().filter(|(_, f)| !f.constant) {
         for (value, axis) in force.force.into_iter().zip(["x", "y"]) {
-            b.load_input(&["External force at ", name, ", ", axis, ", mechanism frame"], Newton, value);
+            b.load_input(&[axis, " component of the external force ", name, " in the mechanism frame"], Newton, value);
         }
     }
     for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
-        b.load_input(&["External torque on ", &t.on, ", anticlockwise"], NewtonMetre, t.torque);
+        b.load_input(&["External torque on ", &t.on, ", anticlockwise positive"], NewtonMetre, t.torque);
     }
 }
 
 pub(super) fn add_airspeed(b: &mut Builder) {
     if let Some(air) = &b.source.mechanism.air {
-        let text = "Speed at which the air flows past the mechanism's frame";
+        let text = "Speed of the air relative to the ground, along air.flow_angle";
         b.input("airspeed".into(), &[text], MetrePerSecond, air.airspeed);
     }
 }
+
+/// Sense of a spring's force, for its description.
+const PULLS: &str = ", positive when it pulls its ends together";
 
 pub(super) fn add_springs(b: &mut Builder) {
     let s = b.source;
     for ((i, spring), (_, defined)) in s.loading.springs.iter().enumerate().zip(s.mechanism.springs.iter()) {
         let (n, load) = (spring.name.as_str(), spring.load);
-        let (what, unit, force, force_unit) = match s.loading.loads[load] {
-            Load::Couple { .. } => ("angle", Radian, "torque", NewtonMetre),
-            Load::Slide { .. } => ("position", Metre, "force", Newton),
-            _ => ("length", Metre, "force", Newton),
+        let (what, unit, force, force_unit, sense) = match s.loading.loads[load] {
+            Load::Couple { .. } => {
+                ("angle", Radian, "torque", NewtonMetre, ", positive when it turns the second body clockwise")
+            }
+            Load::Slide { .. } => ("position", Metre, "force", Newton, PULLS),
+            _ => ("length", Metre, "force", Newton, PULLS),
         };
         let position = Needs { loads: &[load], ..s.displacement(load) };
         let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
         b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
-        let text = ["Pull of ", n, ": preload, spring and damper"];
+        let text = ["Sum of preload, spring and damper of ", n, sense];
         b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
     }
 }
@@ -54,14 +59,14 @@ pub(super) fn add_surfaces(b: &mut Builder) {
         let (n, loads) = (surface.name.as_str(), [surface.load, surface.load + 1, surface.load + 2]);
         let position = s.position(&[surface.start.body]);
         let needs = Needs { speed: true, inputs: airspeed.as_slice(), loads: &loads, ..position };
-        let text = ["Drag on the surface ", n, ", along the flow"];
+        let text = ["Drag on the surface ", n, ", component along the flow"];
         b.output(n, "drag", &text, Newton, Output::Drag { surface: i }, needs);
     }
 }
 
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
-        let text = b.text(|| ["Whether ", name, " holds the mechanism when it is at ", &lock.stop].concat());
+        let text = b.text(|| ["Whether ", name, " holds the mechanism at the stop ", &lock.stop].concat());
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
     }
@@ -77,10 +82,13 @@ pub(super) fn add_stops(b: &mut Builder) {
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };
-        let text = b.text(|| ["Whether the mechanism is at ", n].concat());
+        let text = b.text(|| ["Whether the mechanism is at or beyond ", n].concat());
         b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
-        let (suffix, unit) = if stop.quantity == "angle" { ("torque", NewtonMetre) } else { ("force", Newton) };
-        let text = ["Push of ", n, " against the mechanism"];
+        let (suffix, what, unit) = match stop.quantity == "angle" {
+            true => ("torque", "Torque of ", NewtonMetre),
+            false => ("force", "Force of ", Newton),
+        };
+        let text = [what, n, " on the mechanism, negative for an upper stop"];
         b.output(n, suffix, &text, unit, Output::Stop { stop: i }, s.acceleration());
         add_impacts(b, i, if stop.quantity == "angle" { KilogramSquareMetrePerSecond } else { NewtonSecond });
     }
@@ -90,10 +98,10 @@ pub(super) fn add_stops(b: &mut Builder) {
 fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     let s = b.source;
     let name = &s.loading.stops[stop].name;
-    let met = "Magnitude of the impulse of the last impact, on a bumper reduced mass times speed, on ";
+    let met = "Magnitude of the impulse of the last impact (for a bumper reduced mass times speed) on ";
     let parts = [
         ("impact_count", "Number of impacts since the start on ", One, ImpactPart::Count),
-        ("impact_time", "Time of the last impact, -1 s before the first one, on ", Second, ImpactPart::Time),
+        ("impact_time", "Time of the last impact (-1 s before the first one) on ", Second, ImpactPart::Time),
         ("impact_impulse", met, impulse, ImpactPart::Impulse),
     ];
     for (suffix, text, unit, part) in parts {
@@ -106,7 +114,7 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
     if b.source.loading.stops.is_empty() {
         return;
     }
-    let text = b.text(|| format!("What the stops do to the mechanism: {}", CONTACT_MODES.join(", ")));
+    let text = b.text(|| format!("State of the contact with the stops: {}", CONTACT_MODES.join(", ")));
     let name = "contact.mode".to_owned();
     b.add((name, text), Causality::Local, (None, None), Quantity::Contact, Needs::default());
 }
@@ -123,7 +131,7 @@ pub(super) fn add_sticking(b: &mut Builder) {
 pub(super) fn add_locks(b: &mut Builder) {
     let s = b.source;
     for (i, lock) in s.loading.locks.iter().enumerate() {
-        let text = ["Force with which ", &lock.name, " holds, positive towards ", &s.loading.stops[lock.stop].name];
+        let text = ["Force of ", &lock.name, " on the mechanism, positive towards ", &s.loading.stops[lock.stop].name];
         b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
     }
 }

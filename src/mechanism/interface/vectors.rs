@@ -21,7 +21,7 @@ pub fn vectors(variables: &Variables<Quantity>) -> Vec<Vector> {
 fn vector(quantity: Quantity) -> Option<(&'static str, &'static str, Output)> {
     match quantity {
         Quantity::Output(Output::Reaction { joint, part: ReactionPart::X }) => {
-            Some(("reaction", "Force in ", Output::Reaction { joint, part: ReactionPart::Y }))
+            Some(("reaction", "Reaction force in ", Output::Reaction { joint, part: ReactionPart::Y }))
         }
         Quantity::Output(Output::Marker { marker, axis: 0, order }) => {
             let names =

@@ -101,7 +101,7 @@ impl Linkage {
         linkage.add_joints(mechanism)?;
         let reached = linkage.grow_tree();
         if let Some(loose) = reached.iter().position(|r| !r) {
-            let message = "no chain of joints leads from it to the ground: add a joint or fixed_to";
+            let message = "this body is not connected to the ground by joints: add a joint or fixed_to";
             return Err(DefinitionError::key(format_args!("bodies.{}", linkage.bodies[loose].name), message));
         }
         linkage.number_coordinates();
@@ -193,7 +193,7 @@ impl Linkage {
             let second = self.locate(mechanism, format_args!("joints.{name}.second"), &joint.second)?;
             if first.body == second.body {
                 let body = &self.bodies[first.body].name;
-                let message = format!("connects {body} to itself: name points of two bodies");
+                let message = format!("connects {body} to itself: give points of two bodies");
                 return Err(DefinitionError::key(format_args!("joints.{name}"), message));
             }
             let freedom = match joint.kind {
@@ -228,7 +228,10 @@ impl Linkage {
         if from == to {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
-                let message = format!("other prismatic joints already hold these bodies {shift} rad away from it");
+                let message = format!(
+                    "other prismatic joints hold these bodies at an angle that differs by {shift} \
+                                       rad: correct one of the angles"
+                );
                 return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }
             return Ok(());

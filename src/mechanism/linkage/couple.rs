@@ -135,9 +135,8 @@ impl Linkage {
 
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
         let message = format!(
-            "{center} is not hinged on {}, which carries this coupling: let a revolute joint hold it there, or name \
-             the \
-             body that does",
+            "{center} has no revolute joint on {}, the carrier of this coupling: add a revolute joint there, or set \
+             carrier to the body that has the joint",
             self.bodies[carrier].name
         );
         named.refused(key, message)
@@ -154,7 +153,7 @@ impl Linkage {
         for (key, wheel) in [("first", first), ("second", second)] {
             if wheel.body == carrier {
                 let message = format!(
-                    "is on {}, which carries this coupling: name a wheel that turns on it",
+                    "is on {}, the carrier of this coupling: give a wheel that turns on the carrier",
                     self.bodies[carrier].name
                 );
                 return named.refused(key, message);
@@ -163,7 +162,10 @@ impl Linkage {
         if first.body == second.body {
             return named.refused(
                 "second",
-                format_args!("is on {} too, so nothing is coupled: name another body", self.bodies[first.body].name),
+                format_args!(
+                    "is on {} as well, so nothing is coupled: give another body",
+                    self.bodies[first.body].name
+                ),
             );
         }
         let Some(one) = self.hinge_on(carrier, first) else {
@@ -176,7 +178,7 @@ impl Linkage {
         if between.norm() <= SAME * self.size {
             let what = if defined.kind == CouplingKind::Cam { "cam and follower" } else { "wheels" };
             let message = format!(
-                "{} and {second_text} are one place: {what} need a distance between their centres",
+                "{} and {second_text} are at the same place: {what} need a distance between their centres",
                 defined.first
             );
             return named.refused("second", message);
@@ -200,9 +202,8 @@ impl Linkage {
                 if distance <= least {
                     let between = if crossed { "sum" } else { "difference" };
                     let message = format!(
-                        "its centres are {} m apart, which must be more than the {between} of the radii = {} m: change \
-                         a radius, \
-                         or move a centre",
+                        "the centres are {} m apart, but the distance must be larger than the {between} of the \
+                         radii, {} m: change a radius or move a centre",
                         Decimal::rounded(distance),
                         Decimal::rounded(least)
                     );
@@ -224,7 +225,7 @@ impl Linkage {
                 let ratio = sign * teeth[0] / teeth[1];
                 if !RATIOS.contains(&ratio.abs()) {
                     let message = format!(
-                        "with first_teeth = {} the ratio would be {}, which must be from {} to {}: change a number of \
+                        "with first_teeth = {} the ratio would be {}, but must be from {} to {}: change a number of \
                          teeth",
                         Decimal(teeth[0]),
                         Decimal::rounded(ratio.abs()),
@@ -257,7 +258,7 @@ impl Linkage {
         let ends = [(slide.first, slide.second, 1.0), (slide.second, slide.first, -1.0)];
         if let Some((on, ..)) = ends.iter().find(|(on, ..)| on.body == first.body) {
             let message =
-                format!("is on {}, which slides in {}: name a wheel that turns", self.bodies[on.body].name, slide.name);
+                format!("is on {}, which slides in {}: give a wheel that turns", self.bodies[on.body].name, slide.name);
             return named.refused("first", message);
         }
         let hinged = ends.into_iter().find_map(|(carrier, second, sign)| {
@@ -266,17 +267,15 @@ impl Linkage {
         let Some((carrier, second, sign, center)) = hinged else {
             let bodies = ends.map(|(body, ..)| self.bodies[body.body].name.as_str()).join(" nor on ");
             let message = format!(
-                "{} is hinged neither on {bodies}, the bodies of {}: let a revolute joint hold it on one of them",
+                "{} has no revolute joint on {bodies}, the bodies of {}: add a revolute joint on one of them",
                 defined.first, slide.name
             );
             return named.refused("first", message);
         };
         let Some(coordinate) = self.tree.iter().find(|branch| branch.joint == joint).and_then(|branch| branch.slide)
         else {
-            let message = format!(
-                "the position of {} follows from those of other prismatic joints: name one of these",
-                slide.name
-            );
+            let message =
+                format!("the position of {} follows from other prismatic joints: use one of these joints", slide.name);
             return named.refused("joint", message);
         };
         let text = mechanism

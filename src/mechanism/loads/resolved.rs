@@ -257,7 +257,7 @@ impl Loading {
                 Some(body) => {
                     let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
-                        let message = format!("{body} does not turn: name a turning body, a joint or two points");
+                        let message = format!("{body} does not turn: give a body that turns, a joint or two points");
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
                     Load::Torque { body: carrier, shift }
@@ -289,7 +289,8 @@ impl Loading {
         for (name, lock) in mechanism.locks.iter() {
             let at = linkage.locate(mechanism, format_args!("locks.{name}.at"), &lock.at)?;
             if at.body == GROUND {
-                let message = format!("{} is on the ground, so it cannot act: name a point that moves", lock.at);
+                let message =
+                    format!("{} is on the ground, so the load has no effect: give a point that moves", lock.at);
                 return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);

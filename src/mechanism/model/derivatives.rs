@@ -38,7 +38,7 @@ impl Model {
         }
         if let Some((seed, known)) = seeds.iter().zip(knowns).find(|(seed, _)| !seed.is_finite()) {
             let name = self.name_of(*known);
-            return Err(ModelError::Value { name, value: *seed, allowed: "finite, as a seed".into() });
+            return Err(ModelError::Value { name, value: *seed, allowed: "finite, because it is a seed".into() });
         }
         self.reducible("providesDirectionalDerivative")?;
         // The reference of an input is its index: inputs come first.
@@ -70,12 +70,12 @@ impl Model {
     /// # Errors
     /// No continuous output has this reference, another order than 1, `solver.method` = "`rigid_fem`".
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, ModelError> {
-        self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
+        self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
             return Err(ModelError::Derivative {
                 what,
-                reason: "maxOutputDerivativeOrder is 1: ask for order 1".into(),
+                reason: "maxOutputDerivativeOrder is 1: request order 1".into(),
             });
         }
         self.reducible("maxOutputDerivativeOrder")?;
@@ -92,10 +92,10 @@ impl Model {
     /// No continuous input has this reference, the order is not 1 or 2, the value is not finite, `solver.method` =
     /// "`rigid_fem`".
     pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), ModelError> {
-        self.continuous(reference, Causality::Input, "derivatives are set of continuous inputs")?;
+        self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         if !(1..=INPUT_ORDER).contains(&order) {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            return Err(ModelError::Derivative { what, reason: "set the orders 1 and 2".into() });
+            return Err(ModelError::Derivative { what, reason: "set orders 1 and 2".into() });
         }
         if !value.is_finite() {
             let name = format!("derivative {order} of {}", self.name_of(reference));
@@ -107,7 +107,7 @@ impl Model {
         {
             let what = format!("the derivative of {}", self.name_of(reference));
             let next = self.name_of(reference + 1);
-            return Err(ModelError::Derivative { what, reason: format!("it is the input {next}: set that") });
+            return Err(ModelError::Derivative { what, reason: format!("use the input {next} instead") });
         }
         self.not_rigid_fem("canInterpolateInputs")
     }
@@ -206,7 +206,9 @@ impl Model {
             None => self.parameter_values.method() == Method::RigidFem,
         };
         if rigid_fem {
-            let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();
+            let reason = "solver.method = \"rigid_fem\" does not support derivatives; choose solver.method = \
+                          \"reduced\""
+                .into();
             return Err(ModelError::Derivative { what: capability.into(), reason });
         }
         Ok(())

@@ -100,10 +100,8 @@ impl Model {
     pub fn serve_exchange(&mut self) -> Result<(), ModelError> {
         if self.continuous_time().is_none() {
             let reason = match self.original.reduced.loading().motion {
-                Some(_) => "the motion of a drive can be prescribed, which leaves no states; use co-simulation",
-                None => {
-                    "a drive has a hydraulic circuit, whose states are integrated with the motion; use co-simulation"
-                }
+                Some(_) => "a drive with prescribed motion has no continuous states; use co-simulation",
+                None => "the states of a hydraulic circuit are integrated together with the motion; use co-simulation",
             };
             return Err(ModelError::Derivative { what: "model exchange".into(), reason: reason.into() });
         }
@@ -120,7 +118,9 @@ impl Model {
             return Ok(());
         }
         if self.parameter_values.method() == Method::RigidFem {
-            let reason = "solver.method = \"rigid_fem\" does not have it; choose solver.method = \"reduced\"".into();
+            let reason = "solver.method = \"rigid_fem\" supports co-simulation only; choose solver.method = \
+                          \"reduced\""
+                .into();
             return Err(ModelError::Derivative { what: "model exchange".into(), reason });
         }
         self.exchange = Some(Exchange::default());
@@ -241,7 +241,8 @@ impl Model {
         }
         if matches!(self.state, Some(Formulation::RigidFem(_))) {
             return Some(
-                "solver.method = \"rigid_fem\" has no acceleration along the curve; read that of a body".into(),
+                "solver.method = \"rigid_fem\" has no acceleration along the curve; read the acceleration of a body"
+                    .into(),
             );
         }
         match self.derivatives() {
@@ -374,7 +375,7 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     if let Some(period) = reduced.period() {
         let revolutions = ((x - first) / period).floor();
         if revolutions.abs() > MOST_REVOLUTIONS {
-            let why = format!("the state of the position is {} m, so that the revolutions overflow", Decimal(x));
+            let why = format!("the position state is {} m, which is too many revolutions to count", Decimal(x));
             return Err(NoValue::AtState(why));
         }
         return Ok(((x - revolutions * period).clamp(first, last), revolutions));
@@ -382,8 +383,8 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     let too_far = |end: f64| {
         let (x, end, at) = (Decimal(x), Decimal(end), state.describe(reduced));
         let why = format!(
-            "the state of the position is {x} m, beyond the end of the travel at {end} m, and was {at}; \
-             take a shorter step"
+            "the position state is {x} m, beyond the end of the travel at {end} m; before, it was {at}; use a \
+             shorter step"
         );
         Err(NoValue::AtState(why))
     };

@@ -138,10 +138,13 @@ impl Model {
             return refused("solver.method = \"rigid_fem\" has more states; choose solver.method = \"reduced\"");
         }
         if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
-            return refused("the motion of a drive is prescribed, which leaves no states; set motion.enabled to false");
+            return refused("a drive has a prescribed motion, so there are no states; set motion.enabled to false");
         }
         match self.original.parameter_values.mechanism().hydraulic_drive() {
-            Some(_) => refused("a hydraulic circuit has more states; leave out hydraulics for the mechanism alone"),
+            Some(_) => refused(
+                "a hydraulic circuit has more states; remove hydraulics to linearise the mechanism \
+                                alone",
+            ),
             None => Ok(()),
         }
     }
@@ -167,7 +170,7 @@ impl Model {
         }
         match what.held_by {
             Some(drive) if self.drive_of(drive).is_none() => {
-                refuse(drive, "what holds the mechanism must be the force or torque of a drive")
+                refuse(drive, "held_by must be the force or torque of a drive")
             }
             _ => Ok(()),
         }

@@ -79,19 +79,23 @@ impl Told {
                 }
                 let (per, impulse_unit) = units(loading, stop);
                 let (name, speed) = (name(stop), Decimal::rounded(speed));
-                let more =
-                    if count == TOLD { "; slower ones that follow are counted, and told at their end" } else { "" };
+                let more = if count == TOLD {
+                    "; slower impacts that follow are counted and reported at the end of the \
+                                        series"
+                } else {
+                    ""
+                };
                 event(if is_rigid {
                     let impulse = Decimal::rounded(impulse);
                     format!("impact on {name} at {speed} {per}, impulse {impulse} {impulse_unit}{more}")
                 } else {
-                    format!("the mechanism meets {name} at {speed} {per}{more}")
+                    format!("the mechanism reaches {name} at {speed} {per}{more}")
                 })
             }
             What::Rests { stop } => {
                 let series = self.series.take().filter(|series| series.stop == stop && series.count > 1);
                 let after = series.map_or(String::new(), |series| format!(" after {} impacts", series.count));
-                event(format!("the mechanism comes to rest at {}{after}", name(stop)))
+                event(format!("the mechanism stops at {}{after}", name(stop)))
             }
             What::Gripped { change, impulse } => {
                 let drive = loading.drives.get(loading.motion.as_ref()?.load)?;
@@ -99,18 +103,22 @@ impl Told {
                 let [change, impulse] = [change, impulse].map(Decimal::rounded);
                 let name = &drive.name;
                 event(format!(
-                    "the motion of {name} is prescribed from now on: its speed jumps by {change} {per}, which takes an \
-                     impulse of {impulse} {unit} of the drive"
+                    "the motion of {name} is prescribed from here: the speed jumps by {change} {per}, for which the \
+                     drive needs an impulse of {impulse} {unit}"
                 ))
             }
-            What::Touched { stop } => event(format!("bumper {} begins to push", name(stop))),
-            What::Left { stop } => event(format!("bumper {} ceases to push", name(stop))),
+            What::Touched { stop } => event(format!("bumper {} starts to push", name(stop))),
+            What::Left { stop } => event(format!("bumper {} stops pushing", name(stop))),
             What::Caught { stop } => {
                 self.series = None;
                 event(format!("a lock catches the mechanism at {}", name(stop)))
             }
-            What::LetGo { stop } => event(format!("the lock at {} lets the mechanism go", name(stop))),
-            What::Reversal => event("the motion ends or reverses, and with it the losses of the drives".to_owned()),
+            What::LetGo { stop } => event(format!("the lock at {} releases the mechanism", name(stop))),
+            What::Reversal => event(
+                "the motion stops or reverses, and the losses of the drives change their \
+                                     direction"
+                    .to_owned(),
+            ),
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
             What::BreaksAway => event("the mechanism breaks away from its friction".to_owned()),
             What::Regime { joint, regime } => {
@@ -139,7 +147,7 @@ fn word(regime: Regime) -> &'static str {
     match regime {
         Regime::Viscous => "viscous",
         Regime::Static(_) => "static",
-        Regime::Transition(_) => "that between static and kinetic",
+        Regime::Transition(_) => "transitional (between static and kinetic)",
         Regime::Kinetic(_) => "kinetic",
     }
 }
@@ -165,7 +173,7 @@ impl Model {
                 let left_out = motion.state.witness.left_out;
                 let mut lines = self.told.lines(&motion.state.witness.take(), reduced, point);
                 if left_out > 0 {
-                    let text = format!("{left_out} events more at the end of this step, of which none is told");
+                    let text = format!("{left_out} more events at the end of this step are not reported");
                     lines.push(Line { is_detail: false, text });
                 }
                 lines

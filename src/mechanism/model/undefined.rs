@@ -22,8 +22,8 @@ impl Model {
             // In no state is there one: a line at each read would say nothing new.
             let is_new = !std::mem::replace(&mut self.lacks_drift, true);
             return is_new.then(|| {
-                "only the steps of co-simulation book the work done since the start; in model exchange it stays NaN, \
-                 which is reported once"
+                "model exchange does not record the work done since the start, so this output is NaN during the \
+                 whole run; this warning appears once"
                     .into()
             });
         }
@@ -79,7 +79,7 @@ impl Model {
             Output::OneElement { drive, .. } if reduced.loading().loads[drive].is_idle() => {
                 let (s, size) = (state.displacement(reduced, drive), reduced.linkage().size);
                 let (words, _) = reduced.loading().loads[drive].idle_words(s, size);
-                Some(format!("{words}, so that the drive never moves the mechanism"))
+                Some(format!("{words}, so the drive cannot move the mechanism"))
             }
             _ => Some(reason),
         }
@@ -93,28 +93,28 @@ impl Model {
             Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
                 format!("indeterminate at {}, a dead centre or a crossing of branches", state.describe(reduced))
             }
-            Ok(_) => "beyond the largest number under the present inputs and parameters: check their sizes".into(),
+            Ok(_) => "larger than the largest number with the present inputs and parameters: check their values".into(),
             Err(OutputError::Table(at)) => {
                 format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
             }
             Err(OutputError::Locked) => format!(
-                "friction locks the mechanism near {} under the present inputs, most of it in {}: friction and \
-                 reactions \
-                 have no common solution; reduce the coefficients or pin radii, or let stops end the travel before",
+                "friction locks the mechanism near {} under the present inputs, mainly in {}: the joint forces cause more friction than any load can overcome; reduce the coefficients or pin radii, or add a \
+                 stop before this position",
                 state.describe(reduced),
                 reduced.locking_joint(state.sigma)
             ),
             Err(OutputError::SelfLocking(drive)) => format!(
-                "friction locks the mechanism against {} near {}: no force of it overcomes the friction that it causes",
+                "friction locks the mechanism against {} near {}: every force of this drive causes more friction \
+                 than it overcomes",
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),
             Err(OutputError::Unstable) => format!(
-                "the loads do not drive the mechanism back to {}: small motions about it are no oscillation",
+                "the loads do not return the mechanism to {}: small motions about this position are not oscillations",
                 state.describe(reduced)
             ),
             Err(OutputError::Dead(drive)) => format!(
-                "{} is at a dead point near {}, where no force of it makes the motion that is prescribed",
+                "{} is at a dead centre near {}, where no force of this drive can produce the prescribed motion",
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),

@@ -201,13 +201,13 @@ fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f
 #[cold]
 fn lifting_words(name: &str, force: f64, when: &str) -> [String; 2] {
     let message = format!(
-        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam, but is held to it from here \
-         on",
+        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam; the computation keeps \
+         the contact from here on",
         Decimal::rounded(force)
     );
     let remedy = format!(
-        "press it on by a stiffer or more compressed spring, make the cam slower or its law smoother, or give \
-         couplings.{name} \"grooved\": true for a cam that holds its follower in both directions"
+        "use a stiffer or more compressed spring, a slower cam or a smoother law, or write couplings.{name} \
+         \"grooved\": true for a cam that guides its follower in both directions"
     );
     [message, remedy]
 }

@@ -144,7 +144,10 @@ impl SavedState {
         if reduced.is_open() {
             if let Err((stretch, _)) = reduced.reach(self.sigma) {
                 let (first, last) = stretch.curve().range;
-                return refuse(format!("sigma = {}: the last stretch is from {first} to {last}", self.sigma));
+                return refuse(format!(
+                    "sigma = {}: must be from {first} to {last} on the last stretch of the curve",
+                    self.sigma
+                ));
             }
         } else if !(first - slack..=last + slack).contains(&self.sigma) {
             return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
@@ -154,19 +157,19 @@ impl SavedState {
         }
         let loading = reduced.loading();
         if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
-            return refuse(format!("air acts = {}: it does not fit to the airspeed {}", self.air, self.airspeed));
+            return refuse(format!("air acts = {}: does not agree with the airspeed {}", self.air, self.airspeed));
         }
         for (end, rigid) in self.travel.stops() {
             if loading.stops.get(end).is_none_or(|stop| !stop.enabled || rigid && !stop.rigid) {
-                return refuse(format!("stop = {end}: there is none enabled of this kind with this index"));
+                return refuse(format!("stop = {end}: there is no enabled stop of this type with this index"));
             }
         }
         let is_place = |place: Place| self.travel.position(place).is_some();
         if self.contact.at_rest().is_some_and(|place| !is_place(place)) {
-            return refuse("resting where no stop is met".into());
+            return refuse("resting at a stop, but there is no stop at this position".into());
         }
         if self.contact.arrival().is_some_and(|place| self.travel.stop(place).is_none() || !is_place(place)) {
-            return refuse("arrival where no stop is met".into());
+            return refuse("arrival at a stop, but there is no stop at this position".into());
         }
         let state_loads = self.state_loads(reduced)?;
         let (bumpers, touching) = (state_loads.map_or(0, |s| s.bumpers.len()), self.contact.touching());
@@ -175,7 +178,7 @@ impl SavedState {
         }
         let constants = &self.applied[loading.inputs.len()..];
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
-            return refuse("the constant loads are not those of the parameters".into());
+            return refuse("the constant loads do not agree with the parameters".into());
         }
         if let Some(event) = self.memory.event_ahead() {
             let (exists, what) = match event {
@@ -186,19 +189,20 @@ impl SavedState {
                 Event::Bumper(bumper) => {
                     (bumper < bumpers, format!("index of an event = {bumper}: there is no such bumper"))
                 }
-                Event::Stop(place) => (is_place(place), "event ahead: no stop is met there".into()),
+                Event::Stop(place) => (is_place(place), "event ahead: there is no stop at this position".into()),
                 Event::Border(border) => {
                     let own = state_loads.map_or(0, StateLoads::borders);
                     let of_circuit = |border| {
                         let drive = loading.hydraulics.as_ref();
                         drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
                     };
-                    let what = "there is no such gap of the friction table, point of a curve, cushion, pump or edge of \
-                        a valve";
+                    let what = "the friction table, curve, cushion, pump or valve edge of this index does not exist";
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);
                     (is_one, format!("index of an event = {border}: {what}"))
                 }
-                Event::Knot(_) => (reduced.has_knots(), "event ahead: no coupling and no spring has a knot".into()),
+                Event::Knot(_) => {
+                    (reduced.has_knots(), "event ahead: no coupling and no spring has a knot there".into())
+                }
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),
                     format!("index of an event = {switch}: there is no such change of sign"),
@@ -211,7 +215,7 @@ impl SavedState {
         }
         // The energy lost is integrated if there are state loads, and in steps with inputs that change.
         if state_loads.is_some() && matches!(self.memory, Memory::Conservative(..)) {
-            return refuse("the integration is not that of the parameters".into());
+            return refuse("the integration method does not agree with the parameters".into());
         }
         Ok(())
     }
@@ -237,7 +241,7 @@ fn record_travel(travel: &mut Travel, record: &mut Record) -> Result<(), Damaged
         record.all_finite("slope at a bumper", &mut bumper.slopes)?;
     }
     let mut count = travel.beside.len();
-    record.place("stops beside a rigid one", &mut count, usize::MAX)?;
+    record.place("stops next to a rigid one", &mut count, usize::MAX)?;
     for k in 0..count {
         // The list grows entry by entry, so that a false count ends with the record.
         let (mut side, mut stop) = travel.beside.get(k).copied().unwrap_or_default();

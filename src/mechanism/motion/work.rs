@@ -66,8 +66,8 @@ impl Spent {
         let counts = [
             (*rejected, "rejected steps"),
             (work.impacts, "impacts on stops"),
-            (work.bumpers, "contacts with bumpers made or ended"),
-            (work.regimes, "changes of friction's regime"),
+            (work.bumpers, "starts or ends of contact with bumpers"),
+            (work.regimes, "changes of the friction regime"),
             (work.reversals, "reversals of drives with an efficiency"),
             (work.signs, "changes of sign of normal or drive forces"),
         ];
@@ -76,8 +76,8 @@ impl Spent {
             parts.push(format!("{} revolutions", revolutions.abs()));
         }
         format!(
-            "solver.max_steps = {} was met {} s into a step of {} s, by {}: {}; \
-             take shorter communication steps or raise solver.max_steps",
+            "solver.max_steps = {} was reached {} s into a step of {} s, after {}: {}; use shorter communication \
+             steps or a larger solver.max_steps",
             Decimal(*max_steps),
             Decimal(*time),
             Decimal(*h),
@@ -92,19 +92,18 @@ impl Spent {
         let total = accepted + rejected + work.extra;
         // An impact takes about eight of the units that are counted, the other events three.
         if 16 * work.impacts > total {
-            "the mechanism chatters on a rigid stop, so a lower restitution or some damping helps".into()
+            "the mechanism bounces on a rigid stop, so a lower restitution or more damping helps".into()
         } else if 8 * (work.bumpers + work.reversals + work.regimes + work.signs) > total {
-            "the mechanism chatters between bumpers, directions or regimes of friction, so more damping helps".into()
+            "the mechanism switches rapidly between bumpers, directions or friction regimes, so more damping helps"
+                .into()
         } else if rejected > accepted {
-            "most steps tried miss solver.tolerance, so a larger one or smaller loads help".into()
+            "most trial steps missed solver.tolerance, so a larger tolerance or smaller loads help".into()
         } else if revolutions.abs() >= 1.0 && *accepted as f64 <= 1e3 * revolutions.abs() {
             let rate = revolutions.abs() / time;
-            format!("the mechanism spins, at {rate:.3e} revolutions per second on average")
+            format!("the mechanism turns at {rate:.3e} revolutions per second on average")
         } else {
             let mean = time / (*accepted).max(1) as f64;
-            format!(
-                "the steps took {mean:.1e} s on average, and stiff friction, hard bumpers or large loads shorten them"
-            )
+            format!("the mean step was {mean:.1e} s; stiff friction, hard bumpers and large loads make the steps short")
         }
     }
 }

@@ -77,19 +77,19 @@ impl fmt::Display for ReductionError {
             Self::Curve(e) => e.fmt(f),
             Self::EndsMeet { name, position } => write!(
                 f,
-                "{name}: its two ends coincide near {position}, where its force has no direction; move one of its \
-                 attachments, or let stops end the travel before"
+                "{name}: both ends are at the same place near {position}, where the force has no direction; move \
+                 one of the attachment points, or add a stop before this position"
             ),
             Self::NoVolume { name, least, position } => write!(
                 f,
-                "{name}: at {position} it is down to {} m, where its gas has no volume left; give it more volume, or \
-                 let stops end the travel before",
+                "{name}: at {position} the length is {} m, where the gas volume is zero; increase the gas volume, \
+                 or add a stop before this position",
                 Decimal::rounded(*least)
             ),
             Self::Table { what, position } => write!(
                 f,
-                "{what} is not smooth near {position}: almost nothing with mass moves there; give a mass or an inertia \
-                 to a body that does"
+                "{what} is not smooth near {position}: almost nothing with mass moves there; add a mass or an \
+                 inertia to a body that moves there"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
                 let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);
@@ -100,7 +100,7 @@ impl fmt::Display for ReductionError {
                 )?;
                 let is_meant = unit == " rad" && (low.0..=high.0).contains(&value.0.to_radians());
                 if let Some(same) = turned {
-                    write!(f, ", where {}{unit} is the same position: state that", Decimal::rounded(*same))?;
+                    write!(f, ", where {}{unit} is the same position: write this value", Decimal::rounded(*same))?;
                 }
                 f.write_str(&if is_meant { if_degrees(value.0) } else { String::new() })
             }
@@ -109,11 +109,9 @@ impl fmt::Display for ReductionError {
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings \
-                     of its loop, \
-                     which is rigid, and {} move{} freely; remove a joint or a coupling of that loop or add a body to \
-                     it, and \
-                     hold what moves freely",
+                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or \
+                     couplings of its loop, which is rigid, while {} move{} freely; remove a joint or a coupling \
+                     of the rigid loop or add a body to it, and constrain what moves freely",
                     Decimal(*value),
                     moving.join(", "),
                     if moving.len() == 1 { "s" } else { "" }
@@ -121,8 +119,8 @@ impl fmt::Display for ReductionError {
             }
             Self::StartSpeed { name, value } => write!(
                 f,
-                "{name} = {} cannot be had: at this position it stands still whatever the speed (a toggle, or a rigid \
-                 loop); state the start by another body",
+                "{name} = {} is not possible: at this position this coordinate does not move (dead centre or rigid \
+                 loop); define the start by another body",
                 Decimal(*value)
             ),
         }
@@ -146,7 +144,7 @@ pub fn if_degrees(angle: f64) -> String {
         return String::new();
     }
     let [degrees, radians] = [angle, angle.to_radians()].map(Decimal::rounded);
-    format!("; if {degrees} degrees are meant, write {radians} rad in the file, or {degrees}deg after --start-values")
+    format!("; if you mean {degrees} degrees, write {radians} rad in the file, or {degrees}deg after --start-values")
 }
 
 impl ReductionError {

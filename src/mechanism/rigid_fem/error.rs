@@ -40,61 +40,62 @@ impl fmt::Display for RigidFemError {
         match self {
             Self::Prismatic { joint } => write!(
                 f,
-                "{joint} is prismatic: rigid finite elements take revolute joints only; choose the reduced model"
+                "{joint} is prismatic, but rigid finite elements support revolute joints only; choose the reduced \
+                 model"
             ),
             Self::Screw => {
-                write!(f, "a drive has a screw: rigid finite elements know none; choose the reduced model")
+                write!(f, "a drive has a screw, which rigid finite elements do not support; choose the reduced model")
             }
             Self::Coupling { coupling } => write!(
                 f,
-                "{coupling} couples two bodies: rigid finite elements know no gears, racks, belts or cams; choose the \
-                 reduced model"
+                "{coupling} couples two bodies, but rigid finite elements support no gears, racks, belts and cams; \
+                 choose the reduced model"
             ),
             Self::Nodes { body, count } => write!(
                 f,
-                "{body} is held by joints at {count} points: a rigid finite element has exactly 2 of them; choose the \
-                 reduced model"
+                "{body} has joints at {count} points, but a rigid finite element has exactly 2; choose the reduced \
+                 model"
             ),
             Self::AxialStiffness { body, value } => {
                 let value = Decimal(*value);
-                write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; state E A of the rod")
+                write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; write E A of the rod")
             }
             Self::Massless { body, mass } => write!(
                 f,
-                "mass of {body} = {mass} kg: one of its joints can move by a stretch of the rods alone, without moving \
-                 any mass; \
-                 give {body} a mass off its pivot or choose the reduced model"
+                "mass of {body} = {mass} kg: one of its joints can move by stretching rods alone, without moving a \
+                 mass; give {body} a mass away from its pivot, or choose the reduced model"
             ),
             Self::Efficiency { drive, value } => write!(
                 f,
-                "efficiency of {drive} = {value}: rigid finite elements know no losses in drives; set it to 1 or \
-                 choose the reduced model"
+                "efficiency of {drive} = {value}: rigid finite elements support no losses in drives; set the \
+                 efficiency to 1, or choose the reduced model"
             ),
             Self::StepSize { name, value } => {
                 write!(f, "step size {name} = {} s: must be finite and > 0", Decimal(*value))
             }
             Self::Substeps { count, limit } => {
-                write!(f, "a step would take {count:e} steps of h_fem, allowed are {limit:e}: raise h_fem")
+                write!(
+                    f,
+                    "the step needs {count:e} steps of h_fem, but at most {limit:e} are allowed: increase \
+                           h_fem"
+                )
             }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,
-                "no equilibrium at the end of a step of {h:e} s: the iterations still move a node by {correction:e} m, \
-                 allowed are {limit:e} m; \
-                 take a smaller step or check the sizes of the inputs"
+                "no equilibrium at the end of a step of {h:e} s: the iteration still moves a node by {correction:e} \
+                 m, but at most {limit:e} m are allowed; use a smaller step or check the values of the inputs"
             ),
             Self::Strain { body, strain, limit, h } => write!(
                 f,
-                "{body} is stretched by {strain:.2e} of its length where {limit} is allowed, at steps of {h:e} s: \
-                 either the steps \
-                 are too long and its vibration grows, or the loads are too large for its axial stiffness; take \
-                 smaller steps or \
-                 raise the axial stiffness"
+                "{body} is stretched by {strain:.2e} of its length, but at most {limit} is allowed, at steps of \
+                 {h:e} s: the steps are too long and the body vibrates, or the loads are too large for its axial \
+                 stiffness; use smaller steps or a larger axial stiffness"
             ),
             Self::Stretch { correction, limit } => write!(
                 f,
-                "no static stretch at the start: the iterations still move a node by {correction:e} m, allowed are \
-                 {limit:e} m; \
-                 raise the axial stiffness or lower the loads"
+                "no static equilibrium of the elastic bodies at the start: the iteration still moves a node by \
+                 {correction:e} m, but at most {limit:e} m are allowed; use a larger axial stiffness or smaller \
+                 loads"
             ),
         }
     }

@@ -16,14 +16,12 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
         let distance = linkage.hinge_distance(coupling.carrier, joint);
         if first + second > distance * (1.0 + TOUCHING) {
             let message = format!(
-                "has pulleys with radii of {} and {} m on centres {} m apart, less than the sum of the radii: the \
-                 pulleys \
-                 overlap",
+                "has pulleys with radii of {} and {} m, but centres only {} m apart: the pulleys overlap",
                 Decimal::rounded(first),
                 Decimal::rounded(second),
                 Decimal::rounded(distance)
             );
-            let remedy = "make a radius smaller or move a centre, unless the pulleys lie side by side";
+            let remedy = "reduce a radius or move a centre, unless the pulleys lie side by side";
             all.push(Finding::warning(format_args!("couplings.{}", joint.name), message, remedy));
         }
     }
@@ -33,13 +31,13 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
 pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64, when: &str) -> [String; 2] {
     let half = Decimal::rounded(0.5 * transmitted.abs());
     let message = format!(
-        "{name} transmits {} N{when}, half of which, {half} N, is above the pretension of {} N: a belt would be slack \
-         in one \
-         span, which here pushes with {} N, so that the forces in the joints are wrong",
+        "{name} transmits {} N{when}; half of the transmitted force, {half} N, exceeds the pretension of {} N: a \
+         belt would be slack in one span, where the computation has a compression of {} N, so the joint forces are \
+         wrong",
         Decimal::rounded(transmitted),
         Decimal::rounded(pretension),
         Decimal::rounded(0.5 * transmitted.abs() - pretension)
     );
-    let remedy = format!("give a pretension of more than {half} N, or of just that for a chain");
+    let remedy = format!("use a pretension of more than {half} N; for a chain use exactly this value");
     [message, remedy]
 }

@@ -47,33 +47,30 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
     if sharpest.value < cam.roller || sharpest.value < 0.0 {
         let what = match cam.face {
             None => format!(
-                "the pitch curve has a radius of curvature of {} m and the roller one of {} m",
+                "the pitch curve has a radius of curvature of {} m and the roller has a radius of {} m",
                 told(sharpest.value),
                 told(cam.roller)
             ),
             Some(_) => {
-                format!("under a flat face the profile would have a radius of curvature of {} m", told(sharpest.value))
+                format!("for a flat face the profile would have a radius of curvature of {} m", told(sharpest.value))
             }
         };
-        let message = format!(
-            "is undercut at the cam's angle {} rad: {what}, so that no disc has this profile",
-            told(sharpest.u1)
-        );
-        let remedy = "make base_radius larger, the rise smaller or slower, or the roller smaller";
+        let message =
+            format!("is undercut at the cam angle {} rad: {what}, so no cam disc has this profile", told(sharpest.u1));
+        let remedy = "use a larger base_radius, a smaller or slower rise, or a smaller roller";
         all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
     }
     let limit = STEEPEST[usize::from(matches!(cam.guide, Guide::Pivot { .. }))];
     if steepest.value > limit {
         let message = format!(
-            "its pressure angle reaches {} rad ({} deg) at the cam's angle {} rad, and {} deg are usual at most: the \
-             follower is \
-             pressed aside more than it is lifted",
+            "the pressure angle reaches {} rad ({} deg) at the cam angle {} rad, but at most {} deg are usual: the \
+             cam pushes the follower more sideways than up",
             told(steepest.value),
             told(steepest.value * 180.0 / PI),
             told(steepest.u1),
             told(limit * 180.0 / PI)
         );
-        let remedy = "make base_radius larger, or the rise smaller or slower";
+        let remedy = "use a larger base_radius, or a smaller or slower rise";
         all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
     }
 }

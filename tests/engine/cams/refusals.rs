@@ -30,7 +30,7 @@ fn what_is_no_cam_is_refused() {
         slides,
         "points",
         json!([[0.0, 0.0], [1.0, 0.1], [2.0, 0.0]]),
-        &["couplings.cam.points", "segments already"],
+        &["couplings.cam.points", "the segments define the lift already"],
     );
     refused(slides, "second", json!("disc.origin"), &["couplings.cam.second", "joint"]);
     refused(slides, "joint", Value::Null, &["couplings.cam", "no motion", "second"]);

@@ -18,7 +18,7 @@ fn what_cannot_be_coupled_is_refused() {
     refused(&format!(r#"{GEARS}, "pressure_angle": 1.5"#), &["couplings.mesh.pressure_angle", "1.5", "1.2"]);
     refused(
         r#""type": "gears", "internal": true, "first_teeth": 20, "second_teeth": 20"#,
-        &["internal", "as many teeth"],
+        &["internal", "the same number of teeth"],
     );
     refused(r#""type": "screw""#, &["couplings.mesh.type", "screw", "plane", "actuator"]);
     refused(r#""type": "belt", "first_radius": 0.5, "second_radius": 0.1"#, &["second_radius", "0.3 m apart", "0.4 m"]);
@@ -36,7 +36,7 @@ fn what_cannot_be_coupled_is_refused() {
         replaced(&other, &[(r#""second":"two.origin","second_teeth""#, r#""second":"two.rim","second_teeth""#)]);
     assert_says(
         Simulation::open(&other).and_then(|mut s| s.initialize()).unwrap_err(),
-        &["two.rim", "not hinged on ground", "revolute"],
+        &["two.rim", "has no revolute joint on ground", "revolute"],
     );
     // A second ratio between the same shafts leaves no freedom.
     let twice = changed(&shafts(GEARS), |m| {

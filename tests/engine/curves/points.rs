@@ -16,21 +16,33 @@ fn what_is_no_curve_is_refused_by_name() {
     let rigid =
         json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1, "points": [[0, 0], [1, 1]] } } });
     for (more, pieces) in [
-        (damper(json!([[0, 0]])), &["springs.d.damping_points", "1 of the 2 or more points [speed, force]"][..]),
+        (
+            damper(json!([[0, 0]])),
+            &["springs.d.damping_points", "has 1 points [speed, force]; a curve needs 2 or more"][..],
+        ),
         (damper(json!([[-1, -1], [1, 1]])), &["springs.d.damping_points", "add the point [0, 0]"]),
         (damper(json!([[-1, 1], [0, 0], [1, 1]])), &["damping_points[0]", "the force 1 at the speed -1 drives"]),
-        (damper(json!([[0, 0], [1, 5], [2, 3]])), &["damping_points", "beyond the speed 2", "no smaller"]),
-        (damper(json!([[-2, -1], [-1, -5], [0, 0], [1, 5]])), &["damping_points", "beyond the speed -2", "no smaller"]),
-        (damper(json!([[1, 1], [0, 0]])), &["damping_points[1]", "speed = 0 does not follow speed = 1"]),
-        (motor(json!({ "joint": "way", "points": [[0, 1]] })), &["actuators.m.points", "1 of the 2"]),
+        (damper(json!([[0, 0], [1, 5], [2, 3]])), &["damping_points", "beyond the speed 2", "not smaller"]),
+        (
+            damper(json!([[-2, -1], [-1, -5], [0, 0], [1, 5]])),
+            &["damping_points", "beyond the speed -2", "not smaller"],
+        ),
+        (damper(json!([[1, 1], [0, 0]])), &["damping_points[1]", "speed = 0 must be larger than speed = 1"]),
+        (
+            motor(json!({ "joint": "way", "points": [[0, 1]] })),
+            &["actuators.m.points", "has 1 points", "needs 2 or more"],
+        ),
         (motor(json!({ "joint": "way", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
         (
             motor(json!({ "joint": "way", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
-            &["actuators.m.points", "remove points, or motion"],
+            &["actuators.m.points", "remove points or motion"],
         ),
-        (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "begin with [0, 0]"]),
-        (buffer(json!([[0, 0], [1, 2], [2, 1]])), &["stops.b.points[2]", "the push 1 is less than 2 before"]),
-        (rigid, &["stops.b.points", "a rigid stop has none", "\"rigid\": false"]),
+        (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "start with [0, 0]"]),
+        (
+            buffer(json!([[0, 0], [1, 2], [2, 1]])),
+            &["stops.b.points[2]", "the force 1 is smaller than 2 at the point before"],
+        ),
+        (rigid, &["stops.b.points", "a rigid stop has no such value", "\"rigid\": false"]),
     ] {
         let mut text = body(false, [0.0, 0.0]);
         text.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
@@ -45,7 +57,7 @@ fn what_is_no_curve_is_refused_by_name() {
         }
     });
     let error = Simulation::open(&fem).map(drop).expect_err("rigid finite elements take a drive with a curve");
-    assert_says(error, &["actuators.motor.points", "rigid_fem", "give a torque or a force"]);
+    assert_says(error, &["actuators.motor.points", "rigid_fem", "use a torque or a force instead"]);
 }
 
 #[test]

@@ -62,7 +62,7 @@ fn faulty_circuits_are_refused_by_name() {
     assert_says(error(&|gear| drive(gear, "efficiency", json!(0.9))), &["actuators.actuator.hydraulics", "efficiency"]);
     assert_says(
         error(&|gear| gear["actuators"]["other"] = gear["actuators"]["actuator"].clone()),
-        &["actuators.other.hydraulics", "actuator has a circuit already"],
+        &["actuators.other.hydraulics", "actuator already has a circuit"],
     );
     assert_says(
         error(&|gear| gear["actuators"]["motor"] = json!({ "joint": "joint1", "hydraulics": {} })),

@@ -25,7 +25,7 @@ fn a_motion_ends_at_a_stop_and_is_refused_beyond_it() {
             break;
         }
     }
-    let words = ["actuator.length = 0.7", "upstop ends the travel at 0.736", "set the stop's enabled to false"];
+    let words = ["actuator.length = 0.7", "upstop ends the travel at 0.736", "set enabled of the stop to false"];
     assert_says(refused.unwrap(), &words);
     let time = beyond.0.time();
     assert!(beyond.get("actuator.acting_force").is_finite() && time < 0.5);
@@ -36,7 +36,10 @@ fn a_lock_that_is_engaged_is_not_torn() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": 0.2 });
     let mut gear = gear(&motion, |_| {}).started();
     gear.set("downlock.engage", true);
-    assert_says(gear.0.step(0.1).unwrap_err(), &["actuator.length = ", "a lock at downstop is engaged", "disengage"]);
+    assert_says(
+        gear.0.step(0.1).unwrap_err(),
+        &["actuator.length = ", "the motion leaves or passes downstop, whose lock is engaged", "disengage"],
+    );
     gear.set("downlock.engage", false);
     gear.step(0.1);
 }
@@ -53,19 +56,19 @@ fn a_dead_point_is_told_and_nothing_hangs() {
     crank.set("ram.motion.speed", 1.0);
     crank.step(0.005);
     let error = crank.0.step(1.0).unwrap_err();
-    assert_says(error, &["ram.position = ", "a dead point near 0.4", "let the motion end before"]);
+    assert_says(error, &["ram.position = ", "a dead centre near 0.4", "end the motion before this position"]);
     crank.set("ram.motion.position", 0.46);
     assert!(crank.0.get("crank.angle").is_ok_and(f64::is_nan));
-    assert_says(crank.undefined("crank.angle"), &["ram.position = 0.46", "dead point"]);
+    assert_says(crank.undefined("crank.angle"), &["ram.position = 0.46", "dead centre"]);
     crank.set("ram.motion.position", 0.44);
     crank.set("ram.motion.speed", -0.5);
     crank.step(0.1);
     is_close(crank.get("slide.position"), 0.39, 1e-13);
     let error = Model::from_json(&definition(&json!({ "position": 0.6 })).to_string()).unwrap_err();
-    assert_says(error, &["ram.position = 0.6", "dead point"]);
+    assert_says(error, &["ram.position = 0.6", "dead centre"]);
 }
 
-/// A drive between points at one distance, and in a joint that does not turn: no dead point, but no drive at all.
+/// A drive between points at one distance, and in a joint that does not turn: no dead centre, but no drive at all.
 #[test]
 fn a_drive_that_never_moves_takes_no_motion() {
     for (ends, words) in [
@@ -101,7 +104,7 @@ fn friction_that_locks_the_mechanism_against_its_drive_is_told() {
     for _ in 0..20 {
         match bucket.0.step(0.1) {
             Ok(()) => assert!(bucket.get("energy.drift").abs() < 1.0, "{}", bucket.get("energy.drift")),
-            Err(error) => return assert_says(error, &["friction locks", "let the motion end before"]),
+            Err(error) => return assert_says(error, &["friction locks", "end the motion before this position"]),
         }
     }
 }
@@ -116,22 +119,25 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     refused(&json!({ "profile": "cycloidal", "duration": 0, "distance": 1 }), &["motion.duration = 0", "> 0"]);
     refused(
         &json!({ "profile": "trapezoid", "distance": 1, "speed": 1, "acceleration": 1, "duration": 2 }),
-        &["motion.duration", "a trapezoid does not use it"],
+        &["motion.duration", "a trapezoid does not use this key"],
     );
     refused(&json!({ "profile": "table", "points": [[0, 0], [0, 1]] }), &["motion.points", "ascending times"]);
-    refused(&json!({ "position": 1, "start_time": 1 }), &["motion.start_time", "does not use it"]);
+    refused(&json!({ "position": 1, "start_time": 1 }), &["motion.start_time", "does not use this key"]);
     refused(&json!({ "profile": "sine" }), &["actuators.winch.motion.profile", "sine"]);
     let mut two = slider_crank(&json!({ "position": 0.3 }));
     two["actuators"]["ram"] = json!({ "joint": "slide", "motion": { "position": 0.44 } });
-    assert_says(Model::from_json(&two.to_string()).unwrap_err(), &["motor has a motion already"]);
+    assert_says(Model::from_json(&two.to_string()).unwrap_err(), &["motor already has a prescribed motion"]);
     let mut equilibrium = lift(&json!({ "position": 0.5 }));
     equilibrium["start"] = json!("equilibrium");
-    assert_says(Model::from_json(&equilibrium.to_string()).unwrap_err(), &["the motion holds the mechanism"]);
+    assert_says(
+        Model::from_json(&equilibrium.to_string()).unwrap_err(),
+        &["the prescribed motion holds the mechanism"],
+    );
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
-    assert_says(error, &["winch.motion.position", "it is the input winch.motion.speed"]);
+    assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);
     assert!(lift.continuous_time().is_none());
-    assert_says(lift.serve_exchange().unwrap_err(), &["motion of a drive", "use co-simulation"]);
+    assert_says(lift.serve_exchange().unwrap_err(), &["prescribed motion", "use co-simulation"]);
 }
 
 #[test]
@@ -140,10 +146,10 @@ fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
         opened(&lift(motion)).0.model().warnings().iter().map(ToString::to_string).collect()
     };
     for (motion, words) in [
-        (json!({ "position": 0.8 }), ["motion.position", "begins at 0.8", "the drive at 0.5"]),
+        (json!({ "position": 0.8 }), ["motion.position", "starts at 0.8", "the drive is at 0.5"]),
         (
             json!({ "profile": "table", "points": [[0, 0.7], [1, 1]] }),
-            ["motion.points", "begins at 1.2", "be 0 m at time 0"],
+            ["motion.points", "starts at 1.2", "be 0 m at time 0"],
         ),
     ] {
         let all = warned(&motion);

@@ -49,7 +49,7 @@ fn config() -> ProptestConfig {
 fn given<T>(linkage: &Linkage, result: Result<T, SimulationError>) -> Result<T, TestCaseError> {
     let model_error = |error| match error {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),
-        ModelError::Travel { reason, .. } if reason.contains("its two ends coincide") => {
+        ModelError::Travel { reason, .. } if reason.contains("both ends are at the same place") => {
             TestCaseError::reject("comes to where ends meet")
         }
         ModelError::Table { .. } | ModelError::Reduction(ReductionError::Table { .. }) => {

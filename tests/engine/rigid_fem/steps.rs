@@ -141,7 +141,7 @@ fn a_refused_step_changes_nothing() {
         assert!(matches!(error, RigidFemError::StepSize { .. }), "{error}");
     }
     let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &gear.sizes, 1.0, 1e-300).unwrap_err();
-    assert!(error.to_string().contains("raise h_fem"), "{error}");
+    assert!(error.to_string().contains("increase h_fem"), "{error}");
     for sizes in [vec![1e300; 7], vec![f64::NAN; 7]] {
         let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &sizes, 1e-2, 1e-3).unwrap_err();
         assert!(error.to_string().contains("smaller step"), "{error}");
@@ -192,7 +192,7 @@ fn bodies_that_are_no_binary_link_are_refused_by_name() {
         assert_says(&error, &["crank", "> 0"]);
     }
     let error = refused(&changed(FOUR_BAR, |m| m["actuators"]["drive"]["efficiency"] = json!(0.9)), 1e9);
-    assert_says(&error, &["drive", "0.9", "set it to 1"]);
+    assert_says(&error, &["drive", "0.9", "set the efficiency to 1"]);
     // The crank and the rocker of the shipped four-bar weigh nothing: its coupler's stretch would move no mass.
     let reduced = Run::new(FOUR_BAR).reduced().unwrap().clone();
     let fem = RigidFem::new(reduced.linkage(), reduced.loading(), &|_| 1e9).unwrap();

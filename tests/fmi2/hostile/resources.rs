@@ -29,8 +29,8 @@ fn locations_that_lead_nowhere() {
         ("file:///tmp/%FF%FE", "cannot read"),
         ("file:", "'mechanism.json'"),
         ("file:///", "'/mechanism.json'"),
-        ("file://", "names another machine"),
-        ("file://server/share", "names another machine"),
+        ("file://", "names another computer"),
+        ("file://server/share", "names another computer"),
         ("https://example.org/resources", "the scheme 'https'"),
         ("data:,{}", "the scheme 'data'"),
         (&"x".repeat(1 << 20), "cannot read"),
@@ -49,12 +49,12 @@ fn the_file_is_named_in_place_of_the_folder() {
 
 #[test]
 fn no_file() {
-    let folder = Folder::new("no file");
+    let folder = Folder::new("not a file");
     let location = folder.location();
     let file = folder.0.join("mechanism.json");
     assert!(refusal(location).contains("No such file"));
     fs::create_dir(&file).unwrap();
-    assert!(refusal(location).contains("it is no file"));
+    assert!(refusal(location).contains("this is not a file"));
     fs::remove_dir(&file).unwrap();
     std::os::unix::fs::symlink(&file, &file).unwrap();
     assert!(refusal(location).contains("cannot read"));
@@ -68,10 +68,10 @@ fn a_pipe_or_a_device_does_not_hold_up_the_host() {
     let path = c(file.to_str().unwrap());
     // SAFETY: a string.
     assert_eq!(unsafe { libc::mkfifo(path.as_ptr(), 0o600) }, 0);
-    assert!(refusal(folder.location()).contains("it is no file"));
+    assert!(refusal(folder.location()).contains("this is not a file"));
     fs::remove_file(&file).unwrap();
     std::os::unix::fs::symlink("/dev/zero", &file).unwrap();
-    assert!(refusal(folder.location()).contains("it is no file"));
+    assert!(refusal(folder.location()).contains("this is not a file"));
 }
 
 #[test]

@@ -46,7 +46,11 @@ pub(super) fn ordered(
         };
         let names: Vec<&str> = circle.iter().map(|&one| calculated[one].name.as_str()).collect();
         let one = &calculated[circle[0]];
-        let why = format!("\"{}\": {} is a circle: give one of them a number", one.text(), names.join(" reads "));
+        let why = format!(
+            "\"{}\": {} refer to each other in a circle: write a number for one of them",
+            one.text(),
+            names.join(" reads ")
+        );
         return Err(DefinitionError::key(&one.key, why));
     }
     let mut all: Vec<Option<Calculated>> = calculated.into_iter().map(Some).collect();

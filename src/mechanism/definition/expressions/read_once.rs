@@ -46,8 +46,8 @@ impl Mechanism {
             let name = fixed.expression.as_ref().ok().and_then(|expression| expression.names().first());
             if let (Some(name), false) = (name, key.starts_with("guess.")) {
                 let why = format!(
-                    "{name} may change after this number was read, which is no parameter: write numbers and functions \
-                     alone, or for a drawing the body's length and points in its own frame"
+                    "{name} can change later, but this number is read once and is not a parameter: write numbers \
+                     and functions only, or for a drawing the length and the points in the frame of the body"
                 );
                 faults.push(DefinitionError::key(&key, format_args!("\"{}\": {why}", texts[fixed.index])));
             }
@@ -102,7 +102,7 @@ impl Fixed {
         let value = expression.evaluate(|name| places[names[&expression.names()[name]]].value);
         match value.is_finite() {
             true => Ok(value),
-            false => Err(said(format!("its value is {}: must be a finite number", Decimal(value)))),
+            false => Err(said(format!("the value is {}: must be a finite number", Decimal(value)))),
         }
     }
 }

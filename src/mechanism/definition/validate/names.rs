@@ -19,14 +19,16 @@ pub(super) fn check_name(key: impl fmt::Display, name: &str) -> Check {
     let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
     if name.len() > LONGEST {
         let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
-        let message =
-            format!("the name \"{start}...\" has {count} letters, {LONGEST} at most, as it names files: shorten it");
+        let message = format!(
+            "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because files \
+                     have this name: shorten it"
+        );
         return refused(key, message);
     }
     if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    let allowed = format!("a letter, then letters, digits or underscores, {LONGEST} at most");
+    let allowed = format!("a letter, then letters, digits or underscores, at most {LONGEST} characters");
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
@@ -64,7 +66,7 @@ pub(super) fn alternatives(what: &str, names: &[&str], name: &str) -> String {
         sorted.truncate(COMPARED);
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
-    format!("{what} are {} in number, and the nearest are {nearest}", names.len())
+    format!("{what} are {} in number; the nearest names are {nearest}", names.len())
 }
 
 impl Mechanism {
@@ -96,17 +98,25 @@ impl Mechanism {
                 let key = format!("{key}.{name}");
                 faults.keep(check_name(&key, name));
                 if is_reserved(name) {
-                    faults.keep::<()>(refused(&key, "expressions have this name already: choose another one"));
+                    faults.keep::<()>(refused(
+                        &key,
+                        "this name is a function or a constant of expressions: choose \
+                                                     another name",
+                    ));
                 }
                 if parameter.description.chars().any(char::is_control) {
-                    faults.keep::<()>(refused(&key, "its description holds a control character: write it on one line"));
+                    faults.keep::<()>(refused(
+                        &key,
+                        "the description contains a control character: write the \
+                                                     description on one line",
+                    ));
                 }
             }
         }
         // Both would have one name in the guess, and one variable for two speeds.
         for (name, _) in self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
             if self.bodies.get(name).is_some() {
-                let message = format!("`{name}` names a body and a joint: rename one");
+                let message = format!("`{name}` is the name of a body and of a joint: rename one");
                 faults.keep::<()>(refused(format_args!("joints.{name}"), message));
             }
         }
@@ -114,7 +124,7 @@ impl Mechanism {
             for point in b.points.names() {
                 faults.keep(check_name(format_args!("bodies.{body}.points"), point));
                 if point == "origin" || point == "end" {
-                    let message = "every body has its own origin and end; choose another name";
+                    let message = "every body has the points origin and end: choose another name";
                     faults.keep::<()>(refused(format_args!("bodies.{body}.points.{point}"), message));
                 }
             }
@@ -128,7 +138,7 @@ impl Mechanism {
     pub fn point(&self, key: impl fmt::Display, text: &str) -> Result<(usize, [f64; 2]), DefinitionError> {
         let unknown = |allowed: String| Err(DefinitionError::unknown(&key, text, allowed));
         let Some((body, point)) = text.split_once('.') else {
-            return unknown("a point is written body.point, such as crank.end".into());
+            return unknown("write a point as body.point, such as crank.end".into());
         };
         let Some((index, b)) = self.bodies.find(body) else {
             return unknown(alternatives("the bodies", &self.bodies.names(), body));
@@ -136,7 +146,7 @@ impl Mechanism {
         match (point, b.length, b.points.get(point)) {
             ("origin", ..) => Ok((index, [0.0, 0.0])),
             ("end", Some(length), _) => Ok((index, [length, 0.0])),
-            ("end", None, _) => unknown(format!("{body} has no length, so no end: give bodies.{body}.length")),
+            ("end", None, _) => unknown(format!("{body} has no length and therefore no end: add bodies.{body}.length")),
             (.., Some(&local)) => Ok((index, local)),
             (_, length, None) => {
                 let mut names = vec!["origin"];

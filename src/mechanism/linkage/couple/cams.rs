@@ -51,8 +51,11 @@ impl Linkage {
             };
             let normal = defined.face_angle.map_or(along, |angle| turned(perp(face(angle)), turn));
             if is_flat && normal.dot(&along).abs() < LEAST {
-                return named
-                    .refused("face_angle", "the face lies along the joint, so that no cam can lift it: turn it");
+                return named.refused(
+                    "face_angle",
+                    "the face is parallel to the joint, so the cam cannot lift it: change \
+                                            face_angle",
+                );
             }
             let start = carrier.local + turned(contact.local - second.local, turn) - center;
             let face = turned(normal, -turn);
@@ -94,7 +97,13 @@ impl Linkage {
             return Ok(());
         }
         let [on, follower] = [contact, second].map(|point| self.bodies[point.body].name.as_str());
-        named.refused("contact", format_args!("is on {on}, and the follower is {follower}: name a point of it"))
+        named.refused(
+            "contact",
+            format_args!(
+                "is on {on}, but the follower is {follower}: give a point of the \
+                                               follower"
+            ),
+        )
     }
 
     /// Where the follower touches the base circle, nearest to a u2. `radius`: that of the base circle, with a roller
@@ -124,8 +133,8 @@ impl Linkage {
                 let half = ((radius - offset) * (radius + offset)).max(0.0).sqrt();
                 if half <= LEAST * radius {
                     let message = format!(
-                        "the roller's centre passes the cam's centre at a distance of {} m, and {what} is {} m: make \
-                         it larger",
+                        "the centre of the roller passes the centre of the cam at {} m, but {what} is only {} m: \
+                         make base_radius larger",
                         told(offset),
                         told(radius)
                     );
@@ -148,9 +157,8 @@ impl Linkage {
                 }
                 if all.is_empty() {
                     let message = format!(
-                        "no position of the face touches the base circle: {what} is {} m, and the centre of the \
-                         follower is {} m \
-                         from that of the cam: make it smaller",
+                        "the face cannot touch the base circle: {what} is {} m, and the centre of the follower is \
+                         {} m from the centre of the cam: make base_radius smaller",
                         told(radius),
                         told(distance)
                     );
@@ -162,9 +170,8 @@ impl Linkage {
                 let cos = (radius * radius - distance * distance - length * length) / (2.0 * distance * length);
                 if cos.is_nan() || cos.abs() >= 1.0 {
                     let message = format!(
-                        "{what} is {} m, and the roller's centre is from {} m to {} m from that of the cam: change it, \
-                         or the \
-                         follower",
+                        "{what} is {} m, but the centre of the roller can only be from {} m to {} m from the centre \
+                         of the cam: change base_radius or the follower",
                         told(radius),
                         told((distance - length).abs()),
                         told(distance + length)
@@ -185,9 +192,8 @@ impl Linkage {
             Some(start) => Ok(start),
             None => named.refused(
                 "base_radius",
-                "the follower moves along the base circle where it touches, so that no lift moves it: change the base \
-                 circle, \
-                 or the follower",
+                "at the contact the follower moves along the base circle, so no lift can move it: change the base \
+                 circle or the follower",
             ),
         }
     }

@@ -39,9 +39,8 @@ impl Loading {
         for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
             let Some(angle) = defined.pressure_angle.filter(|angle| *angle > 0.0) else { continue };
             if mechanism.friction.is_some() {
-                let message = "the friction of joints does not know the force that pushes teeth apart: set \
-                    pressure_angle to 0, \
-                               for teeth that push along the motion, or leave out friction";
+                let message = "the friction of joints does not include the separating force of teeth: set \
+                               pressure_angle to 0, or remove friction";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
             }
             let (first, tangent) = (self.loads.len(), angle.tan());
@@ -50,11 +49,9 @@ impl Loading {
                     let steepest = lobes * e / (1.0 - e * e).sqrt();
                     if steepest * tangent >= 1.0 {
                         let message = format!(
-                            "the pitch curves are inclined by up to {} rad to circles, so that teeth with this \
-                             pressure angle \
-                             cannot drive there: make the sum of both smaller than pi/2 by a smaller pressure_angle, \
-                             or by a \
-                             smaller eccentricity",
+                            "the pitch curves are inclined by up to {} rad, too steep for teeth with this pressure \
+                             angle: the sum of both angles must be less than pi/2; use a smaller pressure_angle or \
+                             a smaller eccentricity",
                             Decimal::rounded(steepest.atan())
                         );
                         return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));

@@ -73,13 +73,15 @@ pub(super) fn between(
         let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
         let (first, second) = (end("first", first)?, end("second", second)?);
         if first.body == second.body {
-            let message =
-                format!("both ends are on {}, so it cannot act: name two bodies", linkage.bodies[first.body].name);
+            let message = format!(
+                "both ends are on {}, so it has no effect: give points of two bodies",
+                linkage.bodies[first.body].name
+            );
             return Err(DefinitionError::key(key, message));
         }
         if let Some(joint) = hinges.joining(first, second) {
             let name = &linkage.joints[joint].name;
-            let message = format!("its two ends are the one point of {name}, so its length is zero: name two points");
+            let message = format!("both ends are the point {name}, so the length is zero: give two different points");
             return Err(DefinitionError::key(key, message));
         }
         return Ok(Load::Pair { first, second, is_idle: false });

@@ -79,9 +79,8 @@ impl Loading {
         for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
             let Some(efficiency) = defined.efficiency else { continue };
             if mechanism.friction.as_ref().is_some_and(|friction| friction.law != FrictionLaw::Stick) {
-                let message = "the loss of a coupling holds at rest, and the friction of joints is viscous there: \
-                    write \
-                               \"law\": \"stick\" in friction, or remove one of both";
+                let message = "a coupling with losses needs a friction law that holds at rest: write \"law\": \
+                               \"stick\" in friction, or remove the efficiency";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.efficiency"), message));
             }
             let joint = &linkage.joints[coupling.joint];
@@ -126,7 +125,7 @@ impl Loading {
         let Friction { enabled: _, law, static_coefficient, kinetic_coefficient, static_speed, kinetic_speed } = *f;
         let sticks = law == FrictionLaw::Stick;
         if kinetic_speed <= static_speed && !(sticks && kinetic_speed == 0.0 && static_speed == 0.0) {
-            let or = if sticks { ", or 0 with it" } else { "" };
+            let or = if sticks { ", or 0 if static_speed is 0" } else { "" };
             let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
             return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
         }
@@ -164,9 +163,8 @@ fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionEr
     };
     let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
     let message = format!(
-        "static friction {rest} is below kinetic friction {slip}, but friction.law is \"stick\": what breaks away \
-         would \
-         stick at once; make the static coefficient as large as the kinetic one at least"
+        "the static coefficient {rest} is smaller than the kinetic coefficient {slip}, but \"law\": \"stick\" needs \
+         a static coefficient that is at least as large"
     );
     DefinitionError::key(key, message)
 }

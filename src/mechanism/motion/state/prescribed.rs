@@ -62,7 +62,7 @@ impl Step<'_> {
     fn place(&self, t: f64, near: f64) -> Result<Place, ModelError> {
         let [position, speed, acceleration, _] = self.motion.at(t);
         if !(position.is_finite() && speed.is_finite() && acceleration.is_finite()) {
-            return Err(ModelError::Overflow { name: format!("{} that is prescribed", self.name()) });
+            return Err(ModelError::Overflow { name: format!("prescribed {}", self.name()) });
         }
         let (sigma, [slope, curvature]) =
             self.track.locate(near, position).map_err(|missed| self.refusal(t, position, missed))?;
@@ -134,7 +134,8 @@ impl State {
         let miss = motion.at(0.0)[0] - here;
         if is_begun && miss.abs() > SWITCH * found.slope.abs() * reduced.scale() {
             let why = format!(
-                "the drive is at {} {} where its motion begins to be prescribed; set {}.motion.position to this before",
+                "the drive is at {} {} when its prescribed motion is switched on; set {}.motion.position to this \
+                 value before",
                 Decimal::rounded(here),
                 unit_of(&step.name()),
                 reduced.loading().drives[drive.load].name
@@ -401,9 +402,8 @@ impl Balance<'_, '_> {
         let whole = self.step.track.whole;
         let (within, _) = whole.unwound(sigma);
         let why = format!(
-            "friction locks the mechanism against the drive there, most of it in {}; reduce the coefficients or pin \
-             radii, \
-             or let the motion end before",
+            "friction locks the mechanism against the drive there, mainly in {}; reduce the coefficients or pin \
+             radii, or end the motion before this position",
             whole.locking_joint(within)
         );
         let [value, ..] = self.step.motion.at(time);

@@ -49,7 +49,7 @@ impl Start {
         let Stated { coordinate, value, name, quantity } = Stated::new(mechanism, linkage);
         let variable = format!("{name}.start_{quantity}");
         let coordinate = coordinate.ok_or_else(|| {
-            let allowed = format!("state one of the coordinates {}", linkage.coordinates.join(", "));
+            let allowed = format!("use one of the coordinates {}", linkage.coordinates.join(", "));
             ModelError::Definition(DefinitionError::unknown("start", name, allowed))
         })?;
         if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
@@ -127,11 +127,11 @@ impl Start {
             let near = reduced.describe(self.sigma, self.revolutions);
             let (reason, remedy) = match none {
                 NoEquilibrium::Neutral => {
-                    ("no load acts at rest, so that every position is one".to_owned(), "state the start by a position")
+                    ("no load acts at rest, so every position is an equilibrium".to_owned(), "give a start position")
                 }
                 NoEquilibrium::None => (
-                    "the loads move the mechanism on wherever it is".to_owned(),
-                    "let a spring or a stop hold it, or change the inputs",
+                    "the loads move the mechanism at every position".to_owned(),
+                    "add a spring or a stop that holds the mechanism, or change the inputs",
                 ),
             };
             ModelError::NoEquilibrium { near, reason, remedy }

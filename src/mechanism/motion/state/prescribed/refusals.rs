@@ -38,25 +38,28 @@ impl Step<'_> {
             Missed::Idle(sigma) => {
                 let s = self.track.displacement(sigma).map_or(f64::NAN, |[s, ..]| s);
                 let (words, remedy) = whole.loading().loads[self.drive.load].idle_words(s, whole.linkage().size);
-                format!("{words}, so that no other can be prescribed, nor its force be found; {remedy}")
+                format!("{words}, so its motion cannot be prescribed and its force cannot be computed; {remedy}")
             }
             Missed::DeadPoint(sigma) => format!(
-                "the drive has a dead point near {}, where no force of it moves the mechanism; let the motion end \
-                 before, or drive the mechanism elsewhere there",
+                "the drive has a dead centre near {}, where no force of the drive moves the mechanism; end the \
+                 motion before this position, or use another drive there",
                 reach(sigma)
             ),
             Missed::End(side) => match ends.travel.rigid[side] {
                 Some(end) => format!(
-                    "{} ends the travel at {}; let the motion end there, or set the stop's enabled to false",
+                    "{} ends the travel at {}; end the motion there, or set enabled of the stop to false",
                     whole.loading().stops[end.stop].name,
                     reach(ends.limits[side])
                 ),
-                None => format!("the travel ends at {}; let the motion end before", reach(ends.limits[side])),
+                None => format!("the travel ends at {}; end the motion before this position", reach(ends.limits[side])),
             },
             Missed::Curve(sigma) => {
-                format!("the travel ends near {}, or is not smooth there; let the motion end before", at(sigma))
+                format!(
+                    "the travel ends near {}, or is not smooth there; end the motion before this position",
+                    at(sigma)
+                )
             }
-            Missed::Far => "the position is too far from the last one; take shorter communication steps".to_owned(),
+            Missed::Far => "the position is too far from the last position; use shorter communication steps".to_owned(),
         };
         ModelError::Prescribed { name, value, time, why }
     }
@@ -71,7 +74,7 @@ impl Step<'_> {
         let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_locked(*place));
         let Some(place) = places.find(|place| ends.position(*place).is_some_and(is_passed)) else { return Ok(()) };
         let stop = ends.travel.stop(place).map_or("a stop", |(stop, _)| &self.track.whole.loading().stops[stop].name);
-        let why = format!("a lock at {stop} is engaged, which the motion leaves or passes; disengage it before");
+        let why = format!("the motion leaves or passes {stop}, whose lock is engaged; disengage the lock before");
         let [value, ..] = self.motion.at(t);
         Err(ModelError::Prescribed { name: self.name(), value, time: t, why })
     }
