@@ -43,7 +43,7 @@ class FaultError(RunError):
     """The run failed by a fault of the FMU, whose instance is lost."""
 
     def __init__(self) -> None:
-        super().__init__("a fault in the engine stopped the run; please report it")
+        super().__init__("an internal fault stopped the run; please report it")
 
 
 def is_close(a: float, b: float) -> bool:
@@ -294,7 +294,7 @@ class Runner:
                 break
         missed = ""
         if stop_at is not None and not stopped:
-            missed = f"{stop_at.name} did not come true within {self.plan['stop_label']} s"
+            missed = f"{stop_at.name} did not happen within {self.plan['stop_label']} s"
         return "; ".join(remark for remark in (missed, self.undefined) if remark)
 
     def make(self, step: Step, call: Call) -> None:

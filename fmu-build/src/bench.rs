@@ -69,7 +69,7 @@ fn importers(workspace: &Workspace) -> Result<()> {
     match fmi_sim(workspace) {
         Ok(program) => _ = script.env("FMI_SIM", program),
         Err(error) => {
-            println!("fmi-sim is left out: {error:#} (it needs libclang; Debian: apt-get install libclang-dev)")
+            println!("fmi-sim is left out: {error:#} (fmi-sim needs libclang; Debian: apt-get install libclang-dev)")
         }
     }
     script.env("DELAYED_FMU", delayed(workspace)?);

@@ -105,7 +105,7 @@ impl Binary {
     pub fn read(named: &Library) -> Result<Self> {
         let file = named.file.display();
         if !named.file.is_file() {
-            bail!("{file}: there is no such file; name the library for {}", named.platform);
+            bail!("{file}: there is no such file; give the path of the library for {}", named.platform);
         }
         Self::new(named.platform, files::read(&named.file, u64::MAX)?, &file.to_string())
     }
@@ -116,9 +116,14 @@ impl Binary {
     /// It is no library of the platform, or there is no such platform.
     pub fn new(name: &str, content: Vec<u8>, shown: &str) -> Result<Self> {
         let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == name) else {
-            bail!("there is no platform {name} in FMI 2.0");
+            bail!("FMI 2.0 has no platform {name}");
         };
-        check(platform, &content, FUNCTION).with_context(|| format!("{shown}: is no FMU's library for {name}"))?;
+        check(platform, &content, FUNCTION).with_context(|| {
+            format!(
+                "{shown}: is not the library of an FMU for \
+            {name}"
+            )
+        })?;
         Ok(Self { platform, folder: platform.name, content })
     }
 
@@ -168,13 +173,13 @@ pub fn path(name: &str, model_identifier: &str) -> Option<String> {
 pub fn check_for(name: &str, content: &[u8]) -> Result<()> {
     match platform(name) {
         Some(platform) => check(platform, content, FUNCTION),
-        None => bail!("FMI has no platform {name}; FMI 2.0 knows {}", fmu_cli::PLATFORMS.join(", ")),
+        None => bail!("FMI has no platform {name}; the platforms of FMI 2.0 are {}", fmu_cli::PLATFORMS.join(", ")),
     }
 }
 
 /// Whether one library in the file, which may hold several, is the platform's and exports this function.
 fn check(platform: &Platform, content: &[u8], function: &str) -> Result<()> {
-    match FileKind::parse(content).map_err(|_| anyhow::anyhow!("the file is no library at all"))? {
+    match FileKind::parse(content).map_err(|_| anyhow::anyhow!("the file is not a library"))? {
         FileKind::MachOFat32 => check_each(platform, content, MachOFatFile32::parse(content)?.arches(), function),
         FileKind::MachOFat64 => check_each(platform, content, MachOFatFile64::parse(content)?.arches(), function),
         _ => check_one(platform, content, function),
@@ -182,7 +187,7 @@ fn check(platform: &Platform, content: &[u8], function: &str) -> Result<()> {
 }
 
 fn check_each<A: FatArch>(platform: &Platform, content: &[u8], parts: &[A], function: &str) -> Result<()> {
-    let mut result = Err(anyhow::anyhow!("the file holds no library"));
+    let mut result = Err(anyhow::anyhow!("the file contains no library"));
     for part in parts {
         result = check_one(platform, part.data(content)?, function);
         if result.is_ok() {
@@ -197,17 +202,17 @@ fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> 
     let (format, architecture) = (library.format(), library.architecture());
     if format != platform.format || !platform.architectures.contains(&architecture) {
         bail!(
-            "it is {format:?} for {architecture:?}, and not {:?} for {}",
+            "the file is {format:?} for {architecture:?}, not {:?} for {}",
             platform.format,
             platform.architectures.iter().map(|a| format!("{a:?}")).collect::<Vec<_>>().join(" or ")
         );
     }
     // Bundles of macOS are loaded as dynamic libraries are.
     if library.kind() != ObjectKind::Dynamic && format != BinaryFormat::MachO {
-        bail!("it is no shared library");
+        bail!("the file is not a shared library");
     }
     if !exports(&library)?.iter().any(|name| name == function) {
-        bail!("it does not export {function}");
+        bail!("the library does not export {function}");
     }
     Ok(())
 }
@@ -219,7 +224,7 @@ fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> 
 pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
     let names = exports(&object::File::parse(content)?)?;
     match names.iter().find(|name| !name.starts_with("fmi2") && !name.starts_with("fmi3")) {
-        Some(name) => bail!("it exports {name}, which is no function of FMI"),
+        Some(name) => bail!("the library exports {name}, which is not a function of FMI"),
         None => Ok(()),
     }
 }
@@ -277,8 +282,8 @@ mod tests {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let message = check(platform("win64"), &program, FUNCTION).unwrap_err().to_string();
         assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
-        assert!(exports_fmi_only(b"no library").is_err());
+        assert!(exports_fmi_only(b"not a library").is_err());
         let message = check(platform("linux64"), &program, FUNCTION).unwrap_err().to_string();
-        assert!(message.contains("does not export") || message.contains("no shared library"), "{message}");
+        assert!(message.contains("does not export") || message.contains("not a shared library"), "{message}");
     }
 }

@@ -24,10 +24,7 @@ pub fn open(path: &Path) -> Result<(csv::Reader<File>, Vec<String>)> {
     let name = |name: &str| name.trim_start_matches('\u{feff}').trim_matches('"').to_owned();
     let names: Vec<String> = header.iter().map(name).collect();
     if let Some(separator) = names.first().and_then(|first| first.chars().find(|c| SEPARATORS.contains(*c))) {
-        bail!(
-            "{shown}: the columns are separated by {separator:?}; separate them by commas, and write decimals with a \
-             point"
-        );
+        bail!("{shown}: the columns are separated by {separator:?}; use commas between columns, and decimal points");
     }
     Ok((reader, names))
 }

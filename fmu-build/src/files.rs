@@ -40,7 +40,7 @@ pub fn kind(metadata: &Metadata) -> &'static str {
             return "a device";
         }
     }
-    if of.is_dir() { "a folder" } else { "no regular file" }
+    if of.is_dir() { "a folder" } else { "not a regular file" }
 }
 
 /// A sum of the content of a file of any size, in words; memory stays constant.
@@ -51,7 +51,7 @@ pub fn digest(path: &Path) -> Result<String> {
     let shown = path.display();
     let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
     if !metadata.is_file() {
-        bail!("{shown}: this is {}; name a regular file", kind(&metadata));
+        bail!("{shown}: this is {}; give the path of a regular file", kind(&metadata));
     }
     let mut file = File::open(path).with_context(|| format!("{shown}: cannot be read"))?;
     let (mut block, mut sum, mut length) = (Vec::new(), 0_u64, 0);
@@ -75,10 +75,13 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let shown = path.display();
     let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
     if !metadata.is_file() {
-        bail!("{shown}: this is {}; name a regular file", kind(&metadata));
+        bail!("{shown}: this is {}; give the path of a regular file", kind(&metadata));
     }
     if metadata.len() > largest {
-        bail!("{shown}: has {} bytes, at most {largest}; is it the right file?", metadata.len());
+        bail!(
+            "{shown}: has {} bytes, but at most {largest} are allowed; check that this is the right file",
+            metadata.len()
+        );
     }
     fs::read(path).with_context(|| format!("{shown}: cannot be read"))
 }
@@ -118,8 +121,9 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<()> {
 /// # Errors
 /// It cannot be made.
 pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
-    fs::create_dir_all(folder)
-        .with_context(|| format!("{}: the folder cannot be made; name another with {option}", folder.display()))
+    fs::create_dir_all(folder).with_context(|| {
+        format!("{}: the folder cannot be created; give another folder with {option}", folder.display())
+    })
 }
 
 /// [`replace`] the file that this option of a command names.
@@ -139,7 +143,7 @@ fn folder_of(path: &Path) -> &Path {
 fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
     let folder = folder_of(path);
     fs::create_dir_all(folder)
-        .with_context(|| format!("{}: the folder cannot be made; name another one", folder.display()))?;
+        .with_context(|| format!("{}: the folder cannot be created; give another folder", folder.display()))?;
     let written = Replacement::begin(path).and_then(|mut own| {
         write(&mut own.file)?;
         own.finish()
@@ -149,7 +153,7 @@ fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) ->
 
 /// Message for a file that cannot be written.
 pub fn unwritten(path: &Path) -> String {
-    format!("{}: cannot be written; free space there, or name another folder", path.display())
+    format!("{}: cannot be written; free disk space, or give another folder", path.display())
 }
 
 /// A file that is being written. At its end it takes the place of what stands at its path; until then, and where it is
@@ -228,7 +232,13 @@ fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
             return Ok((path, file));
         }
     }
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, format!("{ATTEMPTS} unfinished files of this name stand there")))
+    Err(io::Error::new(
+        io::ErrorKind::AlreadyExists,
+        format!(
+            "there are already {ATTEMPTS} unfinished files of this \
+        name"
+        ),
+    ))
 }
 
 /// Remove what runs left that were killed while they wrote `name`: unfinished files that nobody has locked. Nothing
@@ -243,7 +253,7 @@ fn clear(folder: &Path, name: &OsStr) {
             && file.try_lock().is_ok()
             && fs::remove_file(&path).is_ok()
         {
-            println!("{} (left unfinished by a run that was ended; removed)", path.display());
+            println!("{} (removed: unfinished file of a run that was stopped)", path.display());
         }
     }
 }
@@ -289,7 +299,7 @@ mod tests {
         .unwrap_err();
         let message = format!("{error:#}");
         assert!(message.starts_with(&path.display().to_string()), "{message}");
-        assert_eq!(message.matches("cannot be written; free space there").count(), 1, "{message}");
+        assert_eq!(message.matches("cannot be written; free disk space").count(), 1, "{message}");
         assert!(!message.contains('\n') && !message.contains(PARTIAL), "{message}");
         assert_eq!(fs::read(&path).unwrap(), b"before");
         assert_eq!(names(&folder), ["A.fmu"]);
@@ -318,7 +328,7 @@ mod tests {
     #[test]
     fn devices_are_not_read() {
         let message = read(Path::new("/dev/zero"), 10).unwrap_err().to_string();
-        assert_eq!(message, "/dev/zero: this is a device; name a regular file");
+        assert_eq!(message, "/dev/zero: this is a device; give the path of a regular file");
     }
 
     #[test]
@@ -327,7 +337,12 @@ mod tests {
         let path = folder.join("a");
         fs::write(&path, [0; 11]).unwrap();
         assert!(read(&path, 11).is_ok());
-        assert!(read(&path, 10).unwrap_err().to_string().ends_with("has 11 bytes, at most 10; is it the right file?"));
+        assert!(
+            read(&path, 10)
+                .unwrap_err()
+                .to_string()
+                .ends_with("has 11 bytes, but at most 10 are allowed; check that this is the right file")
+        );
         fs::remove_dir_all(folder).unwrap();
     }
 }

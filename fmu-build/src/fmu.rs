@@ -39,7 +39,7 @@ impl Fmu {
         let shown = path.display().to_string();
         let bytes = files::read(path, LARGEST_FMU)?;
         let faults = headers::faults(&bytes);
-        let archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is no FMU"))?;
+        let archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is not an FMU"))?;
         let names = archive.file_names().filter(|name| !name.as_ref().is_ok_and(|name| name.ends_with('/')));
         let names = names.map(|name| Ok(name?.into_owned())).collect::<Result<_>>();
         let names = names.with_context(|| format!("{shown}: the names of its entries cannot be read"))?;
@@ -78,7 +78,7 @@ impl Fmu {
             .read_to_end(&mut bytes)
             .with_context(|| format!("{shown}: {name} cannot be unpacked"))?;
         if bytes.len() as u64 > largest {
-            bail!("{shown}: {name} has more than {largest} bytes; is it the right file?");
+            bail!("{shown}: {name} has more than {largest} bytes; check that this is the right file");
         }
         Ok(Some(bytes))
     }
@@ -120,6 +120,6 @@ impl Fmu {
             return Ok(definition);
         }
         let files = Component::definition_files().join(" or ");
-        bail!("{}: holds no {RESOURCES}/{files}; is it an FMU of this program?", self.shown)
+        bail!("{}: contains no {RESOURCES}/{files}; check that this FMU was built by linkage-fmu", self.shown)
     }
 }

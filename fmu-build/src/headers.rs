@@ -24,7 +24,7 @@ const FIELDS: [(&str, usize, usize, usize); 4] =
 pub fn faults(zip: &[u8]) -> Vec<String> {
     let mut faults = Vec::new();
     if read(zip, &mut faults).is_none() {
-        faults.push("the list of the archive's entries is cut short; pack the FMU again".to_owned());
+        faults.push("the directory of the archive is incomplete; pack the FMU again".to_owned());
     }
     faults
 }
@@ -44,14 +44,16 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
         let name = listed.get(LISTED_LENGTH..LISTED_LENGTH + number(listed, 28, 2)?)?;
         let shown = String::from_utf8_lossy(name);
         if !names.insert(name) {
-            faults.push(format!("{shown} stands twice in the archive, and hosts read one or the other; remove one"));
+            faults.push(format!(
+                "{shown} occurs twice in the archive, and hosts can read either of the two; remove \
+                                 one"
+            ));
         }
         let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
         if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {
             faults.push(format!(
-                "{shown}: its {what} in the list of the archive is not that of its own header, so that hosts read \
-                 different \
-                 files; pack the FMU again"
+                "{shown}: the {what} in the directory of the archive differs from the entry itself, so hosts can \
+                 read different files; pack the FMU again"
             ));
         }
         at += LISTED_LENGTH + name.len() + number(listed, 30, 2)? + number(listed, 32, 2)?;
@@ -108,8 +110,11 @@ mod tests {
         }
         let mut twice = zip();
         (twice[own + 5], twice[listed + 5]) = (b'1', b'1');
-        assert_eq!(faults(&twice), ["entry1 stands twice in the archive, and hosts read one or the other; remove one"]);
+        assert_eq!(
+            faults(&twice),
+            ["entry1 occurs twice in the archive, and hosts can read either of the two; remove one"]
+        );
         let whole = zip();
-        assert!(faults(&whole[..whole.len() - 30])[0].contains("cut short"));
+        assert!(faults(&whole[..whole.len() - 30])[0].contains("incomplete"));
     }
 }

@@ -52,7 +52,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     } else {
         let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
         let component = Component::from_definition(kind, &text)
-            .with_context(|| format!("{shown}; `{} check` tells more", workspace.program()))?;
+            .with_context(|| format!("{shown}; `{} check` prints the details", workspace.program()))?;
         let description =
             Description::parse(&fmi2::to_xml(&component, Naming::default()).with_context(|| shown.clone())?)?;
         Told {
@@ -98,7 +98,7 @@ fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Op
 /// There is none, or it cannot be read.
 pub fn description(fmu: &mut Fmu) -> Result<Description> {
     let shown = fmu.shown().to_owned();
-    let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: holds no {MODEL_DESCRIPTION}"))?;
+    let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: contains no {MODEL_DESCRIPTION}"))?;
     Description::parse(&text).with_context(|| format!("{shown}/{MODEL_DESCRIPTION}"))
 }
 
@@ -164,7 +164,7 @@ fn experiment(description: &Description) -> String {
     let parts = [
         ("from", experiment.start_time, " s"),
         ("to", experiment.stop_time, " s"),
-        ("in steps of", experiment.step_size, " s"),
+        ("with steps of", experiment.step_size, " s"),
         ("tolerance", experiment.tolerance, ""),
     ];
     let told = parts.iter().filter_map(|(word, value, unit)| value.map(|value| format!("{word} {value:?}{unit}")));

@@ -43,7 +43,7 @@ pub fn platform() -> Result<&'static str> {
         "linux" => "linux64",
         "windows" => "win64",
         "macos" => "darwin64",
-        other => bail!("{other}: FMI 2.0 names no folder for this system; build on Linux, Windows or macOS"),
+        other => bail!("{other}: FMI 2.0 has no platform for this system; build on Linux, Windows or macOS"),
     })
 }
 
@@ -76,10 +76,11 @@ pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> 
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
     let what = target.map_or_else(|| PACKAGE.to_owned(), |target| format!("{PACKAGE} for {}", target.triple));
     if !output.status.success() {
-        bail!("cargo build of {what} failed ({}); its own messages stand above", output.status);
+        bail!("cargo build of {what} failed ({}); its own messages are above", output.status);
     }
-    let path = artifact(&String::from_utf8_lossy(&output.stdout), extension)
-        .with_context(|| format!("cargo build of {what} made no .{extension}; has [lib] crate-type cdylib?"))?;
+    let path = artifact(&String::from_utf8_lossy(&output.stdout), extension).with_context(|| {
+        format!("cargo build of {what} wrote no .{extension}; check that [lib] crate-type is cdylib")
+    })?;
     let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
     binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
     Ok(content)

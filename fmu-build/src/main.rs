@@ -14,5 +14,5 @@ fn main() -> ExitCode {
 /// A task that this program does not have.
 fn elsewhere(_: &Workspace, task: Task) -> ExitCode {
     let name = task.program().name();
-    task::refused(&anyhow!("{name} does this task: say `cargo fmu`, or `cargo run --release --package {name} --`"))
+    task::refused(&anyhow!("{name} does this task: run `cargo fmu`, or `cargo run --release --package {name} --`"))
 }

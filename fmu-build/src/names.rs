@@ -24,21 +24,20 @@ const NUMBERED_DEVICES: [&str; 2] = ["COM", "LPT"];
 pub fn check(path: &str) -> Result<()> {
     if path.starts_with('/') || path.split('/').any(|name| name == "..") {
         bail!(
-            "{}: the path leads out of the folder into which the FMU is unpacked, and could overwrite other files \
-             there; \
-             remove this entry",
+            "{}: the path leads out of the folder of the unpacked FMU and could overwrite other files; remove this \
+             entry",
             path.escape_debug()
         );
     }
     let length = path.encode_utf16().count();
     if length > LONGEST {
         bail!(
-            "{path}: the path in the FMU has {length} characters, at most {LONGEST}, \
-             or Windows cannot unpack it; shorten the names"
+            "{path}: the path in the FMU has {length} characters, but Windows can unpack at most {LONGEST}; shorten \
+             the names"
         );
     }
     path.split('/').try_for_each(|name| match fault(name) {
-        Some(fault) => bail!("{}: {fault}, so Windows cannot unpack it; rename it", path.escape_debug()),
+        Some(fault) => bail!("{}: {fault}, so Windows cannot unpack this file; rename it", path.escape_debug()),
         None => Ok(()),
     })
 }
@@ -46,13 +45,13 @@ pub fn check(path: &str) -> Result<()> {
 /// What is wrong with a name.
 fn fault(name: &str) -> Option<String> {
     if name.is_empty() || name == "." {
-        return Some(format!("the path has the part \"{name}\""));
+        return Some(format!("the path contains the part \"{name}\""));
     }
     if name.len() > LONGEST_NAME {
-        return Some(format!("a name has {} bytes, at most {LONGEST_NAME}", name.len()));
+        return Some(format!("a name has {} bytes, but at most {LONGEST_NAME} are allowed", name.len()));
     }
     if let Some(c) = name.chars().find(|&c| c.is_control() || FORBIDDEN.contains(c)) {
-        return Some(format!("the name has the character {c:?}"));
+        return Some(format!("the name contains the character {c:?}"));
     }
     if name.ends_with(['.', ' ']) {
         return Some("the name ends in a dot or a space".to_owned());
@@ -80,7 +79,10 @@ pub fn check_case<'a>(paths: impl Iterator<Item = &'a str>) -> Result<()> {
         for part in ends.map(|end| &path[..end]) {
             let other = *known.entry(part.to_lowercase()).or_insert(part);
             if other != part {
-                bail!("{other} and {part}: the names differ by case only, so one would replace the other; rename one");
+                bail!(
+                    "{other} and {part}: the names differ by case only, so on Windows one file replaces the \
+                       other; rename one"
+                );
             }
         }
     }
@@ -121,7 +123,7 @@ mod tests {
             ("extra/a\u{7f}b", "the character '\\u{7f}'"),
             ("extra/a.", "ends in a dot or a space"),
             ("extra/a ", "ends in a dot or a space"),
-            ("extra//a", "the path has the part \"\""),
+            ("extra//a", "the path contains the part \"\""),
         ] {
             let message = check(path).unwrap_err().to_string();
             assert!(message.contains(words) && message.ends_with("rename it") && !message.contains('\n'), "{message}");
@@ -136,10 +138,10 @@ mod tests {
         let path = |n: usize| format!("extra/{}", "abcdefghi/".repeat(30))[..n].replace("i/a", "iba");
         check(&path(LONGEST)).unwrap();
         let message = check(&path(LONGEST + 1)).unwrap_err().to_string();
-        assert!(message.contains("has 241 characters, at most 240"), "{message}");
+        assert!(message.contains("has 241 characters, but Windows can unpack at most 240"), "{message}");
         // 80 characters of three bytes each.
         let message = check(&"\u{4e00}".repeat(86)).unwrap_err().to_string();
-        assert!(message.contains("a name has 258 bytes, at most 255"), "{message}");
+        assert!(message.contains("a name has 258 bytes, but at most 255"), "{message}");
     }
 
     #[test]

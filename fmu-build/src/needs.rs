@@ -63,7 +63,7 @@ fn of_linux(file: &ElfFile64<Endianness>, content: &[u8]) -> Result<Needs> {
         let strings = sections.strings(endian, content, strings)?;
         while let Some((_, mut versions)) = needs.next()? {
             while let Some(version) = versions.next()? {
-                let name = str::from_utf8(version.name(endian, strings)?).context("a version is no text")?;
+                let name = str::from_utf8(version.name(endian, strings)?).context("a version is not text")?;
                 // What is only asked for weakly may be absent.
                 let is_weak = version.vna_flags.get(endian).contains(VER_FLG_WEAK);
                 if let Some(number) = name.strip_prefix(GLIBC)

@@ -53,7 +53,7 @@ pub fn error(text: Arguments) {
 pub fn finish() -> Result<()> {
     note(io::stdout().flush());
     match FAILED.get() {
-        Some(why) => bail!("standard output cannot be written: {why}; free space there, or redirect it elsewhere"),
+        Some(why) => bail!("standard output cannot be written: {why}; free disk space, or redirect the output"),
         None => Ok(()),
     }
 }

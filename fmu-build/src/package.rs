@@ -55,7 +55,7 @@ struct Common<'a> {
 /// Definitions that are refused, all of them told before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     if arguments.ssp && arguments.fmi == Fmi::Three {
-        bail!("--ssp with --fmi 3: the system is one of FMUs of FMI 2.0; leave out --fmi, or say --fmi 2");
+        bail!("--ssp with --fmi 3: the system contains FMUs of FMI 2.0; remove --fmi, or write --fmi 2");
     }
     let paths = if arguments.all {
         workspace.description_folders()?
@@ -72,7 +72,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         let fmu = match Source::find(workspace, path).and_then(prepare) {
             Ok(Some(fmu)) => fmu,
             Ok(None) => {
-                refused.push(format!("{}: its errors stand above", path.display()));
+                refused.push(format!("{}: see the errors above", path.display()));
                 continue;
             }
             Err(error) => {
@@ -84,7 +84,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
             let (path, name) = (fmu.source.definition.display(), &fmu.name);
             let other = other.display();
-            refused.push(format!("{path}: name is {name}, as in {other}; both would be {name}.fmu, so rename one"));
+            refused.push(format!(
+                "{path}: name is {name}, as in {other}; both FMUs would be {name}.fmu, so rename \
+                                  one"
+            ));
         }
         prepared.push(fmu);
     }
@@ -144,10 +147,10 @@ fn further(arguments: &Arguments) -> Result<Vec<Binary>> {
         let binary = Binary::read(named)?;
         let platform = binary.platform();
         if built.contains(&platform) {
-            bail!("--binary {platform}: that library is built here; leave it out");
+            bail!("--binary {platform}: this library is built here; remove this option");
         }
         if binaries.iter().any(|other| other.platform() == platform) {
-            bail!("--binary {platform}: given twice; name one library for each platform");
+            bail!("--binary {platform}: given twice; give one library for each platform");
         }
         binaries.push(binary);
     }
@@ -171,7 +174,7 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
         // A name such as `.` says nothing; the full path does.
         let folder = folder.canonicalize()?;
         if !folder.ends_with(&name) {
-            bail!("{path}: name is {name}, but the folder is {}; give both one name", folder.display());
+            bail!("{path}: name is {name}, but the folder is {}; use the same name for both", folder.display());
         }
     }
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;
@@ -196,7 +199,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let shown = fmu.source.definition.display();
     let Companions { mut entries, left_out } = fmu.source.companions()?;
     if !left_out.is_empty() {
-        println!("{shown}: left out of the FMU: {}", source::listed(&left_out));
+        println!("{shown}: not packed into the FMU: {}", source::listed(&left_out));
     }
     let mut generated = documentation(common, &fmu, &entries)?;
     generated.push(Entry { name: terminals::PATH.to_owned(), content: fmu.terminals.into_bytes() });
@@ -206,7 +209,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let (replaced, generated): (Vec<_>, Vec<_>) = generated.into_iter().partition(is_own);
     if !replaced.is_empty() {
         let names: Vec<String> = replaced.into_iter().map(|entry| entry.name).collect();
-        println!("{shown}: your own files are packed, not the generated ones: {}", source::listed(&names));
+        println!("{shown}: your own files are packed instead of the generated ones: {}", source::listed(&names));
     }
     entries.extend(generated);
     let file = fmu.component.definition_file();
@@ -234,7 +237,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
             let libraries = binary.entries(version, &fmu.name);
             if libraries.is_empty() {
                 let (file, platform) = (path.display(), binary.platform());
-                println!("{file}: left out: the library for {platform}, which has no functions of FMI 3.0");
+                println!("{file}: the library for {platform} is left out, because it has no functions of FMI 3.0");
             }
             entries.extend(libraries);
         }
@@ -262,7 +265,7 @@ fn write_if_changed(path: &Path, text: &str) -> Result<()> {
         return Ok(());
     }
     files::replace(path, text.as_bytes())?;
-    println!("{} (generated anew)", path.display());
+    println!("{} (updated)", path.display());
     Ok(())
 }
 

@@ -103,13 +103,16 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
     let mut folders: Vec<_> = wanted.iter().map(|toolchain| toolchain.folder).collect();
     if arguments.compatible {
         let Some(arm) = folders.iter_mut().find(|folder| **folder == ARM_LINUX) else {
-            bail!("--compatible: is for the library for ARM; add {ARM_LINUX} to --platforms, or leave it out");
+            bail!(
+                "--compatible applies to the library for ARM; add {ARM_LINUX} to --platforms, or remove \
+                   --compatible"
+            );
         };
         *arm = COMPATIBLE;
         if wanted.iter().any(|toolchain| toolchain.folder == COMPATIBLE) {
             bail!(
-                "--compatible: binaries/{COMPATIBLE} has room for one library, and x86_64-linux has it; make two FMUs, \
-                 one with --platforms {ARM_LINUX} --compatible alone"
+                "--compatible: binaries/{COMPATIBLE} can contain only one library, and x86_64-linux uses it; build \
+                 two FMUs, one of them with --platforms {ARM_LINUX} --compatible"
             );
         }
     }
@@ -140,7 +143,7 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
         }
     }
     if let Some(version) = arguments.glibc.as_deref().filter(|_| !wanted.iter().any(|toolchain| toolchain.is_linux())) {
-        bail!("--glibc {version}: is for libraries for Linux, and none is built; say --platforms x86_64-linux");
+        bail!("--glibc {version} applies to libraries for Linux, but none is built; add --platforms x86_64-linux");
     }
     let mut missing = Vec::new();
     let mut targets = Vec::new();
@@ -156,7 +159,7 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
         }
     }
     if !missing.is_empty() && (!arguments.available || targets.is_empty()) {
-        let more = if arguments.available { "" } else { "; or say --available to pack the others" };
+        let more = if arguments.available { "" } else { "; or add --available to pack the others" };
         bail!("nothing was packed: {}{more}", missing.join("\n"));
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
@@ -234,7 +237,8 @@ pub fn path_with_zig(workspace: &Workspace) -> Result<OsString> {
 /// This machine is none of those that libraries for Linux are built for.
 pub fn own_triple() -> Result<&'static str> {
     let own = [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple());
-    own.map(|own| own.triple).with_context(|| format!("--glibc: is for Linux, and this is {}", library::tuple()))
+    own.map(|own| own.triple)
+        .with_context(|| format!("--glibc applies to Linux, but this machine is {}", library::tuple()))
 }
 
 /// This machine as a platform whose library has a folder of its own in FMI 2.0, if it has another one by default.
@@ -252,10 +256,16 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
         && needs::parts(asked) < needs::parts(needed)
     {
         let functions = needs.functions.join(", ");
-        bail!("it needs glibc {needed} (for {functions}), and {asked} was asked for; ask for {needed}");
+        bail!(
+            "the library needs glibc {needed} (for {functions}), but --glibc {asked} was given; write --glibc \
+               {needed}"
+        );
     }
     if let [first, ..] = &needs.libraries[..] {
-        bail!("it needs {first}, which Windows lacks; link it statically (rustflags -C target-feature=+crt-static)");
+        bail!(
+            "the library needs {first}, which Windows does not have; link it statically (rustflags -C \
+               target-feature=+crt-static)"
+        );
     }
     Ok(())
 }
@@ -274,13 +284,16 @@ fn standard_library(toolchain: &Toolchain) -> Result<Vec<&'static str>> {
     if takes_unstable && source.is_file() {
         return Ok(vec!["-Zbuild-std=std,panic_abort"]);
     }
-    bail!("Rust has no standard library for {triple}; say: rustup target add {triple}{debian}")
+    bail!("Rust has no standard library for {triple}; run: rustup target add {triple}{debian}")
 }
 
 /// What rustc answers, as a path.
 fn asked(arguments: &[&str]) -> Result<PathBuf> {
     let mut rustc = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let output = rustc.args(arguments).stderr(Stdio::null()).output().context("rustc cannot be started")?;
+    let output = rustc.args(arguments).stderr(Stdio::null()).output().context(
+        "rustc cannot be started; check that \
+        Rust is installed",
+    )?;
     if !output.status.success() {
         bail!("rustc {} failed ({})", arguments.join(" "), output.status);
     }
@@ -301,8 +314,8 @@ fn linker(toolchain: &Toolchain) -> Result<(String, OsString)> {
     let started = Command::new(&program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     if started.is_err() {
         bail!(
-            "the linker {program} cannot be started; install it (Debian: apt-get install {linker_package}), or name \
-             another in {variable}"
+            "the linker {program} cannot be started; install it (Debian: apt-get install {linker_package}), or set \
+             another one in {variable}"
         );
     }
     Ok((variable, program.into()))
@@ -329,24 +342,26 @@ mod tests {
     fn a_library_that_needs_more_than_was_asked_for_is_refused() {
         let needs = Needs { glibc: Some("2.35".into()), functions: vec!["hypot".into()], ..Needs::default() };
         let message = suffices(&needs, Some("2.17")).unwrap_err().to_string();
-        assert!(message.contains("glibc 2.35 (for hypot), and 2.17 was asked for"), "{message}");
+        assert!(message.contains("glibc 2.35 (for hypot), but --glibc 2.17 was given"), "{message}");
         assert!(suffices(&needs, Some("2.100")).is_ok() && suffices(&needs, None).is_ok());
         let needs = Needs { libraries: vec!["libgcc_s_seh-1.dll".into()], ..Needs::default() };
-        assert!(suffices(&needs, None).unwrap_err().to_string().contains("libgcc_s_seh-1.dll, which Windows lacks"));
+        assert!(
+            suffices(&needs, None).unwrap_err().to_string().contains("libgcc_s_seh-1.dll, which Windows does not have")
+        );
     }
 
     #[test]
     fn an_old_glibc_for_windows_alone_is_refused() {
         let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
         let message = build(&Workspace::locate(), &arguments).unwrap_err().to_string();
-        assert!(message.contains("--glibc 2.17: is for libraries for Linux"), "{message}");
+        assert!(message.contains("--glibc 2.17 applies to libraries for Linux"), "{message}");
     }
 
     /// The folder `linux64` cannot hold the libraries of two processors.
     #[test]
     fn two_libraries_in_one_folder_are_refused() {
         let refused = |platforms: &[Platform]| folders(&asking(platforms, true)).unwrap_err().to_string();
-        assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("make two FMUs"));
+        assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("build two FMUs"));
         assert!(refused(&[Platform::X86Windows]).contains("add aarch64-linux to --platforms"));
     }
 

@@ -23,8 +23,8 @@ pub fn path(root: &Path, folder: &str) -> Result<PathBuf> {
     let mut others: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     others.sort();
     bail!(
-        "its library did not come with this program, which has {}; install a wheel that has it (`cargo fmu dist \
-         --platforms` makes one), or name a library with --binary {folder}=PATH",
+        "the library is not part of this program, which contains {}; install a wheel with this library (`cargo fmu \
+         dist --platforms` builds one), or give a library with --binary {folder}=PATH",
         if others.is_empty() { "none".to_owned() } else { others.join(" and ") }
     )
 }
@@ -37,12 +37,12 @@ mod tests {
     fn a_library_that_is_not_there_is_named_with_those_that_are() {
         let root = std::env::temp_dir().join(format!("linkage-fmu prebuilt {}", std::process::id()));
         let message = path(&root, "win64").unwrap_err().to_string();
-        assert!(message.contains("which has none") && message.contains("--binary win64=PATH"), "{message}");
+        assert!(message.contains("which contains none") && message.contains("--binary win64=PATH"), "{message}");
         let library = root.join("binaries").join("linux64").join("linkage_fmu.so");
         fs::create_dir_all(library.parent().unwrap()).unwrap();
         fs::write(&library, b"").unwrap();
         assert_eq!(path(&root, "linux64").unwrap(), library);
-        assert!(path(&root, "win64").unwrap_err().to_string().contains("which has linux64;"));
+        assert!(path(&root, "win64").unwrap_err().to_string().contains("which contains linux64;"));
         fs::remove_dir_all(&root).unwrap();
     }
 }

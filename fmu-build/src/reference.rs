@@ -13,21 +13,21 @@ pub fn page(definition_file: &str) -> String {
         if definition_file == "mechanism.json" { &mechanism::ELEMENTS } else { &hydraulics::ELEMENTS };
     let elements = [own, &hydraulics::CIRCUIT].concat();
     let mut out = format!(
-        "# Keys of {definition_file}\n\n\
-         Each table lists the keys of one object. *fixed*: a parameter of the FMU, which a host sets before the run. \
-         *tunable*: also between two steps. Where two units are given, the second one is that of a joint that turns.\n"
+        "# Keys of {definition_file}\n\nEach table lists the keys of one object. *fixed*: a parameter of the FMU, \
+         which a host sets before the run. *tunable*: a parameter that a host can also set between two steps. \
+         Where two units are given, the second one applies to a joint that turns.\n"
     );
     for element in &elements {
         let title = if element.name.is_empty() { definition_file } else { element.name };
         let place = place(&elements, element.table);
-        let place = if place.is_empty() { String::new() } else { format!("Stands at `{place}`. ") };
+        let place = if place.is_empty() { String::new() } else { format!("Location: `{place}`. ") };
         let _ = write!(out, "\n## {title}\n\n{place}{}\n\n", element.about.trim());
         out.push_str(
             "| key | value | unit | limits | default | parameter | meaning |\n|---|---|---|---|---|---|---|\n",
         );
         for (index, key) in element.table.keys.iter().enumerate().filter(|(_, key)| !key.is_written_only) {
             let default = match (key.is_required, element.default_of(index)) {
-                (true, _) => "must be given".to_owned(),
+                (true, _) => "required".to_owned(),
                 (false, Some(default)) => format!("`{default}`"),
                 (false, None) => String::new(),
             };
@@ -124,14 +124,14 @@ mod tests {
     fn each_key_has_its_line() {
         let page = page("mechanism.json");
         for line in [
-            "## spring\n\nStands at `springs.<name>`. A spring with a damper.",
-            "Stands at `springs.<name>.gas`.",
-            "Stands at `couplings.<name>.segments[i]`.",
-            "Stands at `actuators.<name>.hydraulics.fluid`.",
+            "## spring\n\nLocation: `springs.<name>`. A spring with a damper.",
+            "Location: `springs.<name>.gas`.",
+            "Location: `couplings.<name>.segments[i]`.",
+            "Location: `actuators.<name>.hydraulics.fluid`.",
             "| `stiffness` | number | N/m or N.m/rad | a finite number >= 0 | `0.0` | fixed | Stiffness [N/m or \
              N.m/rad], >= 0. |",
             "| `restitution` | number | 1 | a number from 0 to 1 | `0.0` | tunable |",
-            "| `type` | `revolute`, `prismatic` |  |  | must be given |  | Kind of joint.",
+            "| `type` | `revolute`, `prismatic` |  |  | required |  | Kind of joint.",
             "| `start` | `equilibrium`, or [start](#start) |",
         ] {
             assert!(page.contains(line), "{line}");

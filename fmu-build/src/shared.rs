@@ -24,14 +24,15 @@ pub fn completed(definition: &Path, text: String) -> Result<String> {
     // A text that is no JSON is told of by whoever reads it.
     let Some((range, name)) = named(&text) else { return Ok(text) };
     if name.is_empty() {
-        bail!("{}: {KEY}: \"\" names no file; name one of parameters, or leave the key out", definition.display());
+        bail!("{}: {KEY}: \"\" is not a file name; give a file of parameters, or remove the key", definition.display());
     }
     let path = definition.parent().unwrap_or(Path::new("")).join(&name);
     let shown = format!("{}: {KEY}: {}", definition.display(), path.display());
     let contents =
         files::read(&path, LARGEST_DEFINITION).with_context(|| format!("{}: {KEY}", definition.display()))?;
-    let contents =
-        String::from_utf8(contents).ok().with_context(|| format!("{shown}: is not UTF-8 text; save it as UTF-8"))?;
+    let contents = String::from_utf8(contents)
+        .ok()
+        .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
     SharedContents::check(&contents).with_context(|| shown)?;
     // No text of JSON goes over lines, so that spaces may stand for these.
     let contents = contents.trim_start_matches('\u{feff}').replace(['\r', '\n'], " ");
@@ -95,7 +96,11 @@ mod tests {
         for (name, common, said) in [
             ("key", r#"{ "parameter": {} }"#, "no key `parameter` here; did you mean `parameters`?"),
             ("comma", r#"{ "parameters": { "a": 1,5 } }"#, "common.json"),
-            ("unit", r#"{ "parameters": { "a": { "value": 1, "unit": "ft" } } }"#, "no `ft` here; the nearest are"),
+            (
+                "unit",
+                r#"{ "parameters": { "a": { "value": 1, "unit": "ft" } } }"#,
+                "no `ft` here; the nearest names are",
+            ),
         ] {
             let folder = folder(name, common);
             let error = completed(&folder.join("block/mechanism.json"), BLOCK.to_owned()).unwrap_err();
@@ -109,7 +114,7 @@ mod tests {
         let error = completed(Path::new("nowhere/mechanism.json"), unnamed).unwrap_err().to_string();
         assert_eq!(
             error,
-            "nowhere/mechanism.json: parameters_from: \"\" names no file; name one of parameters, or leave the key out"
+            "nowhere/mechanism.json: parameters_from: \"\" is not a file name; give a file of parameters, or remove the key"
         );
         let error = Component::from_definition("mechanism.json", BLOCK).unwrap_err().0;
         assert!(error.contains("parameters_from") && error.contains("cargo fmu"), "{error}");

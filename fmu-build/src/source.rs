@@ -60,8 +60,12 @@ impl Source {
         }
         let files = Component::definition_files();
         if !path.is_dir() {
-            let fault = if path.exists() { "this is no regular file" } else { "there is no such file or folder" };
-            bail!("{}: {fault}; name a {} or a folder that holds one", path.display(), files.join(" or a "));
+            let fault = if path.exists() { "this is not a regular file" } else { "there is no such file or folder" };
+            bail!(
+                "{}: {fault}; give the path of a {} or of a folder that contains one",
+                path.display(),
+                files.join(" or a ")
+            );
         }
         let places = |file| [path.join(RESOURCES).join(file), path.join(file)];
         // What is no file is found too, and refused by name.
@@ -81,11 +85,11 @@ impl Source {
                 Ok(Self::in_folder(workspace, path, definition))
             }
             (Some(one), Some(other)) => {
-                bail!("{} and {}: an FMU has one definition; remove one of them", one.display(), other.display())
+                bail!("{} and {}: an FMU has one definition; remove one of the two", one.display(), other.display())
             }
             (None, _) if let Some(near) = near_miss(path, &files) => bail!("{near}"),
             (None, _) => bail!(
-                "{}: the folder holds no {}, and its resources neither; put the definition there",
+                "{}: neither the folder nor its folder resources contains {}; put the definition there",
                 path.display(),
                 files.join(" or ")
             ),
@@ -115,7 +119,7 @@ impl Source {
         match String::from_utf8(bytes) {
             Ok(text) => shared::completed(&self.definition, text),
             Err(error) if error.as_bytes().starts_with(ZIP) => bail!("{path}: {}", of_archive(&self.definition)),
-            Err(_) => bail!("{path}: is not UTF-8 text; save it as UTF-8"),
+            Err(_) => bail!("{path}: is not UTF-8 text; save the file as UTF-8"),
         }
     }
 
@@ -130,7 +134,7 @@ impl Source {
             Ok(metadata) if !metadata.is_file() => Err(refused(&path, &metadata)),
             Ok(_) => {
                 let text = String::from_utf8(files::read(&path, LARGEST_README)?).ok();
-                text.map(Some).with_context(|| format!("{}: is not UTF-8 text; save it as UTF-8", path.display()))
+                text.map(Some).with_context(|| format!("{}: is not UTF-8 text; save the file as UTF-8", path.display()))
             }
         }
     }
@@ -187,9 +191,15 @@ impl Definition {
 fn of_archive(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "fmu" => format!("this FMU is packed already; unpack it, and name the definition in its folder {RESOURCES}"),
-        "ssp" => format!("this is a system of FMUs; unpack it, and name one of the FMUs in its folder {RESOURCES}"),
-        _ => "this is an archive; name a definition, or an FMU, whose name ends in .fmu".to_owned(),
+        "fmu" => format!(
+            "this is a packed FMU; unpack it, and give the path of the definition in its folder \
+                          {RESOURCES}"
+        ),
+        "ssp" => format!(
+            "this is a system of FMUs; unpack it, and give the path of one of the FMUs in its folder \
+                          {RESOURCES}"
+        ),
+        _ => "this is an archive; give the path of a definition, or of an FMU, whose name ends in .fmu".to_owned(),
     }
 }
 
@@ -231,7 +241,7 @@ fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
 /// Error for what stands in a folder and is neither file nor folder.
 fn refused(path: &Path, metadata: &fs::Metadata) -> anyhow::Error {
     let (shown, kind) = (path.display(), files::kind(metadata));
-    anyhow::anyhow!("{shown}: this is {kind}; put a regular file in its place, or remove it")
+    anyhow::anyhow!("{shown}: this is {kind}; replace it by a regular file, or remove it")
 }
 
 /// Names in a folder, in order.

@@ -16,7 +16,7 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
     for (name, text) in pairs(words)? {
         let reference = find(interface, name).context("--start-values")?;
         if values.iter().any(|(other, _)| *other == reference) {
-            bail!("--start-values: {name} stands twice");
+            bail!("--start-values: {name} occurs twice; remove one");
         }
         let variable = &interface.list()[reference as usize];
         let value = match variable.kind {
@@ -101,14 +101,14 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
         return Ok(value);
     }
     if let Some(point) = decimal_comma(text) {
-        bail!("--start-values: {name} = {text}: a decimal comma; write a point, {point}");
+        bail!("--start-values: {name} = {text} has a decimal comma; write a point: {point}");
     }
     // The longest beginning that is a number.
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let split =
         ends.map(|end| text.split_at(end)).find_map(|(a, b)| Some((a.trim_end().parse::<f64>().ok()?, b.trim())));
     let Some((value, unit)) = split else {
-        bail!("--start-values: {name} is a number; \"{}\" is none", text.escape_debug());
+        bail!("--start-values: {name} needs a number, not \"{}\"", text.escape_debug());
     };
     let own = variable.unit.map_or("1", Unit::name);
     let display = variable.unit.and_then(Unit::display);
@@ -117,7 +117,7 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
         Some((shown, factor)) if unit == shown => Ok(value / factor),
         _ => {
             let other = display.map_or(String::new(), |(shown, _)| format!(" or {shown}"));
-            bail!("--start-values: {name} is in {own}{other}, not in \"{}\"", unit.escape_debug())
+            bail!("--start-values: the unit of {name} is {own}{other}, not \"{}\"", unit.escape_debug())
         }
     }
 }
@@ -136,7 +136,7 @@ pub fn decimal_comma(text: &str) -> Option<String> {
 pub fn find(interface: &Interface, name: &str) -> Result<Reference> {
     interface.find(name).with_context(|| {
         let nearest = interface.nearest(name).join(", ");
-        format!("no variable is called \"{}\": the nearest are {nearest}", name.escape_debug())
+        format!("there is no variable \"{}\": the nearest names are {nearest}", name.escape_debug())
     })
 }
 
@@ -148,7 +148,7 @@ pub fn truth(text: &str) -> Result<bool> {
     match text.trim().to_ascii_lowercase().as_str() {
         "true" | "1" => Ok(true),
         "false" | "0" => Ok(false),
-        _ => bail!("\"{}\" is no truth value; write true or false", text.escape_debug()),
+        _ => bail!("\"{}\" is not true or false; write true or false", text.escape_debug()),
     }
 }
 
@@ -195,15 +195,15 @@ mod tests {
     fn what_is_no_start_value_is_refused_by_name() {
         for (words, said) in [
             (&["crank.start_angle"][..], "crank.start_angle has no value"),
-            (&["crank.start_angel=1"], "nearest are crank.start_angle"),
-            (&["crank.mass=1", "crank.mass=2"], "crank.mass stands twice"),
-            (&["crank.mass=12lb"], "crank.mass is in kg, not in \"lb\""),
-            (&["crank.start_angle=12grad"], "crank.start_angle is in rad or deg, not in \"grad\""),
-            (&["crank.mass=heavy"], "crank.mass is a number; \"heavy\" is none"),
-            (&["crank.mass", "0,5"], "a decimal comma; write a point, 0.5"),
-            (&["crank.start_angle=-12,5 deg"], "a decimal comma; write a point, -12.5 deg"),
+            (&["crank.start_angel=1"], "nearest names are crank.start_angle"),
+            (&["crank.mass=1", "crank.mass=2"], "crank.mass occurs twice"),
+            (&["crank.mass=12lb"], "the unit of crank.mass is kg, not \"lb\""),
+            (&["crank.start_angle=12grad"], "the unit of crank.start_angle is rad or deg, not \"grad\""),
+            (&["crank.mass=heavy"], "crank.mass needs a number, not \"heavy\""),
+            (&["crank.mass", "0,5"], "has a decimal comma; write a point: 0.5"),
+            (&["crank.start_angle=-12,5 deg"], "has a decimal comma; write a point: -12.5 deg"),
             (&["crank.mass=-1"], "crank.mass"),
-            (&["friction.enabled=2"], "\"2\" is no truth value"),
+            (&["friction.enabled=2"], "\"2\" is not true or false"),
             (&["solver.method=magic"], "solver.method"),
             (&["crank.angle=1"], "crank.angle"),
         ] {

@@ -79,7 +79,8 @@ fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     let is_own = described.as_ref().is_none_or(|described| described.generation_tool.starts_with(PROGRAM));
     let packed = if is_own { fmu.definition().map(Some) } else { fmu.find_definition() };
     if matches!(packed, Ok(None)) {
-        let why = "an FMU of another program, without a definition: archive, description and libraries are checked";
+        let why = "this FMU was built by another program and has no definition: only archive, description and \
+                   libraries are checked";
         found.notes.push(format!("{}: {why}", fmu.shown()));
     }
     if let Some(Some(packed)) = found.take(packed)
@@ -133,25 +134,29 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     };
     let platforms = info::platforms(fmu);
     if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
-        found.errors.push(format!("{shown}: holds no library; no host can load it"));
+        found.errors.push(format!("{shown}: contains no library, so no host can load this FMU"));
     }
     for platform in &platforms {
         let Some(path) = binary::path(platform, identifier) else {
             let known = fmu_cli::PLATFORMS.join(", ");
-            found
-                .warnings
-                .push(format!("{shown}: binaries/{platform} is of no platform of FMI; FMI 2.0 knows {known}"));
+            found.warnings.push(format!(
+                "{shown}: binaries/{platform} is not a platform of FMI; the platforms of FMI 2.0 are \
+                               {known}"
+            ));
             continue;
         };
         match fmu.read(&path) {
-            Ok(Some(content)) if platform == COMPATIBLE && binary::check_for(ARM_LINUX, &content).is_ok() => found
-                .warnings
-                .push(format!("{shown}/{path}: is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load this FMU")),
+            Ok(Some(content)) if platform == COMPATIBLE && binary::check_for(ARM_LINUX, &content).is_ok() => {
+                found.warnings.push(format!(
+                    "{shown}/{path}: this library is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load \
+                               this FMU"
+                ))
+            }
             Ok(Some(content)) => {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
                 needs(&format!("{shown}/{path}"), &content, found);
             }
-            Ok(None) => found.errors.push(format!("{shown}: holds no {path}, which hosts on {platform} load")),
+            Ok(None) => found.errors.push(format!("{shown}: contains no {path}, which hosts on {platform} load")),
             // The archive's check has told it.
             Err(_) => {}
         }
@@ -159,7 +164,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     if let Ok(own) = Version::of(&described.fmi_version).platform()
         && !platforms.contains(&own)
     {
-        found.warnings.push(format!("{shown}: holds no library for this machine ({own})"));
+        found.warnings.push(format!("{shown}: contains no library for this machine ({own})"));
     }
 }
 
@@ -172,7 +177,10 @@ fn needs(shown: &str, content: &[u8], found: &mut Found) {
         found.notes.push(format!("{shown}: needs glibc {version} or later (for {functions})"));
     }
     for library in &needs.libraries {
-        found.warnings.push(format!("{shown}: needs {library}, which Windows lacks; hosts must have it on their path"));
+        found.warnings.push(format!(
+            "{shown}: needs {library}, which Windows does not have; install it on the path \
+                                     of the host"
+        ));
     }
 }
 
@@ -184,7 +192,7 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
         ("modelName", &packed.name, &meant.name),
         ("guid", &packed.guid, &meant.guid),
     ];
-    let remedy = "pack it again, or restore the names in the definition";
+    let remedy = "pack the FMU again, or restore the names in the definition";
     let mut differ = |what: &str, packed: &str, meant: &str| {
         found.errors.push(format!("{shown}: {what} is \"{packed}\", but the definition gives \"{meant}\"; {remedy}"));
     };
@@ -200,7 +208,7 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
     let mut starts = Vec::new();
     for meant in &meant.variables {
         let Some(packed) = others.remove(meant.name.as_str()) else {
-            found.errors.push(format!("{shown}: the description lacks the variable {}; {remedy}", meant.name));
+            found.errors.push(format!("{shown}: the description has no variable {}; {remedy}", meant.name));
             continue;
         };
         let parts = |variable: &Described| {
@@ -218,14 +226,13 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
         }
     }
     for name in others.keys() {
-        found.errors.push(format!("{shown}: the definition gives no variable {name}; {remedy}"));
+        found.errors.push(format!("{shown}: the definition has no variable {name}; {remedy}"));
     }
     if let Some(first) = starts.first() {
         let more = if starts.len() > 1 { format!(" and {} more", starts.len() - 1) } else { String::new() };
         found.warnings.push(format!(
-            "{shown}: the start value of {first}{more} differs between description and definition; hosts show the \
-             first, and \
-             the FMU starts from the second; pack it again"
+            "{shown}: the start value of {first}{more} in modelDescription.xml differs from the definition; hosts \
+             show the value of modelDescription.xml, but the FMU uses the definition; pack the FMU again"
         ));
     }
 }

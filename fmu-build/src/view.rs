@@ -24,7 +24,10 @@ pub use page::{as_script, html};
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
     if kind != MECHANISM {
-        bail!("{shown}: a {kind} has no linkage to be drawn; name a {MECHANISM}, or the FMU of one");
+        bail!(
+            "{shown}: a {kind} has no linkage that can be drawn; give the path of a {MECHANISM}, or of the FMU of \
+               one"
+        );
     }
     let checked = check::check(shown, kind, text)?;
     let wanted = Wanted::new(arguments.stop_time, &arguments.start_values)?;
@@ -40,7 +43,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         false => eprintln!("{written}"),
     }
     if arguments.open {
-        open::that_detached(&path).with_context(|| format!("{}: no browser opens it", path.display()))?;
+        open::that_detached(&path).with_context(|| format!("{}: no browser could open the page", path.display()))?;
     }
     if let Some(error) = &data.error {
         match checked.count(Severity::Error) {

@@ -49,7 +49,7 @@ impl Workspace {
     fn installed_in(environment: &Path) -> Result<Self> {
         let root = environment.join(INSTALLED);
         if !root.join(binary::FOLDER).is_dir() {
-            bail!("{}: the files of the program are not there; install the wheel again by pip", root.display());
+            bail!("{}: the files of the program are missing; install the wheel again with pip", root.display());
         }
         Ok(Self { root, is_installed: true })
     }
@@ -66,8 +66,8 @@ impl Workspace {
     pub fn serves(&self, task: &Task) -> Result<()> {
         match installed::needs_source(task) {
             Some(name) if self.is_installed => bail!(
-                "{name}: works on the source, which an installation does not have; say `cargo fmu {name}` in a \
-                 checked-out repository"
+                "{name}: this task needs the source, which an installation does not contain; run `cargo fmu {name}` \
+                 in a checked-out repository"
             ),
             _ => Ok(()),
         }
@@ -191,7 +191,7 @@ mod tests {
         for words in [&["test"][..], &["bench"], &["demo", "--gallery"], &["report"], &["dist"]] {
             let message = serves(&installation, words).unwrap_err();
             let named = words.join(" ");
-            assert!(message.contains(&format!("say `cargo fmu {named}` in a checked-out repository")), "{message}");
+            assert!(message.contains(&format!("run `cargo fmu {named}` in a checked-out repository")), "{message}");
             serves(&Workspace::locate(), words).unwrap();
         }
         serves(&installation, &["package"]).unwrap();

@@ -40,7 +40,7 @@ fn archives_of_others_are_checked_and_named() {
     zip(&system, &[("SystemStructure.ssd", "")]);
     let (code, printed, _) = run(&["validate"], &sound);
     assert!(
-        code == 0 && printed.contains("an FMU of another program") && printed.contains("valid: 0 errors"),
+        code == 0 && printed.contains("built by another program") && printed.contains("valid: 0 errors"),
         "{printed}"
     );
     let (code, printed, _) = run(&["info"], &sound);
@@ -48,7 +48,7 @@ fn archives_of_others_are_checked_and_named() {
     let (code, printed, _) = run(&["validate"], &evil);
     assert!(code == 1 && printed.contains("leads out of the folder") && !printed.contains("Windows"), "{printed}");
     for (words, path, remedy) in
-        [(&["package"][..], &sound, "packed already"), (&["info"], &system, "a system of FMUs")]
+        [(&["package"][..], &sound, "this is a packed FMU"), (&["info"], &system, "a system of FMUs")]
     {
         let (code, _, said) = run(words, path);
         assert!(code == 1 && said.contains(remedy) && !said.contains("UTF-8"), "{words:?}: {said}");
@@ -61,7 +61,7 @@ fn a_study_is_another_programs_task() {
     for words in [&["simulate"][..], &["demo", "--gallery", "--out"]] {
         let (code, printed, said) = run(words, Path::new("crane.json"));
         let expected =
-            "error: fmu-studies does this task: say `cargo fmu`, or `cargo run --release --package fmu-studies --`\n";
+            "error: fmu-studies does this task: run `cargo fmu`, or `cargo run --release --package fmu-studies --`\n";
         assert_eq!((code, &*printed, &*said), (1, "", expected));
     }
 }

@@ -258,10 +258,13 @@ fn a_run_that_ends_early_gives_no_results_but_a_page() {
     all["experiment"] = json!({ "stop_time": 0.3, "step_size": 0.001 });
     let made = made(MECHANISM, &all.to_string(), ALL);
     assert_eq!(made.left_out.len(), 1);
-    assert!(made.left_out[0].starts_with("no reference results: ") && made.left_out[0].contains("the run ends at"));
+    assert!(
+        made.left_out[0].starts_with("no reference results were written: ")
+            && made.left_out[0].contains("the run ends at")
+    );
     assert!(made.entries.iter().all(|entry| !entry.name.starts_with(RESULTS)));
     assert!(!entry(&made, PAGE).contains("fmi-ls-ref"));
-    assert!(entry(&made, ANIMATION).contains("could not go on"));
+    assert!(entry(&made, ANIMATION).contains("the motion stopped with an error"));
 }
 
 #[test]

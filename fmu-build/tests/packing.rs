@@ -102,7 +102,7 @@ fn symbolic_links_are_refused_by_name() {
         let folder = model(&format!("link{k}"));
         symlink(target, folder.0.join("extra/vendor/link")).unwrap();
         let before = Instant::now();
-        assert_refused(&folder, "extra/vendor/link: ", "this is a symbolic link; put a regular file in its place");
+        assert_refused(&folder, "extra/vendor/link: ", "this is a symbolic link; replace it by a regular file");
         assert!(before.elapsed() < Duration::from_secs(5));
     }
 }
@@ -144,17 +144,17 @@ fn pipes_and_sockets_are_refused_by_name() {
 #[test]
 fn a_definition_is_a_regular_file() {
     let message = found(Path::new("/dev/zero")).unwrap_err().to_string();
-    assert!(message.starts_with("/dev/zero: this is no regular file"), "{message}");
+    assert!(message.starts_with("/dev/zero: this is not a regular file"), "{message}");
     let folder = model("definition");
     let definition = folder.0.join("resources/mechanism.json");
     fs::remove_file(&definition).unwrap();
     make_pipe(&definition);
     assert_refused(&folder, "resources/mechanism.json: ", "this is a pipe");
-    assert!(found(&definition).unwrap_err().to_string().contains("this is no regular file"));
+    assert!(found(&definition).unwrap_err().to_string().contains("this is not a regular file"));
     fs::remove_file(&definition).unwrap();
     // Without content on the disk: a file of 1 TB that is all zeros.
     fs::File::create(&definition).unwrap().set_len(1 << 40).unwrap();
-    assert_refused(&folder, "resources/mechanism.json: ", "bytes, at most 16777216");
+    assert_refused(&folder, "resources/mechanism.json: ", "bytes, but at most 16777216");
 }
 
 #[test]
@@ -162,14 +162,14 @@ fn names_that_windows_cannot_unpack_are_refused() {
     for name in ["CON", "nul.txt", "a:b", "a?", "trailing.", "trailing ", "line\nbreak", "back\\slash"] {
         let folder = model("windows");
         fs::write(folder.0.join("extra").join(name), "").unwrap();
-        assert_refused(&folder, "extra/", "Windows cannot unpack it");
+        assert_refused(&folder, "extra/", "Windows cannot unpack this file");
     }
     let folder = model("deep");
     let mut path = folder.0.join("extra");
     (0..40).for_each(|_| path.push("0123456789"));
     fs::create_dir_all(&path).unwrap();
     fs::write(path.join("file"), "").unwrap();
-    assert_refused(&folder, "extra/0123456789/", "characters, at most 240");
+    assert_refused(&folder, "extra/0123456789/", "characters, but Windows can unpack at most 240");
 }
 
 fn entry(name: &str, content: Vec<u8>) -> Entry {
@@ -271,7 +271,7 @@ fn a_write_that_fails_halfway_leaves_what_stood_there() {
     let output = command.output().unwrap();
     assert!(!output.status.success());
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(message.matches("cannot be written; free space there").count(), 1, "{message}");
+    assert_eq!(message.matches("cannot be written; free disk space").count(), 1, "{message}");
     assert!(!message.contains("ZipWriter"), "{message}");
     assert_eq!(folder.names(), ["A.fmu"]);
     assert_eq!(fs::read(&path).unwrap(), before);

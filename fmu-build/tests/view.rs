@@ -187,7 +187,7 @@ fn a_step_that_cannot_be_made_ends_the_motion_with_its_error() {
     let data = data(&all.to_string(), &[]);
     assert_eq!(data.status, Status::Part);
     let error = data.error.clone().unwrap();
-    assert!(error.contains("could not go on") && error.contains("upstop"), "{error}");
+    assert!(error.contains("the motion stopped with an error") && error.contains("upstop"), "{error}");
     let time = data.motion.unwrap().stop_time();
     assert!(time > 0.12 && time < 0.14, "{time}");
 }
@@ -269,7 +269,7 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     assert!(fs::metadata(folder.join("broken.html")).unwrap().len() > 10_000);
     let actuator = workspace.descriptions().join("HydraulicActuator");
     let error = view::run(&workspace, &arguments(actuator, "actuator.html")).unwrap_err().to_string();
-    assert!(error.contains("has no linkage to be drawn"), "{error}");
+    assert!(error.contains("has no linkage that can be drawn"), "{error}");
     assert!(!folder.join("actuator.html").exists());
     fs::remove_dir_all(folder).unwrap();
 }

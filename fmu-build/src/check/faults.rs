@@ -147,9 +147,12 @@ mod tests {
             told_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
         };
         for (parameters, said) in [
-            (r#"{ "load": "x +" }"#, "load: \"x +\": it ends before its last value"),
-            (r#"{ "load": "2 * y", "z": 3 }"#, "load: \"2 * y\": no parameter of the file is called y"),
-            (r#"{ "load": "other", "other": "load" }"#, "load: \"other\": load reads other reads load is a circle"),
+            (r#"{ "load": "x +" }"#, "load: \"x +\": the expression ends with an operator: add the last value"),
+            (r#"{ "load": "2 * y", "z": 3 }"#, "load: \"2 * y\": there is no parameter y"),
+            (
+                r#"{ "load": "other", "other": "load" }"#,
+                "load: \"other\": load reads other reads load refer to each other in a circle",
+            ),
         ] {
             let told = with(parameters);
             let [one] = &told[..] else { panic!("{told:#?}") };
@@ -174,7 +177,7 @@ mod tests {
         let told: Vec<String> =
             all("mechanism.json", text).unwrap().located.iter().map(|one| one.finding.to_string()).collect();
         assert_eq!(told.len(), 2, "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("is a circle")), "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("is called f:")), "{told:#?}");
+        assert!(told.iter().any(|one| one.contains("in a circle")), "{told:#?}");
+        assert!(told.iter().any(|one| one.contains("there is no parameter f:")), "{told:#?}");
     }
 }

@@ -15,12 +15,27 @@ pub fn text(checked: &Checked) -> String {
     let mut told = HashSet::new();
     for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
         let _ = writeln!(out, "{topic}");
-        for fact in facts.iter().filter(|fact| fact.topic == topic) {
+        for fact in &together(facts.iter().filter(|fact| fact.topic == topic)) {
             let _ = writeln!(out, "  {}", line(fact));
         }
     }
     let _ = writeln!(out, "{}", summary(checked));
     out
+}
+
+/// These facts, those without numbers that say the same as one: at one dead centre several bodies may stand still.
+fn together<'f>(facts: impl Iterator<Item = &'f Fact>) -> Vec<Fact> {
+    let mut all: Vec<Fact> = Vec::new();
+    for fact in facts {
+        let is_same = |other: &&mut Fact| {
+            other.text == fact.text && !fact.of.is_empty() && fact.quantities.is_empty() && other.quantities.is_empty()
+        };
+        match all.iter_mut().find(is_same) {
+            Some(other) => other.of = [&other.of, ", ", &fact.of].concat(),
+            None => all.push(fact.clone()),
+        }
+    }
+    all
 }
 
 /// All findings of a definition: each with its place, the text underlined, and the remedy.
@@ -49,10 +64,10 @@ pub fn summary(checked: &Checked) -> String {
         }
     }
     if !checked.is_whole {
-        out.push_str("; names and numbers are checked once these are put right");
+        out.push_str("; names and numbers are checked after these corrections");
     }
     if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
-        let _ = write!(out, "; the start {}", fact.text.split([':', ',']).next().unwrap_or_default());
+        let _ = write!(out, "; {}", fact.text.split(':').next().unwrap_or_default());
     }
     out
 }

@@ -98,11 +98,11 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
     let (start, end) = (error.range().start, error.range().end);
     let rest = &text[start..];
     if let Some(comma) = decimal_comma(text, start) {
-        let message = "a decimal comma: JSON writes decimals with a point, such as 0.5; put a point in its place";
+        let message = "a decimal comma: write a point, such as 0.5";
         return Some(Fault::new(message, comma..comma + 1).written("."));
     }
     if let Some(open) = open_text(text) {
-        let message = "a text without its closing quote: put a quote \" at its end, on the same line";
+        let message = "a text has no closing quote: add a quote \" at its end, on the same line";
         return Some(Fault::new(message, open));
     }
     let first = rest.chars().next();
@@ -113,40 +113,38 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
                 Some(inner) => inner.find("*/").map_or(rest.len(), |at| at + 4),
                 None => rest.find('\n').unwrap_or(rest.len()),
             };
-            let message = "a comment: JSON has none; remove it, or say it in description";
+            let message = "JSON has no comments: remove the comment, or move the text into description";
             Fault::new(message, start..start + length).written("")
         }
         ParseErrorKind::TrailingCommasNotAllowed => {
-            Fault::new("a comma before the closing bracket: nothing follows it; remove it", start..end).written("")
+            Fault::new("a comma stands before the closing bracket: remove the comma", start..end).written("")
         }
         ParseErrorKind::UnaryPlusNumbersNotAllowed => {
-            Fault::new("JSON writes positive numbers without a plus; remove it", start..start + 1).written("")
+            Fault::new("JSON has no plus sign before a number: remove the plus", start..start + 1).written("")
         }
         ParseErrorKind::SingleQuotedStringsNotAllowed => {
             let length = rest[1..].find(['\'', '\n']).map_or(rest.len(), |at| at + 2);
             let inner = rest[1..length].trim_end_matches(['\'', '\n', '\r']);
             let text = format!("\"{inner}\"");
             let is_closed = rest[..length].ends_with('\'') && !inner.contains(['"', '\\']);
-            let fault = Fault::new(format!("JSON writes texts in double quotes: {text}"), start..start + length);
+            let fault = Fault::new(format!("JSON has texts in double quotes: write {text}"), start..start + length);
             if is_closed { fault.written(&text) } else { fault }
         }
         ParseErrorKind::UnterminatedObject | ParseErrorKind::UnterminatedArray => {
             let (open, bracket) = open_brackets(text).pop()?;
             let close = if bracket == '{' { '}' } else { ']' };
-            Fault::new(format!("this `{bracket}` is never closed: add the `{close}` that is missing"), open..open + 1)
+            Fault::new(format!("this `{bracket}` has no closing bracket: add `{close}`"), open..open + 1)
         }
         _ if matches!(first, Some('}' | ']')) => {
-            Fault::new("a closing bracket too many, or of the wrong kind: remove it, or put it right", one).written("")
+            Fault::new("a surplus or wrong closing bracket: remove or correct it", one).written("")
         }
         ParseErrorKind::MultipleRootJsonValues => Fault::new(
-            "the definition ends before this: a file holds one object; remove what follows, or a closing bracket too \
-             many \
-             before it",
+            "the definition ends before this: remove the text that follows, or a surplus closing bracket before it",
             one,
         )
         .blanked_to(text.len()),
         _ if first == Some('=') => {
-            Fault::new("JSON writes a colon between key and value: put : in its place", one).written(":")
+            Fault::new("JSON has a colon between key and value: write : instead of =", one).written(":")
         }
         _ => return word(text, start).or_else(|| missing(text, error.kind(), start)),
     })
@@ -203,29 +201,29 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     }
     let bare = word.trim_start_matches(['+', '-']).to_ascii_lowercase();
     if text[place.end..].trim_start().starts_with(':') {
-        let message = format!("JSON writes keys in double quotes: \"{word}\"");
+        let message = format!("JSON has keys in double quotes: write \"{word}\"");
         let blanks = text[..start].ends_with("  ");
         let cure = blanks.then(|| (start - 2..place.end, format!("\"{word}\"")));
         return Some(Fault { message, shown: place, cure });
     }
     match bare.as_str() {
         "nan" | "inf" | "infinity" => {
-            let message = "no number: numbers are finite in JSON; give a number, or leave the key out";
+            let message = "JSON has finite numbers only: write a number, or leave the key out";
             return Some(Fault::new(message, place).written("0"));
         }
         "true" | "false" | "null" => {
-            let message = "in JSON this word is written in small letters: true, false, null";
+            let message = "JSON has these words in small letters: true, false, null";
             return Some(Fault::new(message, place).written(&bare));
         }
         "none" => {
-            let message = "no word of JSON: leave the key out if it has no value";
+            let message = "JSON does not have this word: leave the key out if it has no value";
             return Some(Fault::new(message, place).written("0"));
         }
         _ => {}
     }
     if let Some(value) = formula(word) {
         let is_number = word.parse::<f64>().is_ok();
-        let what = if is_number { "JSON writes this number" } else { "JSON has no formulas: write the number" };
+        let what = if is_number { "write this number as" } else { "JSON has no formulas here; write the number" };
         let message = format!("`{word}`: {what} {}", Decimal::rounded(value));
         let fits = (0..=17).rev().map(|digits| format!("{value:.digits$}")).find(|text| text.len() <= length);
         return Some(Fault::new(message, place).written(&fits.unwrap_or_else(|| "1".into())));
@@ -233,11 +231,11 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     let digits = word.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(length);
     let message = match word[..digits].parse::<f64>() {
         Ok(value) => format!(
-            "`{word}` is no number: write {} alone; lengths are in m and angles in rad, unless \"units\" says \
-             otherwise",
+            "`{word}` is not a number: write {} alone; lengths are in m and angles in rad, unless \"units\" states \
+             others",
             Decimal::rounded(value)
         ),
-        Err(_) => format!("`{word}` is no value of JSON: texts stand in double quotes, numbers are digits"),
+        Err(_) => format!("`{word}` is not a JSON value: write texts in double quotes, and numbers with digits"),
     };
     Some(Fault::new(message, place).written("1"))
 }

@@ -44,7 +44,8 @@ impl FileUnits {
         let mut out = String::with_capacity(message.len());
         let has_degrees = self.0.iter().any(|unit| unit.own == "deg");
         // Nobody who states degrees means radians.
-        let asks = message.rfind("; if ").filter(|at| has_degrees && message[*at..].contains(" degrees are meant"));
+        let asks =
+            message.rfind("; if you mean ").filter(|at| has_degrees && message[*at..].contains(" degrees, write"));
         let mut words = message[..asks.unwrap_or(message.len())].split(' ').peekable();
         while let Some(word) = words.next() {
             let unit = words.peek().and_then(|next| self.of_word(next).map(|unit| (unit, *next)));
@@ -107,7 +108,7 @@ mod tests {
             ("give its rough angle [rad]", "give its rough angle [deg]"),
             ("1e4 N/m and m alone", "1e4 N/m and m alone"),
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
-            ("at 15.70796327 rad; if 15 degrees are meant, write 0.2 rad", "at 900 deg"),
+            ("at 15.70796327 rad; if you mean 15 degrees, write 0.2 rad", "at 900 deg"),
         ] {
             assert_eq!(text.converted(message), told);
             assert_eq!(none.converted(message), message);

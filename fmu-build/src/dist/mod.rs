@@ -104,7 +104,7 @@ fn build(workspace: &Workspace, stage: &Path, glibc: Option<&str>) -> Result<Pat
     command::run(&mut maturin, "maturin build")?;
     let entries = fs::read_dir(&out).with_context(|| format!("{}: cannot be listed", out.display()))?;
     let mut paths = entries.flatten().map(|entry| entry.path());
-    paths.find(|path| path.extension().is_some_and(|extension| extension == "whl")).context("maturin made no wheel")
+    paths.find(|path| path.extension().is_some_and(|extension| extension == "whl")).context("maturin built no wheel")
 }
 
 /// Look whether all for Linux in the wheel keeps to the glibc that its name promises.
@@ -118,9 +118,8 @@ fn keeps_its_promise(wheel: &Path) -> Result<()> {
         if needs::parts(&promised) < needs::parts(&needed) {
             let functions = functions.join(", ");
             bail!(
-                "{name}: {entry} needs glibc {needed} (for {functions}), and the name promises {promised}; build all \
-                 in it by \
-                 --glibc {promised}"
+                "{name}: {entry} needs glibc {needed} (for {functions}), but the name of the wheel states \
+                 {promised}; build all its parts with --glibc {promised}"
             );
         }
     }

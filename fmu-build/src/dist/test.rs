@@ -114,7 +114,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     }
     ensure!(installed.made("of the FMU.csv")? == installed.made("of the file.csv")?, "two runs of one model differ");
     let rows = String::from_utf8_lossy(&installed.made("study/runs.csv")?).lines().count();
-    ensure!(rows == 4, "study/runs.csv has {rows} lines, and three runs and a head were asked for");
+    ensure!(rows == 4, "study/runs.csv has {rows} lines instead of four: a header and three runs");
     let retraction = installed.call(&["demo", "--out", "demo"], 0)?;
     ensure!(retraction.contains("retraction time       0.132059852"), "linkage-fmu demo: {retraction}");
     installed.made("demo/retraction.png")?;
@@ -128,7 +128,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
         let found = installed.here.join(expected.file_name().unwrap_or_default());
         differs_nowhere(&expected, &found)?;
     }
-    println!("the installed program does its tasks without Rust, and packs the FMU that `cargo fmu package` packs");
+    println!("the installed program does its tasks without Rust, and packs the same FMU as `cargo fmu package`");
     Ok(())
 }
 
@@ -143,7 +143,7 @@ fn differs_nowhere(expected: &Path, found: &Path) -> Result<()> {
     let others = |name: &&String| !name.starts_with("binaries/");
     ensure!(
         expected.names().iter().filter(others).eq(found.names().iter().filter(others)),
-        "{MODEL}.fmu has other entries by the installed program than by `cargo fmu package`"
+        "{MODEL}.fmu has other entries when the installed program packs it than with `cargo fmu package`"
     );
     Ok(())
 }

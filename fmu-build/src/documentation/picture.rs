@@ -50,7 +50,10 @@ impl Picture {
                 let at_start = model.initialize().ok().and_then(|()| Some((model.scene().ok()?, model.poses()?)));
                 // A start that is refused leaves the assembled position.
                 let assembled = || attempt(text).map(|attempt| (attempt.scene, attempt.poses));
-                let (scene, start) = at_start.or_else(assembled).context("the bodies have no position to be drawn")?;
+                let (scene, start) = at_start.or_else(assembled).context(
+                    "the bodies have no position for the \
+                    picture",
+                )?;
                 let mut typical = start.clone();
                 if flatness(&scene, &start) < FLAT
                     && let Ok(sweep) = model.sweep(POSITIONS)
@@ -65,7 +68,7 @@ impl Picture {
                 let mut model = component.clone();
                 let mut value = |name: &str| -> Result<f64> {
                     let reference =
-                        model.interface().find(name).with_context(|| format!("{name}: no such variable"))?;
+                        model.interface().find(name).with_context(|| format!("there is no variable {name}"))?;
                     Ok(model.real(reference)?)
                 };
                 let cylinder = Cylinder {

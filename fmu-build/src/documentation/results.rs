@@ -49,7 +49,8 @@ impl Results {
         let count = component.interface().list().iter().filter(is_output).count();
         if count > MOST_OUTPUTS {
             bail!(
-                "the model has {count} outputs, at most {MOST_OUTPUTS}; record those you need by `{} simulate`",
+                "the model has {count} outputs, but at most {MOST_OUTPUTS} are allowed; record the outputs you need \
+                 with `{} simulate`",
                 workspace.program()
             );
         }
@@ -79,20 +80,20 @@ impl Results {
     fn remarks(&self) -> String {
         format!(
             "Reference results of {name}, after the layered standard FMI-LS-REF.\n\n\
-             {name}_out.csv holds every output over the default experiment: all parameters and inputs at their start\n\
-             values, steps of {interval} s, {rows}. It was computed by the library in this FMU.\n\
-             On the same platform the same steps give the same bits; on others, rounding may differ. NaN stands for \
-             an\n\
-             output that does not exist in a state.\n{inputs}",
+             {name}_out.csv contains every output over the default experiment: all parameters and inputs at their\n\
+             start values, steps of {interval} s, {rows}. The library in this FMU computed these results.\n\
+             On the same platform the same steps give identical results; on other platforms the rounding can differ.\n\
+             NaN marks an output without a value in the present state.\n{inputs}",
             name = self.name,
             interval = number(self.interval),
             rows = match self.stride {
-                1 => "one row for each".to_owned(),
-                stride => format!("one row for every {stride} and one for the end"),
+                1 => "one row per step".to_owned(),
+                stride => format!("one row per {stride} steps, and one for the end"),
             },
             inputs = match &self.inputs {
                 Some(_) => format!(
-                    "{}_in.csv holds the inputs, which are constant. A host that interpolates them rounds them.\n",
+                    "{}_in.csv contains the inputs, which are constant. A host that interpolates them can introduce \
+                     rounding.\n",
                     self.name
                 ),
                 None => String::new(),
@@ -114,7 +115,7 @@ impl Results {
         let related = [
             Some(("text/csv", outputs.clone(), "result", "Output of the default experiment")),
             of_inputs,
-            Some(("application/json", above(definition), "model", "Definition from which the FMU was made")),
+            Some(("application/json", above(definition), "model", "Definition from which the FMU was built")),
             Some(("text/html", above(PAGE), "document", "Documentation")),
             animation,
         ];

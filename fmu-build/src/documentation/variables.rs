@@ -42,33 +42,34 @@ struct Row {
 /// Inputs, outputs, parameters and local variables, as far as there are any.
 pub fn tables(interface: &Interface) -> Vec<Table> {
     let kinds = [
-        ("inputs", "Inputs", "Set by the host between steps.", Causality::Input),
+        ("inputs", "Inputs", "The host can set these variables between steps.", Causality::Input),
         (
             "outputs",
             "Outputs",
-            "Told at every communication point. An output that does not exist in a state is NaN, with a warning. All \
-             may depend on the state; the last column names the inputs that act at once.",
+            "Available at every communication point. An output without a value in the present state is NaN, with a \
+             warning. The last column lists the inputs that act without delay; in addition, every output can \
+             depend on the state.",
             Causality::Output,
         ),
         (
             "parameters",
             "Parameters",
-            "Fixed by the host before the start. What the host sets wins over the definition.",
+            "The host can set these variables before the start. A value from the host replaces the value of the \
+             definition.",
             Causality::Parameter,
         ),
         (
             "calculated",
             "Calculated parameters",
-            "They follow from the parameters that the last column names, by the expression at the end of the \
+            "These values follow from the parameters in the last column, by the expression at the end of the \
              description.",
             Causality::CalculatedParameter,
         ),
         (
             "locals",
             "Local variables",
-            "Where each body is, for whoever draws it: its origin in the mechanism frame, and the matrix of rotation \
-             by \
-             its angle. They are computed only if they are read.",
+            "Position and rotation of each body, for drawing: the origin in the mechanism frame, and the rotation \
+             matrix. These variables are computed only when they are read.",
             Causality::Local,
         ),
     ];
@@ -94,7 +95,7 @@ fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row 
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
     let kind = match (variable.kind, variable.variability) {
         (Kind::Boolean, _) => "true or false",
-        (Kind::Enumeration, _) => "one of several",
+        (Kind::Enumeration, _) => "one of a list",
         (Kind::Real, Variability::Discrete) => "number, discrete",
         (Kind::Real, _) => "number",
     };

@@ -94,10 +94,9 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         size,
         title: format!("{name} at its start"),
         description: format!(
-            "A cylinder with a piston of {bore} m, a rod of {rod} m and a stroke of {stroke} m; its ends are {length} \
-             m \
-             apart. A valve leads oil between chamber A on the side of the piston, chamber B on the side of the rod, \
-             supply and tank."
+            "A cylinder with a piston of {bore} m, a rod of {rod} m and a stroke of {stroke} m; the ends are \
+             {length} m apart. A valve connects chamber A (piston side) and chamber B (rod side) with supply and \
+             tank."
         ),
         shapes,
         labels,

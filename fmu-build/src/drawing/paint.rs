@@ -12,7 +12,7 @@ use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pi
 /// The drawing has no size, or the picture cannot be encoded.
 pub fn to_png(drawing: &Drawing) -> Result<Vec<u8>> {
     let [width, height] = drawing.size.map(|side| side.ceil() as u32);
-    let mut picture = Pixmap::new(width, height).context("the picture has no size")?;
+    let mut picture = Pixmap::new(width, height).context("the picture has the size 0")?;
     for shape in &drawing.shapes {
         // What has no extent leaves no trace.
         let Some(path) = path(shape) else { continue };

@@ -18,7 +18,7 @@ const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 pub fn encode<const N: usize>(pixels: &[[u8; N]], [width, height]: [u32; 2]) -> io::Result<Vec<u8>> {
     const { assert!(N == 3 || N == 4) };
     if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
-        return Err(io::Error::other(format!("{} pixels are no picture of {width} x {height}", pixels.len())));
+        return Err(io::Error::other(format!("{} pixels do not fill a picture of {width} x {height}", pixels.len())));
     }
     let mut lines = ZlibEncoder::new(Vec::new(), Compression::default());
     for line in pixels.chunks_exact(width as usize) {

@@ -41,7 +41,7 @@ impl Missing {
         self.time = row[0];
         for (index, _) in row[1..].iter().enumerate().filter(|(_, value)| value.is_nan()) {
             let gap = self.gaps[index].get_or_insert_with(|| {
-                let reason = why(index).unwrap_or_else(|| "no reason is known".to_owned());
+                let reason = why(index).unwrap_or_else(|| "unknown reason".to_owned());
                 Gap { since: row[0], first: self.rows, count: 0, reason }
             });
             gap.count += 1;
@@ -67,9 +67,9 @@ impl Missing {
         match *count {
             1 if rows == 1 => format!("no value of {names} at {since:?} s: {reason}"),
             count if count == rows - first => {
-                format!("no value of {names} from {since:?} s on, nan in {count} of {rows} rows: {reason}")
+                format!("no value of {names} from {since:?} s on (nan in {count} of {rows} rows): {reason}")
             }
-            count => format!("no value of {names} in {count} of {rows} rows, the first at {since:?} s: {reason}"),
+            count => format!("no value of {names} in {count} of {rows} rows (first at {since:?} s): {reason}"),
         }
     }
 }
@@ -93,8 +93,8 @@ mod tests {
         assert_eq!(
             missing.lines(&["a", "b", "c", "d"]),
             [
-                "no value of a, d from 0.5 s on, nan in 2 of 3 rows: at 0.5 s",
-                "no value of c in 1 of 3 rows, the first at 0.5 s: at 0.5 s",
+                "no value of a, d from 0.5 s on (nan in 2 of 3 rows): at 0.5 s",
+                "no value of c in 1 of 3 rows (first at 0.5 s): at 0.5 s",
             ]
         );
     }

@@ -79,7 +79,7 @@ impl Signals {
         let mut names = names.iter().map(String::as_str);
         match names.next() {
             Some("time") => {}
-            first => bail!("{shown}: the first column is \"{}\"; it must be time", first.unwrap_or("").escape_debug()),
+            first => bail!("{shown}: the first column is \"{}\", but must be time", first.unwrap_or("").escape_debug()),
         }
         let mut signals = Self { with_slopes, ..Self::none() };
         let mut kinds = Vec::new();
@@ -88,17 +88,20 @@ impl Signals {
             let variable = &interface.list()[reference as usize];
             if variable.causality != Causality::Input {
                 let kind = variable.causality.word().to_lowercase();
-                bail!("{shown}: {name} is no input but of causality {kind}; a parameter belongs to --start-values");
+                bail!("{shown}: {name} is not an input (causality {kind}); set a parameter with --start-values");
             }
             if signals.all().any(|signal| signal.reference == reference) {
-                bail!("{shown}: {name} stands twice");
+                bail!("{shown}: {name} occurs twice; remove one column");
             }
             let signal = Signal { reference, values: Vec::new() };
             kinds.push((name.to_owned(), variable.kind));
             match variable.kind {
                 Kind::Real => signals.continuous.push(signal),
                 Kind::Boolean => signals.discrete.push(signal),
-                Kind::Enumeration => bail!("{shown}: {name} is an Enumeration and changes with no signal"),
+                Kind::Enumeration => bail!(
+                    "{shown}: {name} is an Enumeration, which cannot change during a run; \
+                                            remove this column"
+                ),
             }
         }
         for (record, line) in reader.records().zip(2..) {
@@ -107,7 +110,7 @@ impl Signals {
             let time =
                 value(texts.next().unwrap_or(""), Kind::Real).with_context(|| format!("{shown}, line {line}, time"))?;
             if signals.times.last().is_some_and(|last| *last > time) {
-                bail!("{shown}, line {line}: the time goes back to {time} s; sort the rows by time");
+                bail!("{shown}, line {line}: the time decreases to {time} s; sort the rows by time");
             }
             signals.times.push(time);
             let (mut continuous, mut discrete) = (signals.continuous.iter_mut(), signals.discrete.iter_mut());
@@ -118,7 +121,7 @@ impl Signals {
             }
         }
         if signals.times.is_empty() {
-            bail!("{shown}: holds no row of values");
+            bail!("{shown}: contains no row of values");
         }
         signals.events = signals.find_events();
         Ok(signals)
@@ -267,8 +270,8 @@ fn value(text: &str, kind: Kind) -> Result<f64> {
         Ok(value) => bail!("{value} must be finite"),
         Err(_) if kind == Kind::Boolean => Ok(f64::from(u8::from(truth(text)?))),
         Err(_) => match decimal_comma(text) {
-            Some(point) => bail!("\"{text}\" has a decimal comma; write a point, {point}"),
-            None => bail!("\"{}\" is no number", text.escape_debug()),
+            Some(point) => bail!("\"{text}\" has a decimal comma; write a point: {point}"),
+            None => bail!("\"{}\" is not a number", text.escape_debug()),
         },
     }
 }

@@ -56,12 +56,12 @@ pub fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
             .enumerate()
             .map(|(k, name)| {
                 if names[..k].contains(name) {
-                    bail!("--output-variables: {name} stands twice");
+                    bail!("--output-variables: {name} occurs twice; remove one");
                 }
                 let reference = find(interface, name).context("--output-variables")?;
                 let variable = &interface.list()[reference as usize];
                 if variable.kind == Kind::Enumeration {
-                    bail!("--output-variables: {name} is an Enumeration; a table holds Reals and Booleans");
+                    bail!("--output-variables: {name} is an Enumeration; a table can contain Reals and Booleans");
                 }
                 Ok(Column::new(reference, variable))
             })

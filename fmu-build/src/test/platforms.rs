@@ -100,7 +100,7 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
     let mut unpacked = fmus.iter().map(|path| Unpacked::new(path, &out)).collect::<Result<Vec<_>>>()?;
     unpacked.sort_by(|a, b| a.identifier.cmp(&b.identifier));
     let own = library::platform()?;
-    let own = MACHINES.iter().find(|m| m.platform == own).context("the platforms are tested on Linux")?;
+    let own = MACHINES.iter().find(|m| m.platform == own).context("the platforms can be tested on Linux only")?;
     let own = &Machine { compiler: "cc", launcher: &[], ..*own };
     let host = own.host(workspace)?;
     let references = unpacked.iter().map(|fmu| fmu.run(own, &host)).collect::<Result<Vec<_>>>()?;
@@ -108,17 +108,20 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
     for machine in MACHINES.iter().filter(|machine| machine.platform != own.platform) {
         let shown = machine.platform;
         if !unpacked.iter().all(|fmu| fmu.library(machine).is_file()) {
-            println!("{shown}: not tested: its library cannot be built here");
+            println!("{shown}: not tested, because its library cannot be built here");
             continue;
         }
         if let Some(missing) = machine.missing() {
-            println!("{shown}: not tested: {missing} is missing (Debian: apt-get install {})", machine.packages);
+            println!(
+                "{shown}: not tested, because {missing} is missing (Debian: apt-get install {})",
+                machine.packages
+            );
             continue;
         }
         let host = machine.host(workspace)?;
         if let Some(first) = unpacked.first() {
             let needs = Needs::of(&fs::read(first.library(machine))?)?.words();
-            let needs = if needs.is_empty() { "needs nothing beyond the system".to_owned() } else { needs };
+            let needs = if needs.is_empty() { "needs only the system".to_owned() } else { needs };
             let _ = writeln!(text, "\n## {shown}\nRun by `{}`; the library {needs}.\n", machine.launcher.join(" "));
         }
         text.push_str(
@@ -138,7 +141,7 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
         }
     }
     if text.is_empty() {
-        bail!("no other platform was tested; what is missing stands above");
+        bail!("no other platform was tested; the missing tools are listed above");
     }
     Ok(text)
 }
@@ -239,20 +242,20 @@ impl Unpacked {
             if !output.status.success() {
                 let name = &self.identifier;
                 bail!(
-                    "{}: {name} failed with the resources at {shown}; its own message stands above",
+                    "{}: {name} failed with the resources at {shown}; its own message is above",
                     machine.platform
                 );
             }
             let bits = String::from_utf8_lossy(&output.stdout)
                 .split_whitespace()
-                .map(|word| u64::from_str_radix(word, 16).context("the host printed no bits"))
+                .map(|word| u64::from_str_radix(word, 16).context("the host printed no results"))
                 .collect::<Result<Vec<_>>>()?;
             if bits.len() != (STEPS + 1) * self.references.len() {
-                bail!("{}: {} gave {} numbers", machine.platform, self.identifier, bits.len());
+                bail!("{}: {} returned {} numbers", machine.platform, self.identifier, bits.len());
             }
             match &first {
                 Some(first) if *first != bits => {
-                    bail!("{}: other results with the resources at {shown}", machine.platform)
+                    bail!("{}: the results differ with the resources at {shown}", machine.platform)
                 }
                 Some(_) => {}
                 None => first = Some(bits),

@@ -33,10 +33,14 @@ pub fn run(workspace: &Workspace) -> Result<()> {
     binary::exports_fmi_only(&here)?;
     if let Some(place) = first_difference(&here, &there) {
         bail!(
-            "the library differs between two folders of the same source from byte {place} on; find what holds a path"
+            "the library differs between two folders of the same source from byte {place} on; look for a path in \
+             the library"
         );
     }
-    println!("the library built in two folders from copies of one source has the same {} bytes", here.len());
+    println!(
+        "the libraries that were built from copies of the source in two folders are identical, with {} bytes",
+        here.len()
+    );
     Ok(())
 }
 

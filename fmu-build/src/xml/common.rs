@@ -92,7 +92,10 @@ pub fn check_texts(name: &str, description: &str, variables: &[Variable]) -> Res
     });
     for (quantity, text) in header.into_iter().chain(variables) {
         if let Some(found) = text.chars().find(|&c| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}')) {
-            bail!("{}: the text holds the character {found:?}; write it on one line, without", quantity.escape_debug());
+            bail!(
+                "{}: the text contains the character {found:?}; write the text on one line, without this character",
+                quantity.escape_debug()
+            );
         }
     }
     Ok(())

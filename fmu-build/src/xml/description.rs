@@ -82,7 +82,7 @@ impl Attributes {
             let value = attribute.normalized_value(XmlVersion::Implicit1_0)?.into_owned();
             let name = attribute.key.as_ref().to_owned();
             if all.insert(name.clone(), value).is_some() {
-                bail!("the attribute {name} stands twice");
+                bail!("the attribute {name} occurs twice");
             }
         }
         Ok(Self(all))
@@ -94,7 +94,7 @@ impl Attributes {
 
     fn number(&mut self, name: &str) -> Result<Option<f64>> {
         let read =
-            |text: String| text.trim().parse().with_context(|| format!("{name} is \"{text}\", which is no number"));
+            |text: String| text.trim().parse().with_context(|| format!("{name} is \"{text}\", which is not a number"));
         self.0.remove(name).map(read).transpose()
     }
 }
@@ -111,7 +111,7 @@ impl Description {
         let mut open: Vec<String> = Vec::new();
         loop {
             let event = reader.read_event();
-            match event.with_context(|| format!("the text is no XML at byte {}", reader.error_position()))? {
+            match event.with_context(|| format!("the text is not XML at byte {}", reader.error_position()))? {
                 Event::Start(element) => {
                     out.take(&open, &element)?;
                     open.push(element.name().as_ref().to_owned());
@@ -123,7 +123,7 @@ impl Description {
             }
         }
         if let Some(element) = open.last() {
-            bail!("the text is no XML: it ends within the element {element}");
+            bail!("the text is not XML: it ends within the element {element}");
         }
         if out.fmi_version.is_empty() {
             bail!("there is no element fmiModelDescription with an fmiVersion");

@@ -226,6 +226,6 @@ mod tests {
         let mut bad = variable("y", Causality::Output, None);
         bad.description = "two\nlines".to_owned();
         let message = xml_of(&[bad]).unwrap_err().to_string();
-        assert!(message.starts_with("y: the text holds the character '\\n'"), "{message}");
+        assert!(message.starts_with("y: the text contains the character '\\n'"), "{message}");
     }
 }

@@ -62,11 +62,14 @@ impl<'a> Interface<'a> {
     pub fn of(component: &'a Component, naming: Naming) -> Result<Self> {
         let (name, interface) = (component.name(), component.interface());
         if !is_c_identifier(name) {
-            bail!("name: \"{name}\" is not a C identifier; use letters, digits and _ only, and begin with no digit");
+            bail!(
+                "name: \"{name}\" is not a C identifier; use letters, digits and _ only, and do not start with a \
+                   digit"
+            );
         }
         let parameter = interface.list().iter().find(|variable| variable.name == TOLERANCE);
         let Some(&Value::Real(tolerance)) = parameter.and_then(|parameter| parameter.start.as_ref()) else {
-            bail!("{TOLERANCE}: there is no such parameter; the model must declare it");
+            bail!("{TOLERANCE}: this parameter is missing; the model must declare it");
         };
         Ok(Self {
             name,

@@ -46,7 +46,7 @@ pub struct System<'a> {
 impl Part<'_> {
     fn find(&self, name: &str) -> Result<&Variable> {
         let found = self.variables.iter().find(|variable| variable.name == name);
-        found.with_context(|| format!("{} has no variable {name}; pack an FMU that has it", self.name))
+        found.with_context(|| format!("{} has no variable {name}; pack an FMU that has this variable", self.name))
     }
 }
 
@@ -83,7 +83,8 @@ impl System<'_> {
             if !directed || output.unit != input.unit || output.kind != input.kind {
                 let unit = |variable: &Variable| variable.unit.map_or("no unit", Unit::name);
                 bail!(
-                    "{} ({:?}, {}) cannot be connected with {} ({:?}, {}): connect an output with an input of its unit",
+                    "{} ({:?}, {}) cannot be connected with {} ({:?}, {}): connect an output with an input of the \
+                     same unit",
                     output.name,
                     output.causality,
                     unit(output),
@@ -108,7 +109,7 @@ impl System<'_> {
                     Value::Item(_) => Kind::Enumeration,
                 };
                 if variable.kind != kind {
-                    bail!("{name} is a {}; give it such a value", variable.kind.word());
+                    bail!("{name} is a {}; give it a value of this type", variable.kind.word());
                 }
             }
         }
@@ -271,8 +272,8 @@ mod tests {
         let twice = [[(1, "force"), (0, "force")], [(1, "force"), (0, "force")]];
         let text = [("stiffness", Value::Item("stiff".into()))];
         for (connections, values, piece) in [
-            (&[[(1, "force"), (1, "length")]][..], &[][..], "an output with an input of its unit"),
-            (&[[(0, "force"), (1, "preload")]], &[], "an output with an input of its unit"),
+            (&[[(1, "force"), (1, "length")]][..], &[][..], "an output with an input of the same unit"),
+            (&[[(0, "force"), (1, "preload")]], &[], "an output with an input of the same unit"),
             (&[[(1, "force"), (0, "torque")]], &[], "mass has no variable torque"),
             (&twice, &[], "force has two connections"),
             (&[], &text, "stiffness is a Real"),

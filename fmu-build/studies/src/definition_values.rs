@@ -27,7 +27,7 @@ pub fn with_values(kind: &str, text: &str, values: &[(&str, f64)]) -> Result<Str
 
 fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> {
     let mut model = Component::from_definition(kind, text)?;
-    let reference = model.interface().find(name).with_context(|| format!("{name}: no variable is called so"))?;
+    let reference = model.interface().find(name).with_context(|| format!("there is no variable {name}"))?;
     let before = starts(&mut model)?;
     let own = model.real(reference)?;
     if own == value {
@@ -56,7 +56,8 @@ fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> 
         }
     }
     bail!(
-        "{name} = {value}: no number of the definition decides this alone; state it there, or set it as a start value"
+        "{name} = {value}: no single number of the definition sets this value alone; change the definition, or use a \
+         start value"
     )
 }
 
@@ -128,6 +129,9 @@ mod tests {
     #[test]
     fn what_stands_nowhere_is_named() {
         let error = with_values("mechanism.json", GEAR, &[("solver.max_steps", 7.0)]).unwrap_err().to_string();
-        assert!(error.contains("solver.max_steps = 7: no number of the definition decides this alone"), "{error}");
+        assert!(
+            error.contains("solver.max_steps = 7: no single number of the definition sets this value alone"),
+            "{error}"
+        );
     }
 }

@@ -31,7 +31,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     arguments.output_file.as_deref().map_or(Ok(()), check_csv)?;
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
-        .with_context(|| format!("{}; `cargo fmu check` tells more", definition.shown))?;
+        .with_context(|| format!("{}; `cargo fmu check` prints the details", definition.shown))?;
     start_values::apply(&mut model, &arguments.start_values)?;
     let interface = model.interface().clone();
     let named = Named { what: what(&model, arguments)?, interface: &interface };
@@ -56,7 +56,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
 fn check_csv(path: &Path) -> Result<()> {
     match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
         "csv" => Ok(()),
-        _ => bail!("--output-file: {} must end in .csv", path.display()),
+        _ => bail!("--output-file: the name {} must end in .csv", path.display()),
     }
 }
 
@@ -70,7 +70,7 @@ fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
         Some(name) => find(interface, name).context("--coordinate")?,
         None => match model.natural_coordinate() {
             Some(coordinate) => coordinate,
-            None => bail!("{} has no travel: only mechanisms are linearised", model.name()),
+            None => bail!("{} has no travel: only mechanisms can be linearised", model.name()),
         },
     };
     let inputs = match arguments.inputs.as_slice() {

@@ -170,7 +170,7 @@ fn columns_without_a_value_are_told_with_the_reason() {
     let count = without(column);
     assert!((5..95).contains(&count), "{count}");
     let line = told.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
-    assert!(line.contains(&format!("in {count} of 101 rows, the first at 0.0 s: the loads do not drive")), "{line}");
+    assert!(line.contains(&format!("in {count} of 101 rows (first at 0.0 s): the loads do not return")), "{line}");
     // Each column once, and none that has all values.
     for (index, name) in names.iter().enumerate() {
         let lines = told.iter().filter(|line| line.contains(name)).count();
@@ -178,8 +178,8 @@ fn columns_without_a_value_are_told_with_the_reason() {
     }
     // All rows; and of a run without a file, of which the last row alone is read, that one.
     let short = ["--stop-time", "0.05", "--output-file", table.to_str().unwrap()];
-    for (arguments, said) in [(&short[..], "from 0.0 s on, nan in 6 of 6 rows: "), (&short[..2], "at 0.05 s: ")] {
-        let (told, said) = (run(arguments), format!("{said}the loads do not drive the mechanism back"));
+    for (arguments, said) in [(&short[..], "from 0.0 s on (nan in 6 of 6 rows): "), (&short[..2], "at 0.05 s: ")] {
+        let (told, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
         let is_told = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
         assert!(told.iter().any(is_told), "{said}: {told:?}");
     }
@@ -280,7 +280,7 @@ fn what_cannot_be_written_whole_leaves_what_was_there() {
     // A device is written to as it is; this one is always full.
     let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
     let said = String::from_utf8(full.stderr).unwrap();
-    let line = "error: /dev/full: cannot be written; free space there, or name another folder: No space left on device";
+    let line = "error: /dev/full: cannot be written; free disk space, or give another folder: No space left on device";
     assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
 }
 

@@ -24,12 +24,12 @@ fn every_fault_of_the_form_is_found_at_its_place() {
     ];
     assert_eq!(places, expected, "{}", check::findings(&all));
     for (located, fragment) in all.findings.iter().zip([
-        "JSON has none",
+        "JSON has no comments",
         "0.5",
         "finite",
         "no key `lenght`",
         "must be a number",
-        "nothing follows",
+        "comma stands before the closing bracket",
         "a list",
     ]) {
         assert!(located.finding.message.contains(fragment), "{}", located.finding.message);
@@ -114,7 +114,7 @@ fn what_is_no_json_has_its_place_and_its_remedy() {
         ("\"mass\": 1.0", "\"mass\": 1.2x", "1.2x", "write 1.2 alone"),
         ("\"mass\": 1.0", "\"mass\" = 1.0", "=", "colon"),
         ("\"mass\": 1.0,", "\"mass\": 1.0", "\"shape\"", "comma is missing"),
-        ("\"mass\": 1.0,", "\"mass\": 1.0, \"mass\": 2.0,", "\"mass\"", "remove one"),
+        ("\"mass\": 1.0,", "\"mass\": 1.0, \"mass\": 2.0,", "\"mass\"", "remove or rename one"),
         ("\"name\": \"M\"", "\"name\": \"M", "\"M", "closing quote"),
     ] {
         let text = good.replacen(from, to, 1);
@@ -124,9 +124,9 @@ fn what_is_no_json_has_its_place_and_its_remedy() {
         assert!(all[0].2.starts_with(shown) && all[0].2.len() <= shown.len() + 1, "{to}: {all:#?}");
     }
     for (text, said) in [
-        (format!("{good}}}"), "bracket too many"),
+        (format!("{good}}}"), "surplus closing bracket"),
         (format!("{good}\n{good}"), "ends before"),
-        (good.trim_end().trim_end_matches('}').to_owned(), "never closed"),
+        (good.trim_end().trim_end_matches('}').to_owned(), "has no closing bracket"),
         ("[]".into(), "one object"),
     ] {
         let all = checked(&text);
@@ -165,7 +165,7 @@ fn values_are_told_in_the_units_of_the_file() {
         (json!({ "crank": 30, "rod": -10, "guide": 0.38 }), json!({ "body": "crank", "angle": 900 }));
     let all = found(&text.to_string(), Severity::Warning);
     let [(_, warning, _)] = &all[..] else { panic!("{all:#?}") };
-    assert!(warning.contains("guess of 0.38 mm; write 361.250755 mm if"), "{warning}");
+    assert!(warning.contains("guess of 0.38 mm; if this assembly is correct, write 361.250755 mm"), "{warning}");
     (text["guess"], text["stops"]) = (
         json!({ "crank": 900, "rod": 30, "guide": -380 }),
         json!({ "s": { "body": "crank", "limit": "upper", "angle": 7 } }),
@@ -198,7 +198,10 @@ fn names_and_guesses_at_fault_are_told_together() {
     text["joints"]["slider"] = text["joints"]["guide"].take();
     text["joints"].as_object_mut().unwrap().remove("guide");
     let all = found(&text.to_string(), Severity::Error);
-    assert!(all.iter().any(|(.., message, _)| message.contains("`slider` names a body and a joint")), "{all:#?}");
+    assert!(
+        all.iter().any(|(.., message, _)| message.contains("`slider` is the name of a body and of a joint")),
+        "{all:#?}"
+    );
     let text = with("/name", json!("CON"));
     assert!(found(&text, Severity::Error)[0].1.contains("name of a device"));
 }

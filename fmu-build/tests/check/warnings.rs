@@ -16,7 +16,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "up": { "joint": "guide", "limit": "upper", "position": 0.7 } }),
             "stops.up",
             "\"up\"",
-            vec!["never met", "0.3 m short"],
+            vec!["never reached", "0.3 m before"],
         ),
         (
             "/stops",
@@ -30,7 +30,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "up": { "joint": "guide", "limit": "upper", "position": 0.39, "rigid": false } }),
             "stops.up",
             "\"up\"",
-            vec!["neither stiffness nor damping"],
+            vec!["without stiffness, damping and points"],
         ),
         (
             "/stops",
@@ -51,9 +51,9 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "f": { "at": "ground.origin" } }),
             "forces.f.at",
             "\"ground.origin\"",
-            vec!["does nothing"],
+            vec!["has no effect"],
         ),
-        ("/torques", json!({ "t": { "on": "ground" } }), "torques.t.on", "\"ground\"", vec!["name a body that moves"]),
+        ("/torques", json!({ "t": { "on": "ground" } }), "torques.t.on", "\"ground\"", vec!["give a body that moves"]),
         (
             "/bodies/rod",
             json!({ "length": 0.3, "shape": "uniform_rod" }),

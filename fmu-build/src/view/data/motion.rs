@@ -161,7 +161,7 @@ fn record(
     frames.add(simulation, references)?;
     for _ in 0..count {
         if let Err(error) = simulation.step(stop_time / count as f64) {
-            let why = format!("at {} s the motion could not go on: {error}", simulation.time());
+            let why = format!("at {} s the motion stopped with an error: {error}", simulation.time());
             return Ok((frames, Some(why)));
         }
         frames.add(simulation, references)?;

@@ -58,7 +58,7 @@ class Table {
     }
     if (!this.rows.length) {
       const cell = this.table.createTBody().insertRow().insertCell();
-      Object.assign(cell, { colSpan: 4, className: "hint", textContent: "No variable has such a name." });
+      Object.assign(cell, { colSpan: 4, className: "hint", textContent: "No variable matches the filter." });
     }
     if (this.index !== undefined) this.show(this.index);
   }

@@ -127,9 +127,9 @@ function setUpTravel() {
   byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
   const [low, high] = data.travel.goes_on;
   const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
-  const ends = data.travel.is_closed && !stops.length ? "one whole round of the motion" : stops.length ? `with the stops ${stops.join(", ")}` : "from end to end";
-  const beyond = low || high ? "; the motion goes on beyond" : "";
-  byId("hint").textContent = `Travel moves the mechanism without time: ${ends}${beyond}. Space plays, arrow keys step.`;
+  const ends = data.travel.is_closed && !stops.length ? "one full cycle of the motion" : stops.length ? `with the stops ${stops.join(", ")}` : "from end to end";
+  const beyond = low || high ? "; the motion continues beyond" : "";
+  byId("hint").textContent = `The Travel slider moves the mechanism without time: ${ends}${beyond}. Press Space to play, arrow keys to step.`;
 }
 
 function onKey(event) {
@@ -219,9 +219,9 @@ function describe() {
   if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `At the guess ${gaps}.`;
   const length = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
   byId("drawing-description").textContent = parts + length + (gaps ? ` At the guess ${gaps}.` : "");
-  const left = motion?.left_out ? ` ${motion.left_out} variables had no room.` : "";
-  const frames = motion ? `${motion.count} frames from the engine; between them the page interpolates. ` : "";
-  byId("about").textContent = `${frames}${parts}${left} Angles anticlockwise, SI units. Made by linkage-fmu.`;
+  const left = motion?.left_out ? ` ${motion.left_out} variables are left out.` : "";
+  const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
+  byId("about").textContent = `${frames}${parts}${left} Angles anticlockwise, SI units. Built by linkage-fmu.`;
   if (stands && byId("error-title")) {
     byId("error-title").textContent = stands.is_assembled ? "This mechanism assembles, but does not run" : "This mechanism does not assemble: drawn at the guess";
   } else if (motion && byId("error-title")) {

@@ -39,7 +39,7 @@ pub fn of_drive(node: Node) -> Option<String> {
     let gear = node.attribute("gear").and_then(|gear| gear.split_whitespace().next());
     if let Some(gear) = gear.filter(|gear| gear.parse() != Ok(1.0)) {
         parts.push(format!(
-            "gear {} (the drive's input is the force or torque on the joint itself)",
+            "gear {} (the input of the drive is the force or torque on the joint itself)",
             gear.escape_debug()
         ));
     }
@@ -66,8 +66,8 @@ pub fn contact(root: Node) -> Option<String> {
     let first = touching.next()?;
     let other = touching.find(|geom| geom.parent() != first.parent())?;
     Some(format!(
-        "contact between geoms, such as {} and {}, is left out: bodies pass through each other; let stops end the \
-         travel",
+        "contact between geoms, such as {} and {}, is left out: bodies can pass through each other; use stops to \
+         end the travel",
         at(first),
         at(other)
     ))
@@ -85,7 +85,7 @@ pub fn of_urdf(root: Node) -> Vec<String> {
             |node: Node| node.children().any(|limit| limit.has_tag_name("limit") && limit.has_attribute(key));
         let joints = named("joint", &is_limited);
         if !joints.is_empty() {
-            notes.push(format!("the limit {key} of {} is left out: no {what} is bounded", joints.join(", ")));
+            notes.push(format!("the limit {key} of {} is left out: {what} is not limited", joints.join(", ")));
         }
     }
     for tag in OF_JOINTS {
@@ -97,7 +97,7 @@ pub fn of_urdf(root: Node) -> Vec<String> {
     let collides = |node: Node| node.children().any(|inner| inner.has_tag_name("collision"));
     let links = named("link", &collides);
     if links.len() > 1 {
-        notes.push(format!("<collision> of {} is left out: these links pass through each other", links.join(", ")));
+        notes.push(format!("<collision> of {} is left out: these links can pass through each other", links.join(", ")));
     }
     notes
 }

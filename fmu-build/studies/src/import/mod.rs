@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(link) => link.to_owned(),
         None => {
             let text = String::from_utf8(files::read(path, LARGEST)?).ok();
-            text.with_context(|| format!("{shown}: is not UTF-8 text; save it as UTF-8"))?
+            text.with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?
         }
     };
     let form = match arguments.form {
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     // A mechanism with other than one degree of freedom is written too, so that it can be corrected.
     if let Err(refused) = Component::from_definition(Component::definition_files()[0], &imported.definition) {
-        eprintln!("warning: {refused}; `cargo fmu check` tells more");
+        eprintln!("warning: {refused}; `cargo fmu check` prints the details");
     }
     Ok(())
 }
@@ -83,7 +83,10 @@ fn form_of(path: &Path, text: &str) -> Result<Form> {
         (_, text) if text.contains("<robot") => Form::Urdf,
         ("txt" | "pmks", _) => Form::Pmks,
         (_, text) if text.contains("mech=") => Form::Pmks,
-        _ => bail!("what form has this file? name it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or table"),
+        _ => bail!(
+            "the format of this file is unknown; give it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or \
+                    table"
+        ),
     })
 }
 

@@ -92,8 +92,8 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     let length = body.encode_utf16().count();
     ensure!(
         DIGITS.chars().nth(length % CHECKS) == Some(check),
-        "the last letter of a file of PMKS+ tells its length, and \"{}\" is not that of {length} letters: the file or \
-         link is cut short, or older than 2023; open it in PMKS+ and save it again",
+        "the last letter of a PMKS+ file states its length, but \"{}\" does not fit {length} letters: the file or \
+         link is incomplete, or older than 2023; open it in PMKS+ and save it again",
         check.escape_debug()
     );
     let mut sections = body.split('.');
@@ -116,19 +116,22 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
         force(&mut own, record, (&pins, &bars), &units).context(of)?;
     }
     own.notes.push(units.names.to_owned());
-    own.notes
-        .push("whether gravity acts is not read, as versions of PMKS+ differ: add \"gravity\" where it does".into());
+    own.notes.push(
+        "the gravity setting is not read, because versions of PMKS+ store it differently: add \"gravity\" if \
+               gravity acts"
+            .into(),
+    );
     Ok(own)
 }
 
 /// A number with the base 64, negative with a 0 before its digits.
 fn number(word: &str, what: &str) -> Result<f64> {
     let (sign, digits) = word.strip_prefix('0').map_or((1.0, word), |rest| (-1.0, rest));
-    ensure!(!word.is_empty() && digits.len() <= 9, "{what} = \"{}\" is no number of PMKS+", word.escape_debug());
+    ensure!(!word.is_empty() && digits.len() <= 9, "{what} = \"{}\" is not a number of PMKS+", word.escape_debug());
     let mut value = 0.0;
     for letter in digits.chars() {
         let digit =
-            DIGITS.find(letter).with_context(|| format!("{what}: \"{}\" is no digit", letter.escape_debug()))?;
+            DIGITS.find(letter).with_context(|| format!("{what}: \"{}\" is not a digit", letter.escape_debug()))?;
         value = 64.0 * value + digit as f64;
     }
     Ok(if value == 0.0 { 0.0 } else { sign * value })
@@ -162,7 +165,7 @@ fn units(letters: &str) -> Result<Units> {
             force: Unit(1.0, 1e3),
             names: "units of the file: m, kg, kg m2, N",
         },
-        other => bail!("unit of length {other:?}: 0 (in), 1 (cm) and 2 (m) are known"),
+        other => bail!("unit of length {other:?}: must be 0 (in), 1 (cm) or 2 (m)"),
     };
     // Letters of the angle and the force. Newton and pound-force follow the unit of length.
     if letters.nth(1).is_some_and(|letter| !matches!(letter, '0' | '1')) {
@@ -175,7 +178,7 @@ fn units(letters: &str) -> Result<Units> {
 fn flags(record: &str) -> Result<(usize, &str)> {
     let mut letters = record.chars();
     let letter = letters.next().context("the record is empty")?;
-    let value = DIGITS.find(letter).with_context(|| format!("\"{}\" is no digit", letter.escape_debug()))?;
+    let value = DIGITS.find(letter).with_context(|| format!("\"{}\" is not a digit", letter.escape_debug()))?;
     Ok((value, letters.as_str()))
 }
 
@@ -183,13 +186,13 @@ fn pin(record: &str, units: &Units) -> Result<Pin> {
     let (flags, rest) = flags(record)?;
     let words: Vec<&str> = rest.split(',').collect();
     let [id, name, x, y, angle, more @ ..] = words.as_slice() else {
-        bail!("a joint has a name, a place and an angle: open the file in PMKS+ and save it again");
+        bail!("a joint needs a name, a place and an angle: open the file in PMKS+ and save it again");
     };
     let slot = match more {
         [bar, a, b, ..] if ![bar, a, b].iter().all(|word| word.is_empty()) => {
             Some([bar, a, b].map(|word| (*word).into()))
         }
-        [bar, ..] if !bar.is_empty() => bail!("a slot has a bar and two joints"),
+        [bar, ..] if !bar.is_empty() => bail!("a slot needs a bar and two joints"),
         _ => None,
     };
     let angle = number(angle, "angle")? / 1e3;
@@ -213,22 +216,22 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
     let is_part = match letters.next() {
         Some(letter) if ROOTS.contains(letter) => false,
         Some(letter) if PARTS.contains(letter) => true,
-        other => bail!("a link of the unknown kind {other:?}"),
+        other => bail!("a link has the unknown type {other:?}"),
     };
     let is_block = match letters.next() {
         Some('R') => false,
         Some('P') => true,
-        other => bail!("a link is R or P, not {other:?}"),
+        other => bail!("the type of a link must be R or P, not {other:?}"),
     };
     let words: Vec<&str> = letters.as_str().split(',').collect();
     let [id, name, mass, inertia, x, y, _color, rest @ ..] = words.as_slice() else {
-        bail!("a link has a name, a mass, an inertia and a centre");
+        bail!("a link needs a name, a mass, an inertia and a centre");
     };
     // An empty word ends the joints.
     let end = rest.iter().position(|word| word.is_empty()).unwrap_or(rest.len());
     let owned = |words: &[&str]| words.iter().filter(|word| !word.is_empty()).map(|word| (*word).to_owned()).collect();
     let (mass, inertia) = (units.mass.of(number(mass, "mass")?), units.inertia.of(number(inertia, "inertia")?));
-    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia are at least 0");
+    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia must be at least 0");
     Ok(Bar {
         id: (*id).to_owned(),
         name: (*name).to_owned(),
@@ -247,10 +250,13 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     let (flags, rest) = flags(record)?;
     let words: Vec<&str> = rest.split(',').collect();
     let [_id, link, name, ax, ay, bx, by, size, ..] = words.as_slice() else {
-        bail!("a force has a link, a name, two places and a size");
+        bail!("a force needs a link, a name, two places and a size");
     };
     if flags & 1 != 0 {
-        bail!("the force turns with its link, and forces here keep their direction: make it global in PMKS+");
+        bail!(
+            "the force turns with its link, but forces of a definition keep their direction: make the force \
+               global in PMKS+"
+        );
     }
     let roots = bars.iter().filter(|bar| !bar.is_part);
     let holds = |bar: &Bar| bar.id == *link || bar.parts.iter().any(|part| part == link);
@@ -260,7 +266,7 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     };
     let (from, to) = (point(ax, ay)?, point(bx, by)?);
     let size = units.force.of(number(size, "size")?);
-    ensure!(size.is_finite(), "the unit of forces is neither N nor lbf: choose one of these in PMKS+");
+    ensure!(size.is_finite(), "the unit of forces must be N or lbf: choose one of these in PMKS+");
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]);
     ensure!(length > 0.0, "the force has no direction");
@@ -336,11 +342,11 @@ impl<'a> Builder<'a> {
             bail!("no joint is grounded");
         }
         match self.own.drives.first().map(|(_, joint)| &self.own.joints[*joint]) {
-            None => self.own.notes.push("no joint is an input: there is no drive".to_owned()),
+            None => self.own.notes.push("no joint is an input, so the mechanism has no drive".to_owned()),
             Some(joint) if joint.axis.is_some() || joint.first != 0 => self.own.start_speed = None,
             Some(_) if self.own.start_speed.is_some() => self.own.notes.push(
-                "PMKS+ holds the input's speed: here it is the speed at the start, and the drive has no torque; \
-                 \"motion\" of the drive prescribes it"
+                "PMKS+ stores the speed of the input: the imported mechanism starts with this speed and its drive \
+                 has no torque; add \"motion\" to the drive to prescribe the speed"
                     .to_owned(),
             ),
             Some(_) => {}
@@ -395,7 +401,7 @@ impl<'a> Builder<'a> {
                     Ok(pin.with_context(|| format!("there is no joint {}", id.escape_debug()))?.place)
                 };
                 let (a, b) = (place(a)?, place(b)?);
-                ensure!(a != b, "the two joints of the slot are at one place");
+                ensure!(a != b, "the two joints of the slot are at the same place");
                 (base, (b[1] - a[1]).atan2(b[0] - a[0]))
             }
             None if is_grounded => (0, pin.angle),

@@ -69,18 +69,18 @@ pub fn unescaped(text: &str) -> Result<String> {
         bytes.push(escaped.unwrap_or(*first));
         rest = if escaped.is_some() { &tail[2..] } else { tail };
     }
-    String::from_utf8(bytes).context("the link's escapes are not UTF-8: copy it again")
+    String::from_utf8(bytes).context("the link is not UTF-8 after decoding: copy it again")
 }
 
 fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     if words.iter().any(|word| word.eq_ignore_ascii_case("G")) {
-        bail!("a gear (G) is not taken: state it as `couplings` of the definition");
+        bail!("gears (G) are not imported: add them as `couplings` of the definition");
     }
     // A link may have the name of a kind: the kind is the last such word before the numbers.
     let is_number = |word: &&str| word.parse::<f64>().is_ok();
     let at = (1..words.len()).rev().find(|&at| kind(words[at]).is_some() && words.get(at + 1).is_some_and(is_number));
-    let at = at.context("no kind of joint (R, P or RP) stands before the place")?;
-    let kind = kind(words[at]).context("no kind of joint")?;
+    let at = at.context("the joint type (R, P or RP) before the coordinates is missing")?;
+    let kind = kind(words[at]).context("not a joint type")?;
     let mut rest = words[at + 1..].iter().copied();
     let place = [number(rest.next(), "x")?, number(rest.next(), "y")?];
     let mut rest: Vec<&str> = rest.collect();
@@ -88,7 +88,7 @@ fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     if rest.first().is_some_and(is_number) {
         axis = number(Some(rest.remove(0)), "angle")?.to_radians();
     } else if kind != Kind::Revolute {
-        notes.push(format!("{}: no angle of the slide is stated; 0 is taken, as PMKS does", words.join(" ")));
+        notes.push(format!("{}: the angle of the slide is missing; 0 is used, as in PMKS", words.join(" ")));
     }
     // Shown are position, speed and acceleration; the fourth flag tells the drive.
     let is_driven = match rest.as_slice() {
@@ -109,8 +109,8 @@ fn link_named(name: &str) -> String {
 
 /// The JSON of PMKS, whose slides have their angle in rad from the first of their links.
 fn of_json(text: &str) -> Result<Table> {
-    let file: Value = serde_json::from_str(text).context("this is no JSON")?;
-    let joints = file["Joints"].as_array().context("the JSON of PMKS has \"Joints\", and this has none")?;
+    let file: Value = serde_json::from_str(text).context("this is not JSON")?;
+    let joints = file["Joints"].as_array().context("the JSON of PMKS has the key \"Joints\", which is missing here")?;
     let mut table = Table { name: file["Name"].as_str().map(str::to_owned), ..Table::default() };
     for (joint, of) in joints.iter().zip(1..) {
         let row = json_row(joint, &file["Links"]).with_context(|| format!("joint {of}"))?;
@@ -126,14 +126,15 @@ fn of_json(text: &str) -> Result<Table> {
 fn json_row(joint: &Value, links: &Value) -> Result<Row> {
     let word = joint["TypeOfJoint"].as_str().unwrap_or_default();
     if word == "G" {
-        bail!("a gear (G) is not taken: state it as `couplings` of the definition");
+        bail!("gears (G) are not imported: add them as `couplings` of the definition");
     }
-    let kind = kind(word).with_context(|| format!("TypeOfJoint = \"{}\": R, P or RP", word.escape_debug()))?;
-    let coordinate = |key: &str| joint[key].as_f64().with_context(|| format!("{key} is no number"));
+    let kind = kind(word).with_context(|| format!("TypeOfJoint = \"{}\": must be R, P or RP", word.escape_debug()))?;
+    let coordinate = |key: &str| joint[key].as_f64().with_context(|| format!("{key} is not a number"));
     let place = [coordinate("X")?, coordinate("Y")?];
-    let names = joint["Links"].as_array().context("Links is no list")?;
+    let names = joint["Links"].as_array().context("Links is not a list")?;
     let names: Option<Vec<&str>> = names.iter().map(Value::as_str).collect();
-    let names: Vec<String> = names.context("Links has what is no name")?.into_iter().map(link_named).collect();
+    let names: Vec<String> =
+        names.context("Links contains an entry that is not a name")?.into_iter().map(link_named).collect();
     let mut axis = 0.0;
     if kind != Kind::Revolute {
         let first = names.first().map(String::as_str).unwrap_or_default();
@@ -141,7 +142,7 @@ fn json_row(joint: &Value, links: &Value) -> Result<Row> {
         let reference = match stated.and_then(|link| link["AngleInitial"].as_f64()) {
             Some(angle) => angle,
             None if first == "ground" => 0.0,
-            None => bail!("the angle of the slide is from the link {first}, whose AngleInitial is not there"),
+            None => bail!("the angle of the slide refers to the link {first}, whose AngleInitial is missing"),
         };
         axis = reference + coordinate("Angle")?;
     }

@@ -21,10 +21,10 @@ fn numbers(node: Node, name: &str) -> Result<Option<Vec<f64>>> {
     let parse = |word: &str| word.parse::<f64>().ok().filter(|value| value.is_finite());
     let all: Option<Vec<f64>> = text.split_whitespace().map(parse).collect();
     let told = || format!("{}: {name} = \"{}\"", at(node), text.escape_debug());
-    let all = all.with_context(|| format!("{} has what is no number", told()))?;
+    let all = all.with_context(|| format!("{} contains text that is not a number", told()))?;
     let is_size = SIZES.contains(&name) || name == "value" && node.has_tag_name("mass");
     if is_size && all.iter().any(|value| *value < 0.0) {
-        bail!("{}: must not be below 0", told());
+        bail!("{}: must not be negative", told());
     }
     Ok(Some(all))
 }
@@ -44,7 +44,10 @@ fn one(node: Node, name: &str) -> Result<Option<f64>> {
 fn ascending(node: Node, name: &str, range: [f64; 2]) -> Result<[f64; 2]> {
     let [lower, upper] = range;
     if lower > upper {
-        bail!("{}: {name}: the lower end {lower:?} is above the upper end {upper:?}; exchange them", at(node));
+        bail!(
+            "{}: {name}: the lower limit {lower:?} is larger than the upper limit {upper:?}; exchange them",
+            at(node)
+        );
     }
     Ok(range)
 }
@@ -65,7 +68,7 @@ fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
 }
 
 fn parse(text: &str) -> Result<Document<'_>> {
-    Document::parse(text).map_err(|error| anyhow!("no XML: {error}"))
+    Document::parse(text).map_err(|error| anyhow!("the file is not XML: {error}"))
 }
 
 /// A mechanism in MJCF.
@@ -77,7 +80,7 @@ pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
     let document = parse(&text)?;
     let root = document.root_element();
     if !root.has_tag_name("mujoco") {
-        bail!("{}: MJCF begins with <mujoco>", at(root));
+        bail!("{}: MJCF starts with <mujoco>", at(root));
     }
     let mut reader = Mjcf { space: Space::default(), in_degrees: true, sites: false };
     reader.space.name = root.attribute("model").unwrap_or(name).to_owned();
@@ -121,7 +124,7 @@ impl Mjcf {
                     self.space.notes.push(format!("{}: {wrong} is not read", at(node)));
                 }
                 if node.attribute("eulerseq").is_some_and(|order| order != "xyz") {
-                    bail!("{}: eulerseq: only xyz is taken", at(node));
+                    bail!("{}: eulerseq: only xyz is supported", at(node));
                 }
             }
             "option" => {
@@ -129,7 +132,7 @@ impl Mjcf {
                     self.space.gravity = gravity;
                 }
             }
-            "include" => bail!("{}: files included are not taken: put their content here", at(node)),
+            "include" => bail!("{}: included files are not read: put their content here", at(node)),
             "worldbody" => {
                 self.space.solids.push(Solid::default());
                 self.body(node, 0, ([0.0; 3], SAME))?;
@@ -159,7 +162,7 @@ impl Mjcf {
                 inner = after(&inner, &about(axis, self.angle(angle)));
             }
         } else if let Some(other) = ["xyaxes", "zaxis"].into_iter().find(|key| node.has_attribute(*key)) {
-            bail!("{}: {other} is not taken: write euler or quat", at(node));
+            bail!("{}: {other} is not supported: write euler or quat", at(node));
         }
         Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
     }
@@ -188,7 +191,7 @@ impl Mjcf {
                         bail!("{}: a second joint of one body; put a body without mass between them", at(inner));
                     }
                 }
-                "freejoint" => bail!("{}: a body that moves freely is no part of a mechanism", at(inner)),
+                "freejoint" => bail!("{}: a free body is not part of a mechanism", at(inner)),
                 "site" | "camera" | "light" => self.sites = true,
                 _ => {}
             }
@@ -196,7 +199,7 @@ impl Mjcf {
         let solid = &mut self.space.solids[own];
         (solid.mass, solid.center, solid.inertia) = together(&masses);
         if node.ancestors().nth(DEEPEST).is_some() {
-            bail!("{}: hangs on {DEEPEST} others, one on the other; at most {DEEPEST} are taken", at(node));
+            bail!("{}: is nested in {DEEPEST} other bodies; at most {DEEPEST} are supported", at(node));
         }
         for inner in elements(node).filter(|inner| inner.has_tag_name("body")) {
             let index = self.space.solids.len();
@@ -217,7 +220,7 @@ impl Mjcf {
         let slides = match node.attribute("type").unwrap_or("hinge") {
             "hinge" => false,
             "slide" => true,
-            other => bail!("{}: a joint of the type {other} is not planar; hinge and slide are taken", at(node)),
+            other => bail!("{}: a joint of the type {other} is not planar; hinge and slide are supported", at(node)),
         };
         for key in
             ["frictionloss", "armature", "ref", "actuatorfrcrange"].into_iter().filter(|key| node.has_attribute(*key))
@@ -263,7 +266,7 @@ impl Mjcf {
             let direction = unit(along).with_context(|| format!("{}: fromto has no length", at(node)))?;
             half = Some(0.5 * super::spatial::dot(along, along).sqrt());
             if matches!(kind, "box" | "ellipsoid") {
-                bail!("{}: fromto of a {kind} is not taken", at(node));
+                bail!("{}: fromto of a {kind} is not supported", at(node));
             }
             // Any two axes across the direction serve a body of revolution.
             let aside = if direction[0].abs() < 0.9 { SAME[0] } else { SAME[1] };
@@ -296,7 +299,7 @@ impl Mjcf {
             }
             "plane" => return Ok(None),
             other if one(node, "mass")? != Some(0.0) => {
-                bail!("{}: the mass of a {other} is not known: give the body an <inertial>", at(node))
+                bail!("{}: the mass of a {other} is unknown: give the body an <inertial>", at(node))
             }
             _ => return Ok(None),
         };
@@ -321,10 +324,10 @@ impl Mjcf {
     /// A connection that closes a loop.
     fn connection(&mut self, node: Node) -> Result<()> {
         if !node.has_tag_name("connect") || node.has_attribute("site1") {
-            bail!("{}: of equalities only <connect> with body1, body2 and anchor is taken", at(node));
+            bail!("{}: only <connect> with body1, body2 and anchor is supported among the equalities", at(node));
         }
         if node.attribute("active") == Some("false") {
-            self.space.notes.push(format!("{}: is not active and left out", at(node)));
+            self.space.notes.push(format!("{}: is not active, so it is left out", at(node)));
             return Ok(());
         }
         let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
@@ -358,14 +361,18 @@ impl Mjcf {
 
     fn drive(&mut self, node: Node) -> Result<()> {
         let Some(name) = node.attribute("joint") else {
-            self.space.notes.push(format!("{}: acts on no joint and is left out", at(node)));
+            self.space.notes.push(format!("{}: acts on no joint, so it is left out", at(node)));
             return Ok(());
         };
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
         let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
         let is_second = std::mem::replace(&mut hinge.is_driven, true);
         if is_second {
-            let text = format!("{}: acts on {} as another does: the two are one drive", at(node), name.escape_debug());
+            let text = format!(
+                "{}: acts on {} like another actuator: the two are combined into one drive",
+                at(node),
+                name.escape_debug()
+            );
             self.space.notes.push(text);
         }
         self.space.notes.extend(left_out::of_drive(node));
@@ -411,11 +418,11 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     let document = parse(text)?;
     let root = document.root_element();
     if !root.has_tag_name("robot") {
-        bail!("{}: URDF begins with <robot>", at(root));
+        bail!("{}: URDF starts with <robot>", at(root));
     }
     let mut space = Space { name: root.attribute("name").unwrap_or(name).to_owned(), ..Space::default() };
     space.gravity = [0.0, 0.0, -9.81];
-    space.notes.push("URDF states no gravity: 9.81 m/s2 along -z is put in".to_owned());
+    space.notes.push("URDF has no gravity: 9.81 m/s2 along -z is added".to_owned());
     let joints: Vec<Node> = elements(root).filter(|node| node.has_tag_name("joint")).collect();
     let of = |node: Node, key: &str| -> Result<String> {
         let name = child(node, key).and_then(|child| child.attribute("link"));
@@ -425,7 +432,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
         joints.iter().map(|joint| Ok((of(*joint, "parent")?, of(*joint, "child")?))).collect::<Result<_>>()?;
     let links: Vec<Node> = elements(root).filter(|node| node.has_tag_name("link")).collect();
     let is_base = |link: &&Node| ends.iter().all(|(_, child)| link.attribute("name") != Some(child));
-    let base = links.iter().find(is_base).context("there is no link that no joint moves")?;
+    let base = links.iter().find(is_base).context("every link is moved by a joint, so there is no ground link")?;
     space.notes.push(format!("the link {} is the ground", base.attribute("name").unwrap_or_default()));
     space.solids.push(Solid::default());
     let mut known = vec![(base.attribute("name").unwrap_or_default().to_owned(), ([0.0; 3], SAME))];
@@ -450,7 +457,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
         }
     }
     if let Some(&lost) = left.first() {
-        bail!("{}: its parent is joined to no other link", at(joints[lost]));
+        bail!("{}: its parent is not connected to the other links", at(joints[lost]));
     }
     space.notes.extend(left_out::of_urdf(root));
     for node in elements(root) {
@@ -490,10 +497,10 @@ fn urdf_joint(
     let slides = match kind {
         "revolute" | "continuous" => false,
         "prismatic" => true,
-        other => bail!("{}: a joint of the type {other} is not taken", at(node)),
+        other => bail!("{}: a joint of the type {other} is not supported", at(node)),
     };
     if child(node, "mimic").is_some() {
-        bail!("{}: <mimic> is not taken: a joint that copies another is no joint of a linkage", at(node));
+        bail!("{}: <mimic> is not supported, because a linkage has no joint that copies another", at(node));
     }
     let axis = child(node, "axis").map(|axis| fixed(axis, "xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
     let axis = unit(axis).with_context(|| format!("{}: the axis has no direction", at(node)))?;

@@ -134,7 +134,7 @@ pub fn project(space: Space) -> Result<Linkage> {
     let weight = dot(space.gravity, space.gravity).sqrt();
     if weight > 0.0 {
         if dot(space.gravity, normal).abs() > OFF * weight {
-            own.notes.push("the part of the gravity across the plane of the motion is left out".to_owned());
+            own.notes.push("the component of gravity across the plane of motion is left out".to_owned());
         }
         let [x, y] = flat(space.gravity);
         own.gravity = Some(x.hypot(y));
@@ -154,7 +154,7 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
     let upward = unit(scaled(space.gravity, -1.0)).unwrap_or([0.0, 0.0, 1.0]);
     let beside = || slides.first().and_then(|slide| unit(cross(*slide, upward)));
     let Some(normal) = turning.or_else(across).or_else(beside) else {
-        bail!("no joint tells the plane of the motion");
+        bail!("no joint defines the plane of the motion");
     };
     for hinge in &space.hinges {
         let Some(axis) = hinge.axis else { continue };
@@ -162,7 +162,7 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
             if hinge.slides { dot(axis, normal).abs() } else { dot(cross(axis, normal), cross(axis, normal)).sqrt() };
         if off > OFF {
             let what = if hinge.slides { "slides out of" } else { "does not turn in" };
-            bail!("the joint {} {what} the plane of the others: only planar mechanisms are taken", hinge.name);
+            bail!("the joint {} {what} the plane of the others: only planar mechanisms can be imported", hinge.name);
         }
     }
     // y as far upward as it can be; where the plane lies flat, x and y are those of the file.

@@ -56,7 +56,8 @@ pub fn kind(word: &str) -> Option<Kind> {
 /// There is none, or it is not finite.
 pub fn number(word: Option<&str>, what: &str) -> Result<f64> {
     let word = word.with_context(|| format!("{what} is missing"))?;
-    let value: f64 = word.parse().ok().with_context(|| format!("{what} = \"{}\" is no number", word.escape_debug()))?;
+    let value: f64 =
+        word.parse().ok().with_context(|| format!("{what} = \"{}\" is not a number", word.escape_debug()))?;
     if value.is_finite() { Ok(value) } else { bail!("{what} = {word} is not finite") }
 }
 
@@ -68,22 +69,22 @@ pub fn of_pyslvs(text: &str) -> Result<Table> {
     let bare: String = text.lines().map(|line| line.split('#').next().unwrap_or_default()).collect();
     let bare = bare.trim();
     let inner = bare.strip_prefix("M[").and_then(|rest| rest.strip_suffix(']'));
-    let inner = inner.context("an expression of Pyslvs is M[J[...], J[...]]")?;
+    let inner = inner.context("an expression of Pyslvs has the form M[J[...], J[...]]")?;
     let mut rows = Vec::new();
     for (part, of) in parts(inner)?.into_iter().zip(1..) {
         let row = || -> Result<Row> {
-            let joint = inside(part, "J").context("a joint is J[kind, P[x, y], L[links]]")?;
+            let joint = inside(part, "J").context("a joint has the form J[kind, P[x, y], L[links]]")?;
             let fields = parts(joint)?;
-            let kind = fields.first().and_then(|word| kind(word)).context("the kind of a joint is R, P or RP")?;
+            let kind = fields.first().and_then(|word| kind(word)).context("the type of a joint must be R, P or RP")?;
             let field = |name: &str| fields.iter().find_map(|field| inside(field, name));
-            let mut place = field("P").context("a joint has its place as P[x, y]")?.split(',').map(str::trim);
+            let mut place = field("P").context("a joint needs its place as P[x, y]")?.split(',').map(str::trim);
             let place = [number(place.next(), "x")?, number(place.next(), "y")?];
             let axis = match field("A") {
                 Some(angle) => number(Some(angle.trim()), "A")?.to_radians(),
                 None if kind == Kind::Revolute => 0.0,
-                None => bail!("a slide (P, RP) has its angle as A[degrees]"),
+                None => bail!("a slide (P, RP) needs its angle as A[degrees]"),
             };
-            let links = field("L").context("a joint has its links as L[a, b]")?;
+            let links = field("L").context("a joint needs its links as L[a, b]")?;
             let links = links.split(',').map(str::trim).filter(|link| !link.is_empty());
             Ok(Row { kind, place, axis, links: links.map(str::to_owned).collect(), is_driven: false })
         };
@@ -111,11 +112,11 @@ fn parts(text: &str) -> Result<Vec<&str>> {
             _ => {}
         }
         if depth < 0 {
-            bail!("a closing bracket too many before \"{}\"", text[at..].escape_debug());
+            bail!("there is a surplus closing bracket before \"{}\"", text[at..].escape_debug());
         }
     }
     if depth != 0 {
-        bail!("a bracket is not closed");
+        bail!("a closing bracket is missing");
     }
     all.push(text[from..].trim());
     all.retain(|part| !part.is_empty());
@@ -148,20 +149,20 @@ pub fn of_csv(text: &str) -> Result<Table> {
         let record = record?;
         let row = || -> Result<Row> {
             let word = record.get(types).unwrap_or_default();
-            let kind = kind(word).with_context(|| format!("type = \"{}\": R, P or RP", word.escape_debug()))?;
+            let kind = kind(word).with_context(|| format!("type = \"{}\": must be R, P or RP", word.escape_debug()))?;
             let place = [number(record.get(x), "x")?, number(record.get(y), "y")?];
             let stated = angle.and_then(|angle| record.get(angle)).filter(|word| !word.is_empty());
             let axis = match (stated, kind) {
                 (Some(word), _) => number(Some(word), "angle")?.to_radians(),
                 (None, Kind::Revolute) => 0.0,
-                (None, _) => bail!("a slide (P, RP) has an angle"),
+                (None, _) => bail!("a slide (P, RP) needs an angle"),
             };
             let links = record.get(links).unwrap_or_default().split_whitespace().map(str::to_owned).collect();
             let driven = driven.and_then(|driven| record.get(driven)).unwrap_or_default();
             let is_driven = match driven.to_ascii_lowercase().as_str() {
                 "1" | "true" | "yes" => true,
                 "" | "0" | "false" | "no" => false,
-                _ => bail!("driven = \"{}\": 1 or 0", driven.escape_debug()),
+                _ => bail!("driven = \"{}\": must be 1 or 0", driven.escape_debug()),
             };
             Ok(Row { kind, place, axis, links, is_driven })
         };
@@ -197,7 +198,7 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
         add_joints(&mut own, row, of, &bodies)?;
     }
     if own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-        bail!("no joint is at the link \"ground\"");
+        bail!("no joint is on the link \"ground\"");
     }
     if own.drives.is_empty() {
         let is_input = |joint: &&Joint| {
@@ -209,10 +210,10 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
         let name = driven.or_else(first).unwrap_or_default();
         let index = own.joints.iter().position(|joint| joint.name == name).unwrap_or_default();
         own.drives.push(("drive".to_owned(), index));
-        own.notes.push(format!("no drive is stated: one is put in the joint {name}"));
+        own.notes.push(format!("the file has no drive: a drive is added to the joint {name}"));
     }
     add_masses(&mut own);
-    own.notes.push("lengths are taken in m and angles in degrees; the file states no unit".to_owned());
+    own.notes.push("the file states no units: lengths are read in m and angles in degrees".to_owned());
     Ok(own)
 }
 
@@ -259,5 +260,5 @@ fn add_masses(own: &mut Linkage) {
         body.inertia = body.points.iter().map(square).sum::<f64>() / count;
         (body.mass, body.center) = (1.0, Some(center));
     }
-    own.notes.push("the file states no masses: each link has 1 kg, spread evenly over its points".to_owned());
+    own.notes.push("the file states no masses: each link gets 1 kg, spread evenly over its points".to_owned());
 }

@@ -53,7 +53,7 @@ pub struct Film {
 pub fn check(path: &Path) -> Result<()> {
     match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif")) {
         true => Ok(()),
-        false => bail!("--gif: {} must end in .gif", path.display()),
+        false => bail!("--gif: the name {} must end in .gif", path.display()),
     }
 }
 
@@ -65,7 +65,7 @@ impl Film {
     pub fn new(model: &Component) -> Result<Self> {
         match model {
             Component::Mechanism(_) => Ok(Self { stills: Thinned::new(FRAMES) }),
-            Component::Hydraulic(_) => bail!("--gif: {} has no linkage to be drawn", model.name()),
+            Component::Hydraulic(_) => bail!("--gif: {} has no linkage that can be drawn", model.name()),
         }
     }
 

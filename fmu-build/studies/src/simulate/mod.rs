@@ -46,7 +46,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     check(arguments)?;
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
-        .with_context(|| format!("{}; `{} check` tells more", definition.shown, workspace.program()))?;
+        .with_context(|| format!("{}; `{} check` prints the details", definition.shown, workspace.program()))?;
     let units = FileUnits::of(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
     for finding in model.warnings() {
         eprintln!("warning: {}", units.told(finding.clone()));
@@ -63,7 +63,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         None => Signals::none(),
     };
     if arguments.set_input_derivatives && model.input_order() == 0 {
-        bail!("--set-input-derivatives: the model takes no derivatives of inputs");
+        bail!("--set-input-derivatives: this model has no derivatives of inputs; remove this option");
     }
     let columns = columns(model.interface(), &arguments.output_variables)?;
     let mut film = arguments.gif.is_some().then(|| Film::new(&model)).transpose()?;
@@ -108,10 +108,10 @@ fn check(arguments: &Arguments) -> Result<()> {
     for path in [output_file, plot, gif].into_iter().flatten() {
         let is_same = |other: &PathBuf| matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
         if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
-            bail!("{}: this is {what}; name another file to be written", path.display());
+            bail!("{}: this is {what}; give another path for the output", path.display());
         }
         if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-            bail!("{}: cannot be made: there is no folder {}; make it first", path.display(), folder.display());
+            bail!("{}: the folder {} does not exist; create it first", path.display(), folder.display());
         }
     }
     Ok(())
@@ -121,7 +121,7 @@ fn check(arguments: &Arguments) -> Result<()> {
 fn check_table(path: &Path) -> Result<()> {
     match extension(path).as_str() {
         "csv" | "parquet" | "" => Ok(()),
-        _ => bail!("--output-file: {} must end in .csv or .parquet", path.display()),
+        _ => bail!("--output-file: the name {} must end in .csv or .parquet", path.display()),
     }
 }
 
@@ -143,7 +143,10 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let start = arguments.start_time;
     let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
     if !(start.is_finite() && stop.is_finite() && stop >= start) {
-        bail!("a run from {start:?} s to {stop:?} s: the stop time must be finite and not before the start time");
+        bail!(
+            "the run from {start:?} s to {stop:?} s is not possible: the stop time must be finite and not before \
+               the start time"
+        );
     }
     let interval = match arguments.output_interval {
         Some(interval) if interval > 0.0 && interval.is_finite() => interval,
@@ -151,7 +154,11 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
         None => default_interval(experiment, stop - start),
     };
     if (stop - start) / interval > MOST_STEPS {
-        bail!("--output-interval: {interval:?} s over {:?} s are more than {MOST_STEPS:e} steps", stop - start);
+        bail!(
+            "--output-interval: {interval:?} s over {:?} s would be more than {MOST_STEPS:e} steps; use a larger \
+               interval",
+            stop - start
+        );
     }
     Ok(Span { start, stop, interval })
 }

@@ -51,7 +51,7 @@ struct Panel {
 pub fn check(path: &Path) -> Result<()> {
     match extension(path).as_str() {
         "png" | "svg" => Ok(()),
-        _ => bail!("--plot: {} must end in .png or .svg", path.display()),
+        _ => bail!("--plot: the name {} must end in .png or .svg", path.display()),
     }
 }
 
@@ -68,9 +68,8 @@ pub fn write(path: &Path, picture: &Picture) -> Result<()> {
     let (panels, left_out) = panels(picture);
     if left_out > 0 {
         eprintln!(
-            "note: {left_out} variables are not drawn, as a picture has {PANELS} panels of {LINES} lines at most; name \
-             those to \
-             draw by --output-variables"
+            "note: {left_out} variables are not drawn, because a picture has at most {PANELS} panels of {LINES} \
+             lines; choose the variables with --output-variables"
         );
     }
     picture::register()?;

@@ -105,7 +105,7 @@ pub fn run_one(runner: &mut Runner, point: &[f64], values: &mut [f64]) -> (bool,
         Err(_) => {
             runner.renew();
             values.fill(f64::NAN);
-            (true, "a fault in the engine stopped the run; please report it".to_owned())
+            (true, "an internal fault stopped the run; please report it".to_owned())
         }
     }
 }
@@ -122,7 +122,7 @@ pub fn read(
 ) -> Result<()> {
     let length = runs as usize * columns * 8;
     let Some((numbers, mut remarks)) = bytes.split_at_checked(length) else {
-        bail!("a chunk has {} bytes instead of {length}", bytes.len());
+        bail!("a part of the journal has {} bytes instead of {length}", bytes.len());
     };
     let mut next = next_remark(&mut remarks)?;
     let mut values = vec![0.0; columns];
@@ -141,7 +141,7 @@ pub fn read(
         take(run, &values, remark)?;
     }
     if next.is_some() {
-        bail!("a chunk has a remark on a run that is not its own");
+        bail!("a part of the journal contains a remark on a run of another part");
     }
     Ok(())
 }
@@ -152,7 +152,7 @@ fn next_remark<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u64, Remark<'a>)>> {
         return Ok(None);
     }
     let mut take = |count: usize| {
-        let (own, rest) = bytes.split_at_checked(count).context("a chunk is cut off")?;
+        let (own, rest) = bytes.split_at_checked(count).context("a part of the journal is incomplete")?;
         *bytes = rest;
         Ok::<_, anyhow::Error>(own)
     };

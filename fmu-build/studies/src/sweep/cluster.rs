@@ -72,7 +72,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder
         return Ok(mechanism.to_path_buf());
     }
     eprintln!(
-        "{}: is not of FMI 2.0 or of another version of this program; the workers get an FMU packed here",
+        "{}: is not an FMU of FMI 2.0 of this version of the program; the workers use a new FMU that is packed here",
         mechanism.display()
     );
     let definition = given.definition()?;
@@ -142,7 +142,7 @@ pub fn run(
                     }
                     Err(RecvTimeoutError::Timeout) => {}
                     Err(RecvTimeoutError::Disconnected) => {
-                        bail!("{PROGRAM} ended before its time; its own messages stand above, and --resume goes on")
+                        bail!("{PROGRAM} ended early; its own messages are above; --resume continues the study")
                     }
                 }
             }
@@ -161,11 +161,11 @@ pub fn run(
         }
         result
     });
-    let status = child.wait().with_context(|| format!("{PROGRAM}: cannot be waited for"))?;
+    let status = child.wait().with_context(|| format!("{PROGRAM}: waiting for its end failed"))?;
     let _ = fs::remove_file(&told);
     result?;
     if left == 0 && !status.success() {
-        eprintln!("warning: all chunks are done, but {PROGRAM} ended with {status}");
+        eprintln!("warning: all parts are complete, but {PROGRAM} ended with {status}");
     }
     Ok(())
 }

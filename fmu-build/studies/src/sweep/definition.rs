@@ -228,10 +228,10 @@ macro_rules! own {
     };
 }
 
-own! { Setting, Self::Real(0.0), "a value", "{} is no value; write a number, true, false or a text" }
+own! { Setting, Self::Real(0.0), "a value", "{} is not a value; write a number, true, false or a text" }
 own! {
     Input, Self::Constant(Setting::default()), "an input over time",
-    "{} is no input over time; write a value, or a list of points [time, value]"
+    "{} is not an input over time; write a value, or a list of points [time, value]"
 }
 
 impl Definition {
@@ -242,8 +242,12 @@ impl Definition {
     pub fn read(path: &Path) -> Result<(Self, String)> {
         let shown = path.display();
         let bytes = files::read(path, LARGEST_DEFINITION)?;
-        let text =
-            String::from_utf8(bytes).ok().with_context(|| format!("{shown}: is not UTF-8 text; save it as UTF-8"))?;
+        let text = String::from_utf8(bytes).ok().with_context(|| {
+            format!(
+                "{shown}: is not UTF-8 text; save the file as \
+                UTF-8"
+            )
+        })?;
         let study = Self::from_json(&text).with_context(|| format!("{shown}"))?;
         Ok((study, text))
     }
@@ -251,7 +255,7 @@ impl Definition {
     fn from_json(text: &str) -> Result<Self, DefinitionError> {
         let study: Self = format::read("study", text)?;
         if study.responses.is_empty() {
-            return Err(DefinitionError::key("responses", "is empty; name at least one response of the runs"));
+            return Err(DefinitionError::key("responses", "is empty; add at least one response of the runs"));
         }
         Ok(study)
     }
@@ -268,7 +272,7 @@ mod tests {
             (r#"{ "mechanism": "a", "responses": {} }"#, "responses: is empty"),
             (r#"{ "mechanism": "a" }"#, "the key `responses` is missing"),
             (r#"{ "mechanism": "a", "factor": {} }"#, "factor: there is no key `factor` here; did you mean `factors`?"),
-            (r#"{ "mechanism": "a", "start_values": { "b": [1] } }"#, "start_values.b: [1] is no value"),
+            (r#"{ "mechanism": "a", "start_values": { "b": [1] } }"#, "start_values.b: [1] is not a value"),
             (
                 r#"{ "mechanism": "a", "factors": { "b": { "steps": 1.5 } } }"#,
                 "factors.b.steps: must be a whole number, not 1.5",
@@ -277,7 +281,11 @@ mod tests {
                 r#"{ "sampling": { "method": "grid", "count": 1 } }"#,
                 "sampling.method: must be `random`, `latin_hypercube`, `sobol` or `saltelli`, not `grid`",
             ),
-            (r#"{ "scenario": { "inputs": { "f": [[0, 1], 2] } } }"#, "scenario.inputs.f: [[0, 1], 2] is no input"),
+            (
+                r#"{ "scenario": { "inputs": { "f": [[0, 1], 2] } } }"#,
+                "scenario.inputs.f: [[0, 1], 2] is not an \
+                input",
+            ),
         ] {
             let message = Definition::from_json(text).unwrap_err().to_string();
             assert!(message.contains(said), "{message}");

@@ -133,7 +133,7 @@ impl Design {
             let key = format!("factors.{name}");
             let factor = factor(&key, name, stated, model, &mut dimensions)?;
             if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
-                bail!("{key}: is a column of points too; remove one of the two");
+                bail!("{key}: is also a column of points; remove one of the two");
             }
             if let Source::List(values) = &factor.source {
                 counts[1] = times(counts[1], values.len() as u64)?;
@@ -143,11 +143,11 @@ impl Design {
             factors.push(factor);
         }
         let cube = match (study.sampling, dimensions) {
-            (Some(_), 0) => bail!("sampling: no factor has a distribution; give one, or leave the key out"),
-            (None, 1..) => bail!("sampling: is missing; say how the factors with a distribution are sampled"),
+            (Some(_), 0) => bail!("sampling: no factor has a distribution; add one, or remove sampling"),
+            (None, 1..) => bail!("sampling: is missing; add the sampling method of the factors with a distribution"),
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
             (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
-                "sampling.method: {dimensions} factors have a distribution, of this method at most {}",
+                "sampling.method: {dimensions} factors have a distribution, but this method supports at most {}",
                 most_dimensions(sampling.method)
             ),
             (sampling, _) => sampling.map(|sampling| UnitCube::new(sampling, dimensions)),
@@ -202,7 +202,7 @@ impl Design {
 /// A product of numbers of runs.
 fn times(a: u64, b: u64) -> Result<u64> {
     let product = a.checked_mul(b).filter(|product| *product <= MOST_RUNS);
-    product.with_context(|| format!("factors: {a} x {b} runs, at most {MOST_RUNS}; take fewer values"))
+    product.with_context(|| format!("factors: {a} x {b} runs, but at most {MOST_RUNS} are allowed; use fewer values"))
 }
 
 /// The factor that a study states under this key.
@@ -216,7 +216,7 @@ fn factor(
     let mut factor = variable(key, name, model)?;
     let real = |what: &str| match factor.kind {
         Kind::Real => Ok(()),
-        _ => bail!("{key}.{what}: {name} is no number; list its values"),
+        _ => bail!("{key}.{what}: {name} is not a number; list its values"),
     };
     let ends = |what: &str, [first, last]: [f64; 2]| {
         if !(last - first).is_finite() {
@@ -226,15 +226,15 @@ fn factor(
     };
     let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
     if bounds.is_some() {
-        bail!("{key}.bounds: are searched by `optimise`; a sweep takes values, range, uniform or normal");
+        bail!("{key}.bounds: belongs to `optimise`; a sweep has values, range, uniform or normal");
     }
     if steps.is_some() && range.is_none() {
-        bail!("{key}.steps: belongs to a range; state range, or leave steps out");
+        bail!("{key}.steps: belongs to a range; add range, or remove steps");
     }
     factor.source = match (values, range, uniform, normal) {
         (Some(values), None, None, None) => {
             if values.is_empty() {
-                bail!("{key}.values: is empty; list at least one value");
+                bail!("{key}.values: is empty; add at least one value");
             }
             let mut list = Vec::new();
             for (index, value) in values.iter().enumerate() {
@@ -248,7 +248,7 @@ fn factor(
             match steps {
                 Some(count) if *count >= 1 => Source::Range(first, last, *count),
                 Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
-                None => bail!("{key}.steps: is missing; state the number of values of the range"),
+                None => bail!("{key}.steps: is missing; add the number of values of the range"),
             }
         }
         (None, None, Some(uniform), None) => {
@@ -265,13 +265,13 @@ fn factor(
                 bail!(DefinitionError::value(
                     format!("{key}.normal.standard_deviation"),
                     value,
-                    format!("finite and > 0, and the mean, {mean}, finite")
+                    format!("finite and > 0, and the mean {mean} must be finite")
                 ));
             };
             *dimensions += 1;
             Source::Normal(normal, *dimensions - 1)
         }
-        _ => bail!("{key}: state exactly one of values, range, uniform and normal"),
+        _ => bail!("{key}: give exactly one of values, range, uniform and normal"),
     };
     Ok(factor)
 }
@@ -282,7 +282,7 @@ fn factor(
 /// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
 pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
-        bail!("points and sampling: belong to `sweep`; an optimisation takes factors with bounds");
+        bail!("points and sampling: belong to `sweep`; an optimisation has factors with bounds");
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
     for (name, stated) in study.factors.iter() {
@@ -291,18 +291,21 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
         let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
         let Some([least, largest]) = bounds.filter(|_| !is_other) else {
-            bail!("{key}: an optimisation varies a factor between its bounds; state bounds = [least, largest] alone");
+            bail!("{key}: an optimisation varies a factor between its bounds; give only bounds = [least, largest]");
         };
         if factor.kind != Kind::Real {
-            bail!("{key}.bounds: {name} is no number; give it a value in start_values");
+            bail!("{key}.bounds: {name} is not a number; set its value in start_values");
         }
         if !(largest > least && (largest - least).is_finite()) {
-            bail!("{key}.bounds = [{least:?}, {largest:?}]: the second must be larger, the difference finite");
+            bail!(
+                "{key}.bounds = [{least:?}, {largest:?}]: the second bound must be larger than the first, and the \
+                   difference must be finite"
+            );
         }
         all.push((factor, [least, largest]));
     }
     if all.is_empty() {
-        bail!("factors: an optimisation varies at least one; state its bounds");
+        bail!("factors: an optimisation needs at least one factor with bounds");
     }
     Ok(all)
 }
@@ -312,7 +315,7 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
 /// # Errors
 /// No parameter or input has this name.
 pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
-    let reference = settable(key, name, "a factor is a parameter or an input", model)?;
+    let reference = settable(key, name, "a factor must be a parameter or an input", model)?;
     let kind = model.interface().list()[reference as usize].kind;
     let source = Source::List(Vec::new());
     Ok(Factor { name: name.to_owned(), reference, kind, texts: Vec::new(), source })
@@ -331,7 +334,7 @@ pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Resul
             model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
             bail!("{key}: {name} is calculated; {remedy}")
         }
-        _ => bail!("{key}: {name} is of causality {}; {remedy}", causality.word().to_lowercase()),
+        _ => bail!("{key}: {name} is a variable of causality {}; {remedy}", causality.word().to_lowercase()),
     }
 }
 
@@ -350,7 +353,7 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
                 factor.texts.len() - 1
             }) as f64)
         }
-        (kind, value) => bail!("{} is a {}; {} is none", factor.name, kind.word(), shown(value)),
+        (kind, value) => bail!("{} is a {}, but {} is not", factor.name, kind.word(), shown(value)),
     }
 }
 

@@ -31,8 +31,8 @@ pub fn warning(
     }
     if design.runs() > MOST {
         bail!(
-            "{} runs: at most {MOST} are made; take fewer values for the factors, or samples (sampling) in the place \
-             of a full grid",
+            "{} runs, but at most {MOST} are allowed; use fewer values for the factors, or samples (sampling) \
+             instead of a full grid",
             design.runs()
         );
     }
@@ -58,11 +58,10 @@ pub fn warning(
 fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
     let all = runs as f64;
     format!(
-        "{runs} runs: the results will take about {} on the disk, and as much besides until all runs are made; at {} a \
-         run, \
-         as the first ones take, the study will take about {} on one core; it has {chunks} parts for --resume to go on \
-         from; \
-         take fewer values for the factors, or samples (sampling) in the place of a full grid",
+        "{runs} runs: the results will need about {} on the disk, and the same space again until all runs are \
+         complete; at {} per run, as in the first runs, the study will need about {} on one core; --resume can \
+         continue after each of its {chunks} parts; to reduce it, use fewer values for the factors, or samples \
+         (sampling) instead of a full grid",
         amount(all * bytes, &BYTES),
         amount(seconds, &TIMES),
         amount(all * seconds, &TIMES)
@@ -99,7 +98,7 @@ mod tests {
     #[test]
     fn a_large_study_is_told_with_its_size_and_its_time() {
         let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
-        assert!(line.starts_with("10000000000 runs: the results will take about 400 GB on the disk"), "{line}");
+        assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
         assert!(line.contains("at 20 us a run") && line.contains("about 2.3 days on one core"), "{line}");
     }
 }

@@ -39,7 +39,8 @@ impl Journal {
         let stands = path.exists();
         if stands && !resumes {
             bail!(
-                "{shown}: holds the chunks of a run that was ended; --resume goes on with it, removing it begins anew"
+                "{shown}: contains results of a run that was stopped; --resume continues the run; to start again, \
+                 remove this file"
             );
         }
         let mut file = OpenOptions::new()
@@ -50,7 +51,7 @@ impl Journal {
             .open(path)
             .with_context(|| format!("{shown}: cannot be opened"))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            bail!("{shown}: another run is writing it; wait for its end, or name another folder with --out");
+            bail!("{shown}: another run is writing this file; wait for its end, or give another folder with --out");
         }
         let journal = |file: &mut File| -> std::io::Result<Option<(Records, u64)>> {
             if file.metadata()?.len() < HEAD {
@@ -64,7 +65,7 @@ impl Journal {
         let known = journal(&mut file).with_context(|| format!("{shown}: cannot be read"))?;
         let Some((done, end)) = known else {
             bail!(
-                "{shown}: is of another study, or the study or its mechanism has changed since; name another folder \
+                "{shown}: belongs to another study, or the study or its mechanism has changed; give another folder \
                  with --out"
             );
         };
@@ -95,7 +96,7 @@ impl Journal {
             record.extend(number.to_le_bytes());
         }
         record.extend(bytes);
-        let remedy = "free space there; --resume goes on then";
+        let remedy = "free disk space; then continue with --resume";
         let placed = self.file.seek(SeekFrom::Start(self.end));
         placed
             .and_then(|_| self.file.write_all(&record))
@@ -176,11 +177,11 @@ mod tests {
         journal.add(4, b"four").unwrap();
         journal.add(1, b"one").unwrap();
         journal.add(4, b"again").unwrap();
-        assert!(Journal::open(&path, 7, true).unwrap_err().to_string().contains("another run is writing it"));
+        assert!(Journal::open(&path, 7, true).unwrap_err().to_string().contains("another run is writing this file"));
         drop(journal);
         let whole = fs::read(&path).unwrap();
-        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("--resume goes on"));
-        assert!(Journal::open(&path, 8, true).unwrap_err().to_string().contains("of another study"));
+        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("--resume continues"));
+        assert!(Journal::open(&path, 8, true).unwrap_err().to_string().contains("belongs to another study"));
         for cut in HEAD as usize..=whole.len() {
             fs::write(&path, &whole[..cut]).unwrap();
             let mut journal = Journal::open(&path, 7, true).unwrap();

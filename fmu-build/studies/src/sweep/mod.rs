@@ -100,7 +100,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         Ok(())
     };
     if arguments.resume && is_complete(&out, &identity, arguments.csv) {
-        eprintln!("{}: all {} runs are there already", out.join(PARQUET).display(), study.design.runs());
+        eprintln!("{}: the results of all {} runs are already there", out.join(PARQUET).display(), study.design.runs());
         draw()?;
         return Ok(Outcome::Complete);
     }
@@ -120,12 +120,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
     let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
     if chunks < study.cut.chunks() {
-        eprintln!("stopped after about {} of {} runs; --resume goes on", runs_of(chunks), study.design.runs());
+        eprintln!("stopped after about {} of {} runs; --resume continues", runs_of(chunks), study.design.runs());
         return Ok(Outcome::Interrupted);
     }
     let csv = arguments.csv.then(|| out.join(CSV));
-    let failed = results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref())
-        .with_context(|| format!("{}: has all runs; --resume writes the results", out.join(JOURNAL).display()))?;
+    let failed =
+        results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref()).with_context(|| {
+            format!("{}: all runs are complete; --resume writes the results", out.join(JOURNAL).display())
+        })?;
     let summary = Summary { identity, runs: study.design.runs(), failed };
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
     journal.remove()?;
@@ -189,7 +191,7 @@ impl Study {
         let shown = path.display();
         if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
             bail!(
-                "{shown}: objective, constraints and search: belong to `{} optimise`; leave them out",
+                "{shown}: objective, constraints and search belong to `{} optimise`; remove them",
                 workspace.program()
             );
         }
@@ -226,7 +228,7 @@ impl Stated {
         let mechanism = folder.join(&definition.mechanism);
         let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
         let component = Component::from_definition(model.kind, &model.text).with_context(|| {
-            format!("{shown}: mechanism: {}; `{} check` tells more", model.shown, workspace.program())
+            format!("{shown}: mechanism: {}; `{} check` prints the details", model.shown, workspace.program())
         })?;
         for finding in component.warnings() {
             eprintln!("warning: {finding}");
@@ -239,7 +241,7 @@ impl Stated {
 fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
     let scenario = Scenario::new(definition, folder, component, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
-        bail!("factors.{}: is set by start_values or the scenario too; remove one of the two", factor.name);
+        bail!("factors.{}: is also set by start_values or the scenario; remove one of the two", factor.name);
     }
     let responses = Responses::new(definition, &scenario, component)?;
     let calls = design::calls(component, factors);

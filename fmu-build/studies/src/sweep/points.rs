@@ -53,7 +53,7 @@ impl Points {
         for name in &names {
             let factor = variable(&format!("{shown}"), name, model)?;
             if factors.iter().any(|other| other.reference == factor.reference) {
-                bail!("{shown}: {name} stands twice");
+                bail!("{shown}: {name} occurs twice; remove one column");
             }
             factors.push(factor);
         }
@@ -72,7 +72,7 @@ impl Points {
             lines += 1;
         }
         if lines == 0 {
-            bail!("{shown}: holds no line of values");
+            bail!("{shown}: contains no line of values");
         }
         let (factors, blocks) = (Arc::new(factors), Arc::new(blocks));
         Ok(Self { path: path.to_path_buf(), factors, blocks, lines, reader: None, block: None, values: Vec::new() })
@@ -129,8 +129,8 @@ fn value(text: &str, factor: &mut Factor) -> Result<f64> {
     let setting = match factor.kind {
         Kind::Real => {
             let number = text.parse().ok();
-            let number =
-                number.with_context(|| format!("\"{}\" is no number; decimals have a point", text.escape_debug()))?;
+            let number = number
+                .with_context(|| format!("\"{}\" is not a number; write decimals with a point", text.escape_debug()))?;
             return Ok(number);
         }
         Kind::Boolean => Setting::Boolean(truth(text)?),

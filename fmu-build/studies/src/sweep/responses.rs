@@ -77,14 +77,17 @@ pub fn instants(study: &Definition) -> Result<Vec<f64>> {
     let mut all = Vec::new();
     for (name, response) in study.responses.iter() {
         if response.times.as_ref().is_some_and(Vec::is_empty) {
-            bail!("responses.{name}.times: is empty, so that the course has no column; state an instant or remove it");
+            bail!(
+                "responses.{name}.times: is empty, so the time series has no column; add an instant or remove the \
+                   response"
+            );
         }
         for (index, time) in response.times.iter().flatten().enumerate() {
             if !(*time >= 0.0 && time.is_finite()) {
                 bail!("responses.{name}.times[{index}] = {time}: must be finite and >= 0 s");
             }
             if response.times.iter().flatten().take(index).any(|other| other == time) {
-                bail!("responses.{name}.times[{index}] = {time} s stands twice; remove one");
+                bail!("responses.{name}.times[{index}] = {time} s occurs twice; remove one");
             }
             all.push(*time);
         }
@@ -103,7 +106,7 @@ impl Responses {
         for (name, stated) in study.responses.iter() {
             let key = format!("responses.{name}");
             if name.is_empty() || name.chars().any(char::is_control) {
-                bail!("{key}: a name has at least one character and no control characters");
+                bail!("{key}: a name needs at least one character and no control characters");
             }
             all.add(&key, name, stated, scenario, model)?;
         }
@@ -131,19 +134,19 @@ impl Responses {
         ];
         let mut given = kinds.iter().filter_map(|(kind, variable)| Some((*kind, variable.as_ref()?)));
         let (Some((kind, variable)), None) = (given.next(), given.next()) else {
-            bail!("{key}: state exactly one of {}", kinds.map(|(kind, _)| kind).join(", "));
+            bail!("{key}: give exactly one of {}", kinds.map(|(kind, _)| kind).join(", "));
         };
         let key = format!("{key}.{kind}");
         if times.is_some() != (kind == "course") {
-            bail!("{key}: times belong to a course, and a course has times");
+            bail!("{key}: times belong to a time series (course), and a course needs times");
         }
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
         let of = &model.interface().list()[reference as usize];
         if matches!(of.kind, Kind::Enumeration) {
-            bail!("{key}: {variable} is a text; a response is a number");
+            bail!("{key}: {variable} is a text, but a response must be a number");
         }
         if !scenario.is_sampled && !matches!(kind, "event" | "final" | "course") {
-            bail!("{key}: is taken at communication instants; state their distance, scenario.output_interval");
+            bail!("{key}: needs communication steps of a known size; add scenario.output_interval");
         }
         let mut names = vec![name.to_owned()];
         let measure = match kind {
@@ -165,7 +168,7 @@ impl Responses {
             _ => {
                 let times = times.clone().unwrap_or_default();
                 if let Some(late) = times.iter().find(|time| **time > scenario.stop()) {
-                    bail!("{key}: the instant {late} s is after the end of the run, {} s", scenario.stop());
+                    bail!("{key}: the instant {late} s is after the end of the run at {} s", scenario.stop());
                 }
                 names = times.iter().map(|time| format!("{name}@{}", Decimal(*time))).collect();
                 Measure::Course(times)

@@ -72,10 +72,7 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
     let all: Vec<Column> = factors.chain(responses).collect();
     for (index, column) in all.iter().enumerate() {
         if all[..index].iter().any(|other| other.name == column.name) || OWN.contains(&&*column.name) {
-            bail!(
-                "responses: two columns of the results are called \"{}\"; give the response another name",
-                column.name
-            );
+            bail!("responses: two columns of the results would have the name \"{}\"; rename the response", column.name);
         }
     }
     Ok(all)
@@ -92,7 +89,7 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
     journal.replay(|chunk, bytes| {
         let runs = cut.runs_of(chunk);
         if runs.start != next {
-            bail!("run {next} is missing among the chunks; remove the journal to begin anew");
+            bail!("run {next} is missing in the journal; to start again, remove the journal");
         }
         next = runs.end;
         chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
@@ -102,7 +99,7 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
         })
     })?;
     if next != cut.runs_of(cut.chunks() - 1).end {
-        bail!("run {next} is missing among the chunks; remove the journal to begin anew");
+        bail!("run {next} is missing in the journal; to start again, remove the journal");
     }
     parquet.end()?;
     csv.map_or(Ok(()), Partial::end)?;

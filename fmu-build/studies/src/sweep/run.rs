@@ -122,7 +122,7 @@ impl<'a> Runner<'a> {
         let scenario = &self.task.scenario;
         let mut remarks = Vec::new();
         if let Some(event) = scenario.stop_at.filter(|_| !has_stopped) {
-            remarks.push(format!("{} did not come true within {} s", name(event.flag), Decimal(scenario.stop())));
+            remarks.push(format!("{} did not happen within {} s", name(event.flag), Decimal(scenario.stop())));
         }
         if let Some((reference, time)) = self.progress.undefined {
             remarks.push(format!("{} has no value {}", name(reference), self.instant(time)));
@@ -183,7 +183,7 @@ impl<'a> Runner<'a> {
 
     /// Back to the state at the beginning of the step.
     fn back(&mut self) -> Result<()> {
-        let Some(before) = &self.before else { bail!("no state before the step is kept") };
+        let Some(before) = &self.before else { bail!("the state before the step was not kept") };
         Ok(self.model.restore(before)?)
     }
 

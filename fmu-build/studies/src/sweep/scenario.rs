@@ -79,8 +79,8 @@ impl Scenario {
             && !(interval > 0.0 && interval.is_finite() && stop / interval <= MOST_STEPS)
         {
             bail!(
-                "scenario.output_interval = {interval:?}: must be > 0 s, and at most {MOST_STEPS:e} make the stop time \
-                 {stop:?} s"
+                "scenario.output_interval = {interval:?}: must be > 0 s, and the stop time {stop:?} s must have at \
+                 most {MOST_STEPS:e} steps"
             );
         }
         let mut start = constants("start_values", study.start_values.iter(), model)?;
@@ -103,7 +103,7 @@ impl Scenario {
         let mut known: Vec<Reference> = start.iter().map(|(reference, _)| *reference).collect();
         for reference in all.iter().flat_map(Signals::references) {
             if known.contains(&reference) {
-                bail!("scenario: {} is stated twice; remove one of the two", interface.list()[reference as usize].name);
+                bail!("scenario: {} is set twice; remove one of the two", interface.list()[reference as usize].name);
             }
             known.push(reference);
         }
@@ -175,9 +175,9 @@ pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
         let flags: Vec<&str> = flags.into_iter().map(|(flag, _)| flag).collect();
         let remedy = match flags.as_slice() {
             [] => "this mechanism has no stop".to_owned(),
-            flags => format!("those of this mechanism are {}", flags.join(", ")),
+            flags => format!("the flags of this mechanism are {}", flags.join(", ")),
         };
-        bail!("{key} = \"{flag}\": an event is told by the flag of a stop; {remedy}");
+        bail!("{key} = \"{flag}\": an event is the flag of a stop; {remedy}");
     };
     Ok(Event { flag: reference, count, time })
 }
@@ -203,7 +203,7 @@ fn constants<'a>(
     let mut constants: Vec<(Reference, Set)> = Vec::new();
     for (name, value) in values {
         let key = format!("{section}.{name}");
-        let reference = settable(&key, name, "name a parameter or an input", model)?;
+        let reference = settable(&key, name, "use a parameter or an input", model)?;
         let variable = &model.interface().list()[reference as usize];
         let set = match (variable.kind, value) {
             (Kind::Real, Setting::Real(value)) => Set::Input(signals::Setting::Real(*value)),
@@ -222,8 +222,8 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
         Some(variable) if variable.causality != Causality::Input => {
             let what = variable.causality.word().to_lowercase();
             bail!(
-                "{key}: is no input but a {what}; state it in start_values, or as a factor if it differs from run to \
-                 run"
+                "{key}: is not an input but a {what}; set it in start_values, or as a factor if it differs between \
+                 runs"
             )
         }
         _ => Ok(()),
@@ -235,13 +235,13 @@ fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> 
     let reference = find(interface, name).with_context(|| key.to_owned())?;
     let variable = &interface.list()[reference as usize];
     if variable.causality != Causality::Input || !matches!(variable.kind, Kind::Real | Kind::Boolean) {
-        bail!("{key}: is no input that changes over time but a {}", variable.causality.word().to_lowercase());
+        bail!("{key}: is not an input that changes over time but a {}", variable.causality.word().to_lowercase());
     }
     if let Some(pair) = points.windows(2).find(|pair| pair[0][0] > pair[1][0]) {
-        bail!("{key}: the time goes back from {} to {} s; sort the points", pair[0][0], pair[1][0]);
+        bail!("{key}: the time decreases from {} to {} s; sort the points", pair[0][0], pair[1][0]);
     }
     if let Some(points) = points.windows(3).find(|points| is_close(points[0][0], points[2][0])) {
-        bail!("{key}: three points are at {} s; a jump has two, the values before and after it", points[0][0]);
+        bail!("{key}: three points are at {} s, but a jump has two: the values before and after", points[0][0]);
     }
     Ok(Signals::of_points(reference, variable.kind, points))
 }

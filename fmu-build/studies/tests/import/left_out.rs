@@ -41,7 +41,7 @@ fn medium_softness_and_second_drives() {
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["<motor \"second\">: acts on bearing as another does: the two are one drive"],
+        &["<motor \"second\">: acts on bearing like another actuator: the two are combined into one drive"],
     );
 }
 
@@ -72,7 +72,8 @@ fn limits_of_urdf() {
 #[test]
 fn ranges_the_wrong_way_round_are_refused() {
     let ranged = |range: &str| replaced(MJCF, r#"name="guide""#, &format!(r#"name="guide" {range}"#));
-    let said = ["line 14: <joint \"guide\">: range: the lower end 0.3 is above the upper end -0.1; exchange them"];
+    let said =
+        ["line 14: <joint \"guide\">: range: the lower limit 0.3 is larger than the upper limit -0.1; exchange them"];
     assert_says(&refusal(Form::Mjcf, &ranged(r#"range="0.3 -0.1""#)), &said);
     let stops = |text: &str| -> usize {
         let definition: Value =
@@ -86,6 +87,6 @@ fn ranges_the_wrong_way_round_are_refused() {
     let turned = replaced(URDF, r#"lower="-1" upper="2""#, r#"lower="2" upper="-1""#);
     assert_says(
         &refusal(Form::Urdf, &turned),
-        &["<joint \"swing\">: <limit>: the lower end 2.0 is above the upper end -1.0"],
+        &["<joint \"swing\">: <limit>: the lower limit 2.0 is larger than the upper limit -1.0"],
     );
 }

@@ -83,10 +83,10 @@ fn pmks() {
         ("joint_4.position", "guide.position", 0.36),
     ];
     let notes = compare(Form::Pmks, PMKS, &slider_crank(), [("drive.torque", 2.0), ("motor.torque", 2.0)], &pairs);
-    assert_says(&notes.join("\n"), &["no masses", "no unit", "no drive"]);
+    assert_says(&notes.join("\n"), &["no masses", "no units", "no drive"]);
     assert_says(&refusal(Form::Pmks, "ground,a,G,0,0\n"), &["line 1", "gear"]);
     let notes = import(Form::Pmks, "Imported", "ground,a,R,0,0\na,c,P,1,2\n").unwrap().notes;
-    assert_says(&notes.join("\n"), &["a c P 1 2", "no angle"]);
+    assert_says(&notes.join("\n"), &["a c P 1 2", "angle of the slide is missing"]);
     assert_says(&refusal(Form::Pmks, "a,b,R,0,0\n"), &["ground"]);
 }
 
@@ -128,12 +128,12 @@ fn pyslvs_and_a_table() {
                  R,-0.4,0,,link_2,\n";
     let notes = compare(Form::Table, table, &hand, inputs, &pairs);
     assert!(!notes.join("\n").contains("no drive"));
-    assert_says(&refusal(Form::Pyslvs, "M[J[R, P[0, 0], L[ground, a]]"), &["not closed"]);
+    assert_says(&refusal(Form::Pyslvs, "M[J[R, P[0, 0], L[ground, a]]"), &["closing bracket is missing"]);
     assert_says(&refusal(Form::Pyslvs, "M[J[Q, P[0, 0], L[ground, a]]]"), &["joint 1", "R, P or RP"]);
     assert_says(&refusal(Form::Table, "type,x,y\nR,0,0\n"), &["no column \"links\""]);
-    assert_says(&refusal(Form::Table, "type,x,y,links\nR,0,b,ground a\n"), &["line 2", "\"b\" is no number"]);
+    assert_says(&refusal(Form::Table, "type,x,y,links\nR,0,b,ground a\n"), &["line 2", "\"b\" is not a number"]);
     let far = table.replace("-0.4,0", "-1e308,1e308");
-    assert_says(&refusal(Form::Table, &far), &["bodies.link_2.", "is not finite", "choose larger units"]);
+    assert_says(&refusal(Form::Table, &far), &["bodies.link_2.", "is not finite", "use larger units"]);
 }
 
 /// The slider-crank upright in the plane of x and z, its rod a capsule, its slider on a damped slide with a spring.
@@ -188,21 +188,21 @@ fn mjcf() {
         ("type=\"slide\"", "type=\"ball\"", &["ball", "line 14", "guide"]),
         ("<option", "<include file=\"a.xml\"/><option", &["include"]),
         ("body2=\"slider\"", "body2=\"slyder\"", &["slyder", "no such body"]),
-        ("mass=\"0.7\"", "mass=\"x\"", &["mass", "no number"]),
+        ("mass=\"0.7\"", "mass=\"x\"", &["mass", "not a number"]),
     ] {
         assert_says(&refusal(Form::Mjcf, &MJCF.replace(from, to)), words);
     }
-    assert_says(&refusal(Form::Mjcf, "<mujoco"), &["no XML"]);
+    assert_says(&refusal(Form::Mjcf, "<mujoco"), &["not XML"]);
     for (geom, told) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
         let text = format!(
             "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" \
              {geom}/></body></worldbody></mujoco>"
         );
-        assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be below 0"]);
+        assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be negative"]);
     }
     let (open, close) = ("<body>".repeat(20_000), "</body>".repeat(20_000));
     let deep = format!("<mujoco><worldbody>{open}{close}</worldbody></mujoco>");
-    assert_says(&refusal(Form::Mjcf, &deep), &["at most 1000 are taken"]);
+    assert_says(&refusal(Form::Mjcf, &deep), &["at most 1000 are supported"]);
 }
 
 /// A pendulum with a bob fixed to it, turned by its origins.
@@ -244,8 +244,8 @@ fn urdf() {
     let copied = URDF.replace("<dynamics", "<mimic joint=\"weld\"/><dynamics");
     assert_says(&refusal(Form::Urdf, &copied), &["mimic", "swing"]);
     assert_says(&refusal(Form::Urdf, &URDF.replace("revolute", "floating")), &["floating", "swing"]);
-    assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["URDF begins with <robot>"]);
+    assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["URDF starts with <robot>"]);
     let negative = URDF.replacen("<mass value=\"", "<mass value=\"-", 1);
     assert_ne!(negative, URDF);
-    assert_says(&refusal(Form::Urdf, &negative), &["<mass>", "must not be below 0"]);
+    assert_says(&refusal(Form::Urdf, &negative), &["<mass>", "must not be negative"]);
 }

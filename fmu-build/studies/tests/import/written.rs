@@ -37,14 +37,14 @@ fn pmks_plus() {
         ("F1.force_x", "push.force_x", 0.0),
     ];
     let notes = compare(Form::PmksPlus, PLUS, &hand, [("drive.torque", 0.4), ("motor.torque", 0.4)], &pairs);
-    assert_says(&notes.join("\n"), &["cm, g, kg cm2", "gravity", "input's speed"]);
+    assert_says(&notes.join("\n"), &["cm, g, kg cm2", "gravity", "the speed of the input"]);
     let cut = &PLUS[..PLUS.len() - 9];
-    assert_says(&refusal(Form::PmksPlus, cut), &["cut short"]);
+    assert_says(&refusal(Form::PmksPlus, cut), &["incomplete"]);
     // The force made one that turns with its link; a joint without its link; a letter that is no digit.
     for (from, to, words) in [
         ("..2F1,BCE", "..3F1,BCE", &["force 1", "turns with its link"][..]),
         (",A,B,,.", ",A,Q,,.", &["AB", "no joint Q"]),
-        ("GB,B,1z0", "GB,B,1!0", &["joint 2", "x", "no digit"]),
+        ("GB,B,1z0", "GB,B,1!0", &["joint 2", "x", "not a digit"]),
         ("F1,BCE,", "F1,BCQ,", &["force 1", "no link BCQ"]),
     ] {
         assert!(PLUS.contains(from));

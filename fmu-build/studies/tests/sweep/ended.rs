@@ -46,8 +46,8 @@ fn a_study_of_too_many_runs_is_told_before_it_begins() {
     child.kill().unwrap();
     child.wait().unwrap();
     // Two factors, a response and the number of the run.
-    assert!(line.starts_with("warning: 2000000000 runs: the results will take about 64 GB on the disk"), "{line}");
-    assert!(line.contains("the study will take about") && line.contains("on one core"), "{line}");
+    assert!(line.starts_with("warning: 2000000000 runs: the results will need about 64 GB on the disk"), "{line}");
+    assert!(line.contains("the study will need about") && line.contains("on one core"), "{line}");
 }
 
 #[test]
@@ -119,8 +119,8 @@ fn a_full_disk_loses_nothing() {
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
     // Blocks of 512 or 1024 bytes, as the shell has it; the journal has 1.4 MB, the table 2.2 MB, its CSV file 4 MB.
     for (blocks, options, said) in [
-        (900, &["--csv"][..], "runs.journal: cannot be written; free space there; --resume goes on then"),
-        (3300, &["--csv", "--resume"][..], "has all runs; --resume writes the results"),
+        (900, &["--csv"][..], "runs.journal: cannot be written; free disk space; then continue with --resume"),
+        (3300, &["--csv", "--resume"][..], "all runs are complete; --resume writes the results"),
     ] {
         let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
         let mut command = Command::new("sh");

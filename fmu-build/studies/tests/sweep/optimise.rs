@@ -33,14 +33,14 @@ fn what_is_wrong_with_an_optimisation_is_said_in_one_line() {
     };
     for (study, said) in [
         (with("objective", json!(null)), "objective: is missing"),
-        (with("objective", json!({ "minimise": "q" })), "objective.minimise: no response is called \"q\""),
-        (with("constraints", json!({ "q": { "at_most": 1 } })), "constraints.q: no response is called"),
-        (with("factors", json!({})), "factors: an optimisation varies at least one"),
-        (with("factors", json!({ "crank.mass": { "values": [1] } })), "state bounds = [least, largest] alone"),
-        (with("factors", json!({ "crank.mass": { "bounds": [1, 2], "steps": 2 } })), "state bounds"),
+        (with("objective", json!({ "minimise": "q" })), "objective.minimise: there is no response \"q\""),
+        (with("constraints", json!({ "q": { "at_most": 1 } })), "constraints.q: there is no response"),
+        (with("factors", json!({})), "factors: an optimisation needs at least one factor"),
+        (with("factors", json!({ "crank.mass": { "values": [1] } })), "give only bounds = [least, largest]"),
+        (with("factors", json!({ "crank.mass": { "bounds": [1, 2], "steps": 2 } })), "give only bounds"),
         (with("factors", json!({ "crank.mass": { "bounds": [2, 2] } })), "factors.crank.mass.bounds = [2.0, 2.0]"),
-        (with("factors", json!({ "friction.enabled": { "bounds": [0, 1] } })), "friction.enabled is no number"),
-        (with("start_values", json!({ "crank.mass": 12 })), "factors.crank.mass: is set by start_values"),
+        (with("factors", json!({ "friction.enabled": { "bounds": [0, 1] } })), "friction.enabled is not a number"),
+        (with("start_values", json!({ "crank.mass": 12 })), "factors.crank.mass: is also set by start_values"),
         (with("search", json!({ "evaluations": 3 })), "search.evaluations = 3: must be from 20 to 1000000"),
         (with("points", json!("points.csv")), "points and sampling: belong to `sweep`"),
         (

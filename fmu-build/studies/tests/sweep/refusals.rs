@@ -24,14 +24,14 @@ fn what_is_wrong_is_said_in_one_line() {
     let response = |value: Value| json!({ "responses": { "r": value } });
     for (study, said) in [
         (with("mechanism", json!("no/such")), "mechanism: "),
-        (with("factors", json!({ "crank.mas": { "values": [1] } })), "factors.crank.mas: no variable is called"),
-        (with("factors", json!({ "crank.angle": { "values": [1] } })), "a factor is a parameter or an input"),
-        (with("factors", json!({ "crank.mass": {} })), "state exactly one of values, range, uniform and normal"),
+        (with("factors", json!({ "crank.mas": { "values": [1] } })), "factors.crank.mas: there is no variable"),
+        (with("factors", json!({ "crank.angle": { "values": [1] } })), "a factor must be a parameter or an input"),
+        (with("factors", json!({ "crank.mass": {} })), "give exactly one of values, range, uniform and normal"),
         (with("factors", json!({ "crank.mass": { "range": [1, 2] } })), "factors.crank.mass.steps: is missing"),
         (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: is empty"),
         (
             with("factors", json!({ "crank.mass": { "values": [true] } })),
-            "values[0]: crank.mass is a Real; true is none",
+            "values[0]: crank.mass is a Real, but true is not",
         ),
         (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: is missing"),
         (
@@ -44,50 +44,56 @@ fn what_is_wrong_is_said_in_one_line() {
                 json!({ "crank.mass": { "range": [1, 2], "steps": 1_000_000 }, "crank.length": { "range": [1, 2],
                     "steps": 1_000_000 } }),
             ),
-            "1000000000000 runs: at most 100000000000 are made",
+            "1000000000000 runs, but at most 100000000000 are allowed",
         ),
         (with("sampling", json!({ "method": "sobol", "count": 4 })), "sampling: no factor has a distribution"),
         (with("points", json!("none.csv")), "points: "),
-        (with("points", json!("points.csv")), "crank.mass stands twice"),
+        (with("points", json!("points.csv")), "crank.mass occurs twice"),
         (with("points", json!("words.csv")), "line: 2"),
         (with("scenario", json!({ "stop_time": 0 })), "scenario.stop_time = 0.0: must be finite and > 0 s"),
         (with("scenario", json!({ "output_interval": 1e-12 })), "scenario.output_interval = 1e-12: must be"),
         (with("scenario", json!({ "stop_at": "upstop" })), "the flag of this stop is retracted; write retracted"),
-        (with("scenario", json!({ "stop_at": "upstop.enabled" })), "those of this mechanism are retracted, extended"),
+        (
+            with("scenario", json!({ "stop_at": "upstop.enabled" })),
+            "the flags of this mechanism are retracted, extended",
+        ),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[1, 0], [0, 1]] } })),
-            "the time goes back from 1 to 0 s",
+            "the time decreases from 1 to 0 s",
         ),
-        (with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })), "scenario.inputs.crank.mass: is no input"),
+        (
+            with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })),
+            "scenario.inputs.crank.mass: is not an input",
+        ),
         (
             with("scenario", json!({ "inputs": { "crank.mass": 20 } })),
-            "scenario.inputs.crank.mass: is no input but a parameter; state it in start_values, or as a factor",
+            "scenario.inputs.crank.mass: is not an input but a parameter; set it in start_values, or as a factor",
         ),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[0, 0], [0.1, 1], [0.1, 2], [0.1, 3]] } })),
-            "scenario.inputs.actuator.force: three points are at 0.1 s; a jump has two",
+            "scenario.inputs.actuator.force: three points are at 0.1 s, but a jump has two",
         ),
         (with("start_values", json!({ "crank.mass": -1 })), "start values: crank.mass = -1"),
         (
             with("start_values", json!({ "friction.enabled": 1 })),
             "start_values.friction.enabled = 1: must be a Boolean",
         ),
-        (response(json!({ "maximum": "joint1.force" })), "state their distance, scenario.output_interval"),
-        (response(json!({ "event": "crank.angle" })), "an event is told by the flag of a stop"),
-        (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "state exactly one of"),
-        (response(json!({ "course": "crank.angle" })), "a course has times"),
+        (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
+        (response(json!({ "event": "crank.angle" })), "an event is the flag of a stop"),
+        (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
+        (response(json!({ "course": "crank.angle" })), "a course needs times"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),
-            "responses.r.times[2] = 0.1 s stands twice",
+            "responses.r.times[2] = 0.1 s occurs twice",
         ),
         (response(json!({ "course": "crank.angle", "times": [9] })), "the instant 9 s is after the end of the run"),
         (response(json!({ "final": "solver.method" })), "solver.method is a text"),
-        (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "searched by `optimise`"),
+        (with("factors", json!({ "crank.mass": { "bounds": [1, 2] } })), "belongs to `optimise`"),
         (with("objective", json!({ "minimise": "r" })), "belong to `cargo fmu optimise`"),
         (
             json!({ "responses": { "run": { "final": "crank.angle" } } }),
-            "two columns of the results are called \"run\"",
+            "two columns of the results would have the name \"run\"",
         ),
     ] {
         let message = refusal(&folder, study);
@@ -99,7 +105,7 @@ fn what_is_wrong_is_said_in_one_line() {
         "final": "tip.x" } } })
     };
     fs::write(folder.0.join("lengths.csv"), "size,crank.length\n0.3,0.1\n").unwrap();
-    let calculated = "crank.length is calculated, \"size / 3\", and cannot be set: set size";
+    let calculated = "crank.length is calculated from \"size / 3\" and cannot be set: set size";
     for study in [
         of_family("factors", json!({ "crank.length": { "range": [0.1, 0.2], "steps": 2 } })),
         of_family("start_values", json!({ "crank.length": 0.1 })),
@@ -111,5 +117,5 @@ fn what_is_wrong_is_said_in_one_line() {
     let twice = json!({
         "factors": { "crank.mass": { "values": [1] } }, "start_values": { "crank.mass": 2 }, "responses": final_angle
     });
-    assert!(refusal(&folder, twice).contains("factors.crank.mass: is set by start_values"));
+    assert!(refusal(&folder, twice).contains("factors.crank.mass: is also set by start_values"));
 }

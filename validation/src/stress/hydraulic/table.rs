@@ -72,7 +72,7 @@ fn parameters(drive: Drive, rows: &mut Vec<Scene>) {
             let expected = if short {
                 Expected::Refusal(&["length", "cylinder"])
             } else if stiff_air {
-                Expected::Refusal(&["no step of the integration meets", "chamber_a.pressure"])
+                Expected::Refusal(&["no integration step reaches", "chamber_a.pressure"])
             } else {
                 Expected::Circuit
             };

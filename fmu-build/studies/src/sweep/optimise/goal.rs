@@ -59,13 +59,13 @@ impl Goal {
     pub fn new(study: &Definition, columns: &[String]) -> Result<Self> {
         let find = |key: &str, name: &str| match columns.iter().position(|column| column == name) {
             Some(column) => Ok(column),
-            None => bail!("{key}: no response is called \"{name}\"; the responses are {}", columns.join(", ")),
+            None => bail!("{key}: there is no response \"{name}\"; the responses are {}", columns.join(", ")),
         };
         let (sign, key, name) = match &study.objective {
             Some(Objective { minimise: Some(name), maximise: None }) => (1.0, "minimise", name),
             Some(Objective { minimise: None, maximise: Some(name) }) => (-1.0, "maximise", name),
-            Some(_) => bail!("objective: state exactly one of minimise and maximise"),
-            None => bail!("objective: is missing; name the response that is to be small: {{ \"minimise\": ... }}"),
+            Some(_) => bail!("objective: give exactly one of minimise and maximise"),
+            None => bail!("objective: is missing; give the response to be minimised: {{ \"minimise\": ... }}"),
         };
         let column = find(&format!("objective.{key}"), name)?;
         let mut limits = Vec::new();
@@ -75,7 +75,7 @@ impl Goal {
             if let [Some(least), Some(most)] = [stated.at_least, stated.at_most]
                 && least > most
             {
-                bail!("{key}: at_least = {least:?} is more than at_most = {most:?}; no value keeps both");
+                bail!("{key}: at_least = {least:?} is larger than at_most = {most:?}, so no value can satisfy both");
             }
             for (sign, what, value) in [(-1.0, "at_least", stated.at_least), (1.0, "at_most", stated.at_most)] {
                 match value {
@@ -87,7 +87,7 @@ impl Goal {
                 }
             }
             if stated.at_least.is_none() && stated.at_most.is_none() {
-                bail!("{key}: states no limit; give at_least, at_most or both");
+                bail!("{key}: has no limit; give at_least, at_most or both");
             }
         }
         Ok(Self { name: name.clone(), column, sign, limits })
@@ -157,16 +157,16 @@ mod tests {
             (r#""objective": {}"#, "exactly one of"),
             (
                 r#""objective": { "minimise": "q" }"#,
-                "objective.minimise: no response is called \"q\"; the responses are r, s",
+                "objective.minimise: there is no response \"q\"; the responses are r, s",
             ),
             (
                 r#""objective": { "minimise": "r" }, "constraints": { "t": { "at_most": 1 } }"#,
-                "constraints.t: no response",
+                "constraints.t: there is no response",
             ),
-            (r#""objective": { "minimise": "r" }, "constraints": { "s": {} }"#, "constraints.s: states no limit"),
+            (r#""objective": { "minimise": "r" }, "constraints": { "s": {} }"#, "constraints.s: has no limit"),
             (
                 r#""objective": { "minimise": "r" }, "constraints": { "s": { "at_least": 2, "at_most": 1 } }"#,
-                "no value keeps both",
+                "no value can satisfy both",
             ),
         ] {
             let message = format!("{:#}", goal(rest).unwrap_err());

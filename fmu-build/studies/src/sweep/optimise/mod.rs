@@ -129,7 +129,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let Some(best) = found.best else {
         let reason = found.all.iter().map(|(evaluation, _)| &*evaluation.message).find(|message| !message.is_empty());
         bail!(
-            "none of {} runs gave the objective and all that is limited a value; the first says: {}",
+            "none of {} runs has a value of the objective and of all limited responses; the first reason: {}",
             found.all.len(),
             reason.unwrap_or("nothing")
         );
@@ -137,7 +137,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let made = Made { stated: &stated, task: &task, goal: &goal, found: &found };
     write_design(&made, best, &out)?;
     let outcome = if why.is_some() { Outcome::Complete } else { Outcome::Interrupted };
-    let why = why.unwrap_or_else(|| "the user ended the search".to_owned());
+    let why = why.unwrap_or_else(|| "stopped by the user".to_owned());
     let summary = made.summary(best, (&space, seed, &why), &problem);
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
     made.tell(best, &why, &out);
@@ -153,7 +153,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
 fn columns_of(task: &Task) -> Result<Vec<Column>> {
     let mut all = columns(task)?;
     if all.iter().any(|column| column.name == VIOLATION) {
-        bail!("responses.{VIOLATION}: the results have a column of this name; give the response another one");
+        bail!("responses.{VIOLATION}: the results already have a column of this name; rename the response");
     }
     all.push(Column { name: VIOLATION.to_owned(), content: Content::Number });
     Ok(all)
@@ -267,9 +267,12 @@ impl Made<'_> {
         let told = |index: usize| self.goal.told(&self.found.all[index].0.responses);
         eprintln!("{why}; {} evaluations", self.found.all.len() - 1);
         if worth > 0.0 {
-            eprintln!("warning: no design keeps all limits; the nearest exceeds one by {:.3} %", 100.0 * worth);
+            eprintln!(
+                "warning: no design satisfies all limits; the best one exceeds a limit by {:.3} %",
+                100.0 * worth
+            );
         }
-        eprintln!("as it is: {}; best: {}", told(0), told(best));
+        eprintln!("present design: {}; best design: {}", told(0), told(best));
         for (factor, value) in self.task.factors.iter().zip(&self.found.all[best].0.point) {
             eprintln!("  {} = {value}", factor.name);
         }
@@ -285,11 +288,11 @@ fn write_design(made: &Made, best: usize, out: &Path) -> Result<()> {
     let names = made.task.factors.iter().map(|factor| &*factor.name);
     let values: Vec<(&str, f64)> = names.zip(made.found.all[best].0.point.iter().copied()).collect();
     let text = definition_values::with_values(source.kind, &source.text, &values)
-        .with_context(|| format!("{}: cannot be written with the values found", source.shown))?;
+        .with_context(|| format!("{}: the definition with these values cannot be written", source.shown))?;
     files::replace(&out.join(source.kind), text.as_bytes())?;
     let after = Component::from_definition(source.kind, &text)?;
     if let (Some(before), Some(after)) = (placed(&made.stated.component), placed(&after)) {
-        let designs = [("as it is", &before.0, &*before.1), ("best", &after.0, &*after.1)];
+        let designs = [("present design", &before.0, &*before.1), ("best", &after.0, &*after.1)];
         let picture = drawing::designs(made.stated.component.name(), designs, drawing::Format::Page { width: WIDTH });
         files::replace(&out.join(PICTURE), drawing::to_svg(&picture, drawing::Colours::Own, "designs")?.as_bytes())?;
     }

@@ -74,9 +74,9 @@ impl Optimiser {
         let mut line = String::new();
         let length = self.output.read_line(&mut line).with_context(|| format!("{PROGRAM}: cannot be read"))?;
         if length == 0 {
-            bail!("{PROGRAM} ended before its time; its own messages stand above");
+            bail!("{PROGRAM} ended early; its own messages are above");
         }
-        serde_json::from_str(&line).with_context(|| format!("{PROGRAM}: what it says cannot be understood"))
+        serde_json::from_str(&line).with_context(|| format!("{PROGRAM}: its output is not understood"))
     }
 
     /// Answer with what the points are worth; none for a run that failed.
@@ -91,7 +91,7 @@ impl Optimiser {
 
     fn tell(&mut self, line: &serde_json::Value) -> Result<()> {
         let written = writeln!(self.input, "{line}").and_then(|()| self.input.flush());
-        written.with_context(|| format!("{PROGRAM} ended before its time; its own messages stand above"))
+        written.with_context(|| format!("{PROGRAM} ended early; its own messages are above"))
     }
 }
 
