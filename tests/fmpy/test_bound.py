@@ -19,7 +19,7 @@ def test_a_discarded_step_tells_how_far_it_got(instantiate: Start) -> None:
     with pytest.raises(FMICallException) as refused:
         instance.slave.doStep(0.0, SPAN)
     assert refused.value.status == fmi2Discard
-    assert "solver.max_steps = 5 was met" in instance.messages[-1]
+    assert "solver.max_steps = 5 was reached" in instance.messages[-1]
     time = instance.slave.getRealStatus(fmi2LastSuccessfulTime)
     assert 0.0 < time < SPAN
     assert instance.slave.getStatus(fmi2DoStepStatus) == fmi2Discard
@@ -39,5 +39,5 @@ def test_simulate_fmu_ends_with_the_remedy(fmu: Path) -> None:
         simulate_fmu(
             str(fmu), start_values={"solver.max_steps": 5}, stop_time=2 * SPAN, output_interval=SPAN, logger=log
         )
-    assert any("was met" in message for message in messages), messages
+    assert any("was reached" in message for message in messages), messages
     assert all("solver.max_steps" in message for message in messages if "fmi2DoStep" in message), messages

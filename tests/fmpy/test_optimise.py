@@ -131,7 +131,7 @@ def test_a_search_that_is_ended_gives_the_best_so_far(tmp_path: Path) -> None:
         optimum = ended_after(wait, path, out)
         if optimum["evaluations"] > 0:
             break
-    assert optimum["ended"] == "the user ended the search"
+    assert optimum["ended"] == "stopped by the user"
     assert 0 < optimum["evaluations"] < 1_000_000
     assert len(rows(out / "evaluations.csv")) == optimum["evaluations"] + 1
     assert (out / "mechanism.json").is_file()

@@ -136,7 +136,7 @@ def test_a_film_shows_the_motion(simulate: Command, fmu: Path, tmp_path: Path) -
 def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
     done = simulate(FMU_FOLDER / "HydraulicActuator.fmu", "--gif", "oil.gif")
     assert done.returncode == 1
-    assert "HydraulicActuator has no linkage to be drawn" in done.stderr
+    assert "HydraulicActuator has no linkage that can be drawn" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -146,14 +146,14 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--output-interval", "0"], "must be finite and > 0"),
         (["--start-values", "crank.start_angle"], "has no value"),
         (["--start-values", "crank.mass", "-1"], "crank.mass"),
-        (["--output-variables", "crank.angel"], "nearest are crank.angle"),
+        (["--output-variables", "crank.angel"], "nearest names are crank.angle"),
         (["--input-file", "missing.csv"], "missing.csv"),
-        (["--input-file", "wrong.csv"], "line 3: the time goes back to 0 s"),
+        (["--input-file", "wrong.csv"], "line 3: the time decreases to 0 s"),
         (["--plot", "run.bmp"], "must end in .png or .svg"),
         (["--output-file", "no/such/folder.csv"], "cannot be made"),
         (["--output-file", "run.xlsx"], "must end in .csv or .parquet"),
         (["--gif", "run.mp4"], "must end in .gif"),
-        (["--output-variables", "crank.angle", "crank.angle"], "crank.angle stands twice"),
+        (["--output-variables", "crank.angle", "crank.angle"], "crank.angle occurs twice"),
         (["--input-file", "wrong.csv", "--output-file", "wrong.csv"], "this is --input-file"),
     ],
 )
