@@ -1,4 +1,4 @@
-//! What an inspection of a definition tells: facts about the model and findings, as plain data.
+//! Results of an inspection of a definition: facts about the model and findings, as plain data.
 //!
 //! In: nothing. Out: the types of facts and findings, with their lines of text. It must not know kinds of model.
 use crate::format::{DefinitionError, on_one_line};

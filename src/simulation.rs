@@ -1,7 +1,7 @@
-//! A model driven from Rust: variables by name, steps, and runs that give a trace.
+//! Simulation of a model from Rust: variables by name, steps, and runs that return a trace.
 //!
-//! In: the text of a definition, names and values, steps. Out: values by name, traces. It must not know any kind of
-//! model from inside, nor FMI.
+//! In: the text of a definition, names and values, steps. Out: values by name, traces. It must not know the inside of
+//! any kind of model, nor FMI.
 //!
 //! ```no_run
 //! use linkage_fmu::simulation::Simulation;
@@ -30,8 +30,8 @@ pub struct Simulation {
     is_initialized: bool,
 }
 
-/// Why a call was refused. The simulation is what it was; a run has stopped after its last good step, or where a
-/// step met `solver.max_steps`.
+/// Error of a call. The simulation is unchanged; a run has stopped after its last complete step, or where a step reached
+/// `solver.max_steps`.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
@@ -39,7 +39,7 @@ pub enum SimulationError {
     Name { name: String, nearest: Vec<String> },
     /// The span or the longest step of a run [s] is not finite or not > 0, or the steps are too many.
     Span { span: f64, step: f64 },
-    /// The model refused the call.
+    /// The model returned an error.
     Model(ModelError),
 }
 
@@ -124,7 +124,7 @@ impl Simulation {
         Self { model, time: 0.0, is_initialized: false }
     }
 
-    /// The model, for what has no name.
+    /// The model, for functions that this type does not have.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -155,8 +155,8 @@ impl Simulation {
         })
     }
 
-    /// Present value of a Real; NaN for an output that does not exist in the present state, of which
-    /// [`Self::undefined`] tells why.
+    /// Present value of a Real; NaN for an output that does not exist in the present state, for which
+    /// [`Self::undefined`] returns the reason.
     ///
     /// # Errors
     /// No Real has this name, or the present parameters give no start.
@@ -165,7 +165,7 @@ impl Simulation {
         Ok(self.model.real(reference)?)
     }
 
-    /// Why a Real output has no value in the present state; None if it has one.
+    /// Reason why a Real output has no value in the present state; None if it has one.
     ///
     /// # Errors
     /// No variable has this name.
@@ -193,8 +193,8 @@ impl Simulation {
         Ok(self.model.variables().get(reference).map_or("", |variable| variable.details.items[item]))
     }
 
-    /// Set an input or a parameter. Within a run, a tunable parameter changes the laws from now on; any other ends the
-    /// run: outputs are then those at the start, and the next step needs [`Self::initialize`].
+    /// Set an input or a parameter. Within a run, a tunable parameter acts from now on. Any other parameter ends
+    /// the run: outputs then have their values at the start, and the next step needs [`Self::initialize`].
     ///
     /// # Errors
     /// No variable has this name, it is of another kind or an output, or the value is out of range.
@@ -214,7 +214,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Set a derivative in time of a Real input, for the next step alone: order 1 [unit/s] or 2 [unit/s2].
+    /// Set a time derivative of a Real input, for the next step only: order 1 [unit/s] or 2 [unit/s2].
     ///
     /// # Errors
     /// No continuous input has this name, the order is not 1 or 2, or the value is not finite.
@@ -245,9 +245,9 @@ impl Simulation {
     /// Advance by `h` [s] > 0 under the present inputs.
     ///
     /// # Errors
-    /// The model is not initialised, `h` is out of range, or the model cannot go on; the state is then what it was.
-    /// [`ModelError::Interrupted`]: the step met `solver.max_steps`; the state and [`Self::time`] are those reached,
-    /// from which the next step goes on.
+    /// The model is not initialised, `h` is out of range, or the model cannot continue; the state is then unchanged.
+    /// [`ModelError::Interrupted`]: the step reached `solver.max_steps`; the next step continues from the reached state
+    /// and [`Self::time`].
     pub fn step(&mut self, h: f64) -> Result<(), SimulationError> {
         if !self.is_initialized {
             return Err(ModelError::NotInitialised.into());

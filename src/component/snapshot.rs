@@ -1,6 +1,6 @@
-//! All that decides how a component goes on, kept and taken again.
+//! The complete state of a component: saved and restored.
 //!
-//! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know what a snapshot holds.
+//! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know the contents of a snapshot.
 use super::{Component, Refused};
 use crate::{hydraulics, mechanism};
 

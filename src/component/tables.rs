@@ -1,7 +1,7 @@
-//! Tables kept beside a definition, so that an instance need not make them.
+//! Tables next to a definition, so that an instance does not have to compute them.
 //!
-//! In: a component and the text of its definition; or a file of tables. Out: the file's bytes; or the component. The
-//! file is of one text and one version: any other is told and made anew, and none is needed.
+//! In: a component and the text of its definition; or a file of tables. Out: the bytes of the file; or the component. A
+//! file belongs to one text and one version. Tables of any other file are computed again, with a remark.
 use super::{Component, Refused};
 use crate::codec::checksum::fnv1a_128;
 use crate::codec::sections::{self, Sections};

@@ -3,8 +3,8 @@
 //!
 //! In: a shared library, GUID and resource location of an FMU. Out: instances driven through the C functions: statuses,
 //! values, derivatives, saved states. It must not know how a call is answered, nor that this crate exports the same
-//! functions. Each method is one call. An FMU is foreign code: what it does is its own; an array that is passed to it
-//! has the length that is told.
+//! functions. Each method is one call. An FMU is foreign code; each array that is passed
+//! to it has the stated length.
 use super::host::{Log, callbacks};
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Integer, LoggerCallback, Real, Status, Text,

@@ -1,7 +1,7 @@
 //! Hydraulic actuators: a servo valve, a differential cylinder and the oil between them.
 //!
 //! In: the definition of a circuit, the motion of the cylinder, valve commands. Out: pressures, flows, the force,
-//! energies, and the motion with what the actuator moves, foreseen over the next step. It must not know mechanisms, nor
+//! energies, and the predicted motion of actuator and load over the next step. It must not know mechanisms, nor
 //! FMI.
 //!
 //! ```text

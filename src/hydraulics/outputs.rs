@@ -1,6 +1,6 @@
 //! Outputs of a hydraulic actuator: one law each, for values and for derivatives.
 //!
-//! In: the state, inputs, the foreseen motion. Out: values on demand; the step that a coupling with held inputs stands.
+//! In: the state, inputs, the predicted motion. Out: values on demand; the longest stable step with held inputs.
 //! It must not know how a step is made.
 use super::circuit::{ENERGIES, Equations, Flows, Point, Powers};
 use super::state::Preview;

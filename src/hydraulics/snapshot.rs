@@ -1,7 +1,7 @@
-//! Snapshots of a hydraulic actuator: all that decides how it goes on.
+//! Snapshots of a hydraulic actuator: its complete state.
 //!
 //! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which
-//! continues to the bit; the record of a snapshot. It must not know FMI.
+//! continues with identical results; the record of a snapshot. It must not know FMI.
 use super::definition::Mode;
 use super::error::HydraulicsError;
 use super::inputs::{Input, Inputs};

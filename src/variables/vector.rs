@@ -1,4 +1,4 @@
-//! Vectors of the plane: array variables beside the scalars that are their elements.
+//! Vectors of the plane: array variables in addition to the scalars that are their elements.
 use super::Reference;
 
 /// Two Real outputs of one owner and unit, along x and y, as one variable. FMI 3.0 has it; FMI 2.0 has scalars alone.

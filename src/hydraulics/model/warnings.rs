@@ -1,4 +1,4 @@
-//! What a step tells its host without refusing it, each once after the initialisation.
+//! Warnings of a step to its host, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use crate::codec::record::{Damaged, Record};

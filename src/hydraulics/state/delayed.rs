@@ -1,13 +1,14 @@
-//! Hosts that hand every value on one step late: the force that the mechanism has in a step was told at its beginning,
-//! from what the actuator knew a step before.
+//! Hosts that pass every value one step late: the mechanism receives the force of a step at the start of the step, and
+//! the actuator has computed it from the values of one step before.
 //!
-//! In: the state after a step, the element of the inputs. Out: the motion of the mechanism under the force that it was
-//! told, and the force of the next step. It must not know variables.
+//! In: the state after a step, the element of the inputs. Out: the motion of the mechanism under the reported force, and
+//! the force of the next step. It must not know variables.
 //!
-//! The mechanism has the mean force of the motion that was *told*. So the step keeps that motion, even if the motion
-//! set meanwhile differs from it; and where the mechanism is at the end follows from the motion set, under the force
-//! told. The next foresight begins there. What the mechanism's speed differs from this prediction by is the element's
-//! error alone, and its correction does not see the delay: the pair has the eigenvalues of one without a delay.
+//! The mechanism uses the mean force of the motion that the actuator has *reported*. So the step keeps this motion, even if
+//! the inputs meanwhile describe another one. The position of the mechanism at the end follows from the motion of the
+//! inputs under the reported force; the next prediction starts there. The difference between the speed of the mechanism and
+//! this prediction is the error of the element alone, and its correction does not see the delay: the pair has the
+//! eigenvalues of a pair without a delay.
 use super::{Blind, Foreseen, Preview, Setting, State};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::Input;

@@ -1,4 +1,4 @@
-//! Stretches: how an open curve goes on where a prismatic joint goes far from its guess.
+//! Stretches: the continuation of an open curve where a prismatic joint moves far from its guess.
 //!
 //! In: a curve that is open at an end. Out: the stretch of it beyond that end. It must not know who needs it.
 //!

@@ -1,8 +1,8 @@
 //! Arcs of the travel in which friction locks a slow motion.
 //!
 //! In: a reduced model at its start. Out: for each direction the intervals of sigma in which friction and reactions
-//! have no common solution, with the static coefficients and the loads at the start. It must not know laws: the
-//! equation of motion tells.
+//! have no common solution, with the static coefficients and the loads at the start. It must not know laws: it uses the
+//! equation of motion.
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;

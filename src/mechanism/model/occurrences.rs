@@ -1,8 +1,8 @@
 //! What has happened in a step, in words for the log.
 //!
 //! In: occurrences of a step, names of the definition. Out: lines of text, for the log of events or for that of
-//! debugging. Impacts that follow one another on one stop, each slower than the one before, are a series: its first
-//! ones are told, that further ones are only counted, and its end. It must not change the state.
+//! debugging. Successive impacts on one stop, each slower than the one before, are a series: the log
+//! reports the first ones, a remark that further ones are only counted, and the end of the series. It must not change the state.
 use super::{Formulation, Model};
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::Loading;

@@ -1,4 +1,4 @@
-//! What a step tells its host without refusing it, once after the initialisation.
+//! Warnings of a step to its host, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step, or the start. Out: one line of text, or warnings for `check`. It must not
 //! change the state.

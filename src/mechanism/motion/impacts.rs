@@ -1,4 +1,4 @@
-//! What a stop has met since the start: how often, and the last time how hard.
+//! Impacts on each stop since the start: their number, and time and impulse of the last one.
 //!
 //! In: impacts of a step. Out: the record that outputs and saved states hold. It must not know how an impact is found.
 use crate::codec::record::{Damaged, Record};

@@ -2,7 +2,7 @@
 //! log.
 //!
 //! In: transitions of an advance. Out: impacts of each stop, occurrences in order. A step in which nothing happens
-//! costs nothing here, and nothing is allocated unless somebody listens. What a failed step has met is forgotten. It
+//! costs nothing here, and nothing is allocated unless somebody listens. Events of a failed step are discarded. It
 //! must not know words.
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::impacts::{Impact, Impacts};
