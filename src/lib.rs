@@ -4,10 +4,10 @@
 //! parameter is its length sigma in the kinetic metric, T = sigma_dot^2 / 2. Influences of loads, coordinates and
 //! reactions are tables over sigma. A step integrates sigma_ddot = sum of load sizes times influences.
 //!
-//! From low to high, where each layer uses only the layers before it: [`numerics`], [`codec`], [`variables`], [`format`],
-//! [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of model;
-//! [`simulation`], its variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`], FMI 2.0;
-//! [`fmi3`], FMI 3.0.
+//! From low to high, where each layer uses only the layers before it: [`numerics`], [`codec`], [`variables`],
+//! [`format`], [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of
+//! model; [`simulation`], its variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`],
+//! FMI 2.0; [`fmi3`], FMI 3.0.
 //!
 //! # Notation
 //! SI units; angles in rad, anticlockwise positive; the mechanism frame is fixed to the ground. theta, omega, alpha: an
@@ -16,8 +16,8 @@
 //! `_dot`, a derivative along the curve in `_sigma`. [HF08] is Hac and From (2008), [CK16] Cink and Kosucki (2016).
 //!
 //! # Invariants
-//! No allocation, lock or text in a step, a get or a set. A call that returns an error changes nothing. Inputs
-//! and outputs are finite. An element that does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
+//! No allocation, lock or text in a step, a get or a set. A call that returns an error changes nothing. Inputs and
+//! outputs are finite. An element that does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
 pub mod codec;
 pub mod component;
 pub mod fmi;

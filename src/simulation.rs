@@ -30,8 +30,8 @@ pub struct Simulation {
     is_initialized: bool,
 }
 
-/// Error of a call. The simulation is unchanged; a run has stopped after its last complete step, or where a step reached
-/// `solver.max_steps`.
+/// Error of a call. The simulation is unchanged; a run has stopped after its last complete step, or where a step
+/// reached `solver.max_steps`.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
@@ -50,8 +50,7 @@ impl fmt::Display for SimulationError {
                 let nearest = nearest.join(", ");
                 write!(
                     f,
-                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names \
-                           lists all"
+                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names lists all"
                 )
             }
             Self::Span { span, step } => {

@@ -118,12 +118,8 @@ impl Binary {
         let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == name) else {
             bail!("FMI 2.0 has no platform {name}");
         };
-        check(platform, &content, FUNCTION).with_context(|| {
-            format!(
-                "{shown}: is not the library of an FMU for \
-            {name}"
-            )
-        })?;
+        check(platform, &content, FUNCTION)
+            .with_context(|| format!("{shown}: is not the library of an FMU for {name}"))?;
         Ok(Self { platform, folder: platform.name, content })
     }
 

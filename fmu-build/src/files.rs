@@ -234,10 +234,7 @@ fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     }
     Err(io::Error::new(
         io::ErrorKind::AlreadyExists,
-        format!(
-            "there are already {ATTEMPTS} unfinished files of this \
-        name"
-        ),
+        format!("there are already {ATTEMPTS} unfinished files of this name"),
     ))
 }
 

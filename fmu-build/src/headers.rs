@@ -44,10 +44,8 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
         let name = listed.get(LISTED_LENGTH..LISTED_LENGTH + number(listed, 28, 2)?)?;
         let shown = String::from_utf8_lossy(name);
         if !names.insert(name) {
-            faults.push(format!(
-                "{shown} occurs twice in the archive, and hosts can read either of the two; remove \
-                                 one"
-            ));
+            faults
+                .push(format!("{shown} occurs twice in the archive, and hosts can read either of the two; remove one"));
         }
         let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
         if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {

@@ -80,8 +80,8 @@ pub fn check_case<'a>(paths: impl Iterator<Item = &'a str>) -> Result<()> {
             let other = *known.entry(part.to_lowercase()).or_insert(part);
             if other != part {
                 bail!(
-                    "{other} and {part}: the names differ by case only, so on Windows one file replaces the \
-                       other; rename one"
+                    "{other} and {part}: the names differ by case only, so on Windows one file replaces the other; \
+                     rename one"
                 );
             }
         }

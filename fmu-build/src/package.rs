@@ -84,10 +84,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
             let (path, name) = (fmu.source.definition.display(), &fmu.name);
             let other = other.display();
-            refused.push(format!(
-                "{path}: name is {name}, as in {other}; both FMUs would be {name}.fmu, so rename \
-                                  one"
-            ));
+            refused
+                .push(format!("{path}: name is {name}, as in {other}; both FMUs would be {name}.fmu, so rename one"));
         }
         prepared.push(fmu);
     }

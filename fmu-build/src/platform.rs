@@ -104,8 +104,7 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
     if arguments.compatible {
         let Some(arm) = folders.iter_mut().find(|folder| **folder == ARM_LINUX) else {
             bail!(
-                "--compatible applies to the library for ARM; add {ARM_LINUX} to --platforms, or remove \
-                   --compatible"
+                "--compatible applies to the library for ARM; add {ARM_LINUX} to --platforms, or remove --compatible"
             );
         };
         *arm = COMPATIBLE;
@@ -257,14 +256,13 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
     {
         let functions = needs.functions.join(", ");
         bail!(
-            "the library needs glibc {needed} (for {functions}), but --glibc {asked} was given; write --glibc \
-               {needed}"
+            "the library needs glibc {needed} (for {functions}), but --glibc {asked} was given; write --glibc {needed}"
         );
     }
     if let [first, ..] = &needs.libraries[..] {
         bail!(
             "the library needs {first}, which Windows does not have; link it statically (rustflags -C \
-               target-feature=+crt-static)"
+             target-feature=+crt-static)"
         );
     }
     Ok(())
@@ -290,10 +288,11 @@ fn standard_library(toolchain: &Toolchain) -> Result<Vec<&'static str>> {
 /// What rustc answers, as a path.
 fn asked(arguments: &[&str]) -> Result<PathBuf> {
     let mut rustc = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let output = rustc.args(arguments).stderr(Stdio::null()).output().context(
-        "rustc cannot be started; check that \
-        Rust is installed",
-    )?;
+    let output = rustc
+        .args(arguments)
+        .stderr(Stdio::null())
+        .output()
+        .context("rustc cannot be started; check that Rust is installed")?;
     if !output.status.success() {
         bail!("rustc {} failed ({})", arguments.join(" "), output.status);
     }

@@ -114,7 +114,8 @@ mod tests {
         let error = completed(Path::new("nowhere/mechanism.json"), unnamed).unwrap_err().to_string();
         assert_eq!(
             error,
-            "nowhere/mechanism.json: parameters_from: \"\" is not a file name; give a file of parameters, or remove the key"
+            "nowhere/mechanism.json: parameters_from: \"\" is not a file name; give a file of parameters, or remove \
+             the key"
         );
         let error = Component::from_definition("mechanism.json", BLOCK).unwrap_err().0;
         assert!(error.contains("parameters_from") && error.contains("cargo fmu"), "{error}");

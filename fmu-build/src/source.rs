@@ -191,13 +191,11 @@ impl Definition {
 fn of_archive(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "fmu" => format!(
-            "this is a packed FMU; unpack it, and give the path of the definition in its folder \
-                          {RESOURCES}"
-        ),
+        "fmu" => {
+            format!("this is a packed FMU; unpack it, and give the path of the definition in its folder {RESOURCES}")
+        }
         "ssp" => format!(
-            "this is a system of FMUs; unpack it, and give the path of one of the FMUs in its folder \
-                          {RESOURCES}"
+            "this is a system of FMUs; unpack it, and give the path of one of the FMUs in its folder {RESOURCES}"
         ),
         _ => "this is an archive; give the path of a definition, or of an FMU, whose name ends in .fmu".to_owned(),
     }

@@ -140,16 +140,14 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
         let Some(path) = binary::path(platform, identifier) else {
             let known = fmu_cli::PLATFORMS.join(", ");
             found.warnings.push(format!(
-                "{shown}: binaries/{platform} is not a platform of FMI; the platforms of FMI 2.0 are \
-                               {known}"
+                "{shown}: binaries/{platform} is not a platform of FMI; the platforms of FMI 2.0 are {known}"
             ));
             continue;
         };
         match fmu.read(&path) {
             Ok(Some(content)) if platform == COMPATIBLE && binary::check_for(ARM_LINUX, &content).is_ok() => {
                 found.warnings.push(format!(
-                    "{shown}/{path}: this library is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load \
-                               this FMU"
+                    "{shown}/{path}: this library is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load this FMU"
                 ))
             }
             Ok(Some(content)) => {
@@ -177,10 +175,9 @@ fn needs(shown: &str, content: &[u8], found: &mut Found) {
         found.notes.push(format!("{shown}: needs glibc {version} or later (for {functions})"));
     }
     for library in &needs.libraries {
-        found.warnings.push(format!(
-            "{shown}: needs {library}, which Windows does not have; install it on the path \
-                                     of the host"
-        ));
+        found
+            .warnings
+            .push(format!("{shown}: needs {library}, which Windows does not have; install it on the path of the host"));
     }
 }
 

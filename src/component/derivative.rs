@@ -126,8 +126,7 @@ impl Component {
         }
         let names: Vec<_> = knowns.iter().filter_map(|known| self.interface().get(*known)).map(|v| &*v.name).collect();
         Err(Refused(format!(
-            "no derivative with respect to {}: after a small change of this variable the model has \
-                             no start position",
+            "no derivative with respect to {}: after a small change of this variable the model has no start position",
             names.join(", ")
         )))
     }

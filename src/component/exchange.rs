@@ -35,8 +35,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => Ok(model),
             Self::Hydraulic(_) => Err(Refused(
-                "model exchange is not available for a hydraulic actuator without a mechanism; use \
-                             co-simulation"
+                "model exchange is not available for a hydraulic actuator without a mechanism; use co-simulation"
                     .to_owned(),
             )),
         }

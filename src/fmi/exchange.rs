@@ -38,8 +38,7 @@ impl Instance {
             return Ok(());
         }
         Err(Refusal::error(
-            "this function belongs to model exchange; this instance was created for co-simulation, \
-                            so call doStep",
+            "this function belongs to model exchange; this instance was created for co-simulation, so call doStep",
         ))
     }
 

@@ -16,8 +16,7 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
     (
         c"logEvents",
-        "Changes of mode, impacts, contacts and locks with their times, and the number of integration \
-                    steps",
+        "Changes of mode, impacts, contacts and locks with their times, and the number of integration steps",
     ),
     (c"logStatusWarning", "Calls that succeeded with a warning; outputs without a value"),
     (c"logStatusDiscard", "Requests of the host that are not supported, and steps that ended early"),

@@ -71,8 +71,8 @@ fn read(file: &Path) -> Result<String, Refusal> {
     }
     let too_large = |size: u64| {
         refused(format!(
-            "the file has {size} bytes, but a definition has at most {LARGEST_DEFINITION}; check that \
-                         this is the right file"
+            "the file has {size} bytes, but a definition has at most {LARGEST_DEFINITION}; check that this is the \
+             right file"
         ))
     };
     if metadata.len() > LARGEST_DEFINITION {

@@ -70,8 +70,7 @@ impl Saved {
         let refuse = |what: String| Err(Refusal::error(what));
         if bytes.get(..8) != Some(&MAGIC) {
             return refuse(
-                "the bytes are not a serialized state of this type of FMU; pass the bytes of a serialized \
-                           state"
+                "the bytes are not a serialized state of this type of FMU; pass the bytes of a serialized state"
                     .to_owned(),
             );
         }
@@ -88,16 +87,14 @@ impl Saved {
         let version = number(8..12);
         if version != u64::from(VERSION) {
             return refuse(format!(
-                "the serialized state has format version {version}, but this library reads \
-                                   version {VERSION}"
+                "the serialized state has format version {version}, but this library reads version {VERSION}"
             ));
         }
         let length = number(12..20);
         if length != bytes.len() as u64 {
             let what = if length > bytes.len() as u64 { "incomplete" } else { "too long" };
             return refuse(format!(
-                "the serialized state is {what}: its header states {length} bytes, but {} bytes \
-                                   were passed",
+                "the serialized state is {what}: its header states {length} bytes, but {} bytes were passed",
                 bytes.len()
             ));
         }

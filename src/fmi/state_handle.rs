@@ -167,8 +167,7 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
     let needed = serialized.len();
     if size != needed {
         return Err(Refusal::error(format!(
-            "size is {size}, but the state has {needed} bytes; pass a buffer of at \
-                                           least this size"
+            "size is {size}, but the state has {needed} bytes; pass a buffer of at least this size"
         )));
     }
     // SAFETY: the caller's promise.

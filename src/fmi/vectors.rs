@@ -179,8 +179,8 @@ pub fn of(component: &Component, has_vectors: bool) -> Vec<Vector> {
 pub fn wrong_number(variables: usize, scalars: usize, values: usize) -> Refusal {
     let plural = if variables == 1 { "" } else { "s" };
     Refusal::error(format!(
-        "{values} values were passed for {variables} variable{plural} with {scalars} elements in \
-                            total; pass {scalars} values"
+        "{values} values were passed for {variables} variable{plural} with {scalars} elements in total; pass {scalars} \
+         values"
     ))
 }
 

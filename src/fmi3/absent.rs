@@ -50,7 +50,7 @@ unsafe fn refuse_instance(
     handle::instantiate(VERSION, function, name, logger, Usage::default(), || {
         Err(Refusal::error(
             "this FMU does not support scheduled execution; use fmi3InstantiateCoSimulation or \
-                            fmi3InstantiateModelExchange",
+             fmi3InstantiateModelExchange",
         ))
     })
 }

@@ -222,8 +222,7 @@ impl<'t> Reader<'t> {
             return Err(if self.open > 0 {
                 "`)` is missing"
             } else {
-                "the expression ends with an operator: add the \
-                last value"
+                "the expression ends with an operator: add the last value"
             }
             .to_owned());
         };

@@ -178,11 +178,8 @@ impl Reader<'_> {
         match &node.json {
             Json::Number(number) if number.is_finite() => return Some(*number),
             Json::Number(_) => {
-                let (value, allowed) = (
-                    shortened(&self.text[node.span.clone()]),
-                    "larger than the largest number, \
-                    1.8e308",
-                );
+                let (value, allowed) =
+                    (shortened(&self.text[node.span.clone()]), "larger than the largest number, 1.8e308");
                 self.fault(Fault::Value(value, allowed.to_owned()), &node.span);
             }
             Json::Text(text) if self.numbers.takes_texts() => match self.numbers.take(text) {

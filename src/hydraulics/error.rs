@@ -72,8 +72,8 @@ impl fmt::Display for HydraulicsError {
             Self::Reference { reference, kind, own: None, count } => {
                 write!(
                     f,
-                    "value reference {reference} is not a {kind} variable; there are {count} variables, \
-                           numbered from 0"
+                    "value reference {reference} is not a {kind} variable; there are {count} variables, numbered from \
+                     0"
                 )
             }
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),

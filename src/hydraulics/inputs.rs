@@ -356,8 +356,7 @@ impl CommandSignal {
 pub fn clipping(command: f64) -> String {
     let command = Decimal::rounded(command);
     format!(
-        "valve.command plus the ramp and sine of command.* is {command}: the sum was clipped to the range from \
-             -1 to 1"
+        "valve.command plus the ramp and sine of command.* is {command}: the sum was clipped to the range from -1 to 1"
     )
 }
 

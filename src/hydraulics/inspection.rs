@@ -113,10 +113,7 @@ pub fn inspect(text: &str) -> Inspection {
     facts.push(fact.with("holding force of the load", load, Unit::Newton).saying(
         match (force - load).abs() <= 1e-3 * (force.abs() + load.abs()) {
             true => "at the start the actuator holds its load: the force equals the holding force to 0.1 %",
-            false => {
-                "at the start the load moves the actuator (no equilibrium), with the inputs at their start \
-                      values"
-            }
+            false => "at the start the load moves the actuator (no equilibrium), with the inputs at their start values",
         },
     ));
     out

@@ -113,10 +113,9 @@ impl ModelError {
                 stretch.curve().farthest
             ),
             End::Failed(error @ ReductionError::EndsMeet { .. }) => error.to_string(),
-            End::Failed(error) => format!(
-                "{error}; or limit the loads or the time, or add a stop before this \
-                                           position"
-            ),
+            End::Failed(error) => {
+                format!("{error}; or limit the loads or the time, or add a stop before this position")
+            }
         };
         Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
     }
@@ -208,7 +207,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Locked { position, joint } => write!(
                 f,
-                "friction locks the mechanism near {position}, mainly in {joint}: the joint forces cause more friction than any load can overcome; reduce the coefficients or pin radii, or add a stop before this \
+                "friction locks the mechanism near {position}, mainly in {joint}: the joint forces cause more friction \
+                 than any load can overcome; reduce the coefficients or pin radii, or add a stop before this \
                  position"
             ),
             Self::BeyondStop { name, value, start } => write!(

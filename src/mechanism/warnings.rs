@@ -46,10 +46,7 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (key, remedy) = match motion.profile {
         Some(_) => (
             "points",
-            format!(
-                "let the table start with 0 {unit} at time 0, because its distances count \
-                                       from the start"
-            ),
+            format!("let the table start with 0 {unit} at time 0, because its distances count from the start"),
         ),
         None => ("position", format!("write {here}, or start the mechanism where the motion starts")),
     };
@@ -127,8 +124,8 @@ pub fn of_guess(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64]) -> 
             false => {
                 let unit = if is_angle { "rad" } else { "m" };
                 format!(
-                    "if this assembly is correct, write {found} {unit}; otherwise check the lengths or improve \
-                         the guess"
+                    "if this assembly is correct, write {found} {unit}; otherwise check the lengths or improve the \
+                     guess"
                 )
             }
         };

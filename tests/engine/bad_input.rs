@@ -138,8 +138,8 @@ fn names_that_nothing_carries() {
 #[test]
 fn linkages_that_cannot_move_as_one() {
     // Two degrees of freedom, none, and a body that hangs on nothing.
-    let without = ",\n    \"joint4\": \
-        { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \"follower.origin\", \"pin_radius\": 0.015 }";
+    let without = ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \
+                   \"follower.origin\", \"pin_radius\": 0.015 }";
     check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
     let more = "\"joint1\": { \"type\": \"revolute\", \"first\": \"ground.origin\", \"second\": \"coupler.end\" \
         },\n    \"joint0\":";

@@ -40,7 +40,8 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
 }
 
-/// Tables of the definition are taken in silence; those of another one are told and computed again, as are damaged ones.
+/// Tables of the definition are taken in silence; those of another one are told and computed again, as are damaged
+/// ones.
 #[test]
 fn tables_beside_a_definition() {
     let folder = Folder::new("tables beside");

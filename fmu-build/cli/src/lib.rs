@@ -157,8 +157,8 @@ pub struct Simulate {
     /// has the unit or display unit of the variable (45deg) [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Inputs over time: CSV file with the column `time` [s] first. Numbers are interpolated between two times, Booleans
-    /// are held; two rows of the same time make a jump
+    /// Inputs over time: CSV file with the column `time` [s] first. Numbers are interpolated between two times,
+    /// Booleans are held; two rows of the same time make a jump
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
     /// Pass the slopes of the inputs too, so that inputs change within a step; a step ends at each time of the file

@@ -30,10 +30,11 @@ fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
         prepare_demo(program, root)?;
     }
     let mut cargo = cargo("run", program, root);
-    let status = cargo.arg("--").args(env::args_os().skip(1)).status().context(
-        "cargo cannot be started; check that \
-        Rust is installed and on the PATH",
-    )?;
+    let status = cargo
+        .arg("--")
+        .args(env::args_os().skip(1))
+        .status()
+        .context("cargo cannot be started; check that Rust is installed and on the PATH")?;
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 

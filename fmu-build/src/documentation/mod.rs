@@ -88,11 +88,9 @@ impl Subject<'_> {
         add(ICON, pixels);
         match scene::xml(self.component, &picture)? {
             Some(text) => add(&scene::path(self.component.name()), text.into_bytes()),
-            None if self.is_mechanism() => made.left_out.push(
-                "no scene file was written, because the mechanism has \
-                too many parts"
-                    .into(),
-            ),
+            None if self.is_mechanism() => {
+                made.left_out.push("no scene file was written, because the mechanism has too many parts".into())
+            }
             None => {}
         }
         let animated = extent.animation && self.is_mechanism();

@@ -50,10 +50,8 @@ impl Picture {
                 let at_start = model.initialize().ok().and_then(|()| Some((model.scene().ok()?, model.poses()?)));
                 // A start that is refused leaves the assembled position.
                 let assembled = || attempt(text).map(|attempt| (attempt.scene, attempt.poses));
-                let (scene, start) = at_start.or_else(assembled).context(
-                    "the bodies have no position for the \
-                    picture",
-                )?;
+                let (scene, start) =
+                    at_start.or_else(assembled).context("the bodies have no position for the picture")?;
                 let mut typical = start.clone();
                 if flatness(&scene, &start) < FLAT
                     && let Ok(sweep) = model.sweep(POSITIONS)

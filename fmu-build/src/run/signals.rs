@@ -98,10 +98,9 @@ impl Signals {
             match variable.kind {
                 Kind::Real => signals.continuous.push(signal),
                 Kind::Boolean => signals.discrete.push(signal),
-                Kind::Enumeration => bail!(
-                    "{shown}: {name} is an Enumeration, which cannot change during a run; \
-                                            remove this column"
-                ),
+                Kind::Enumeration => {
+                    bail!("{shown}: {name} is an Enumeration, which cannot change during a run; remove this column")
+                }
             }
         }
         for (record, line) in reader.records().zip(2..) {

@@ -194,11 +194,11 @@ mod tests {
     #[test]
     fn variables_of_both_versions_are_read() {
         let second = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"A &amp; B\" \
-            guid=\"{1}\">\
-            <CoSimulation modelIdentifier=\"ab\"><SourceFiles/></CoSimulation>\
-            <DefaultExperiment stopTime=\"2\" stepSize=\"1e-3\"/><ModelVariables><ScalarVariable name=\"x\" \
-            valueReference=\"7\" causality=\"input\"><Real unit=\"N\" start=\"3\"/><Annotations/></ScalarVariable>\
-            </ModelVariables></fmiModelDescription>";
+                      guid=\"{1}\"><CoSimulation \
+                      modelIdentifier=\"ab\"><SourceFiles/></CoSimulation><DefaultExperiment stopTime=\"2\" \
+                      stepSize=\"1e-3\"/><ModelVariables><ScalarVariable name=\"x\" valueReference=\"7\" \
+                      causality=\"input\"><Real unit=\"N\" \
+                      start=\"3\"/><Annotations/></ScalarVariable></ModelVariables></fmiModelDescription>";
         let read = Description::parse(second).unwrap();
         assert_eq!((&*read.name, &*read.guid, &*read.interfaces["CoSimulation"]), ("A & B", "{1}", "ab"));
         assert_eq!((read.experiment.stop_time, read.experiment.tolerance), (Some(2.0), None));

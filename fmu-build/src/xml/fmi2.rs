@@ -213,11 +213,9 @@ mod tests {
             xml.lines().skip_while(|line| !line.contains("<ModelStructure>")).map(str::trim).collect();
         assert_eq!(
             structure,
-            "<ModelStructure>\
-             <Outputs><Unknown index=\"3\" dependencies=\"2\"/><Unknown index=\"4\" dependencies=\"\"/></Outputs>\
-             <InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown index=\"4\" dependencies=\"1 2 \
-             3\"/></InitialUnknowns>\
-             </ModelStructure></fmiModelDescription>"
+            "<ModelStructure><Outputs><Unknown index=\"3\" dependencies=\"2\"/><Unknown index=\"4\" \
+             dependencies=\"\"/></Outputs><InitialUnknowns><Unknown index=\"3\" dependencies=\"1 2\"/><Unknown \
+             index=\"4\" dependencies=\"1 2 3\"/></InitialUnknowns></ModelStructure></fmiModelDescription>"
         );
     }
 

@@ -63,8 +63,7 @@ impl<'a> Interface<'a> {
         let (name, interface) = (component.name(), component.interface());
         if !is_c_identifier(name) {
             bail!(
-                "name: \"{name}\" is not a C identifier; use letters, digits and _ only, and do not start with a \
-                   digit"
+                "name: \"{name}\" is not a C identifier; use letters, digits and _ only, and do not start with a digit"
             );
         }
         let parameter = interface.list().iter().find(|variable| variable.name == TOLERANCE);

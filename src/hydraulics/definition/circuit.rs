@@ -139,8 +139,7 @@ impl Circuit {
         ] {
             if hose > dead {
                 let allowed = format!(
-                    "at most chamber_{side}.dead_volume = {} m3, because the hose volume is part of the \
-                             dead volume",
+                    "at most chamber_{side}.dead_volume = {} m3, because the hose volume is part of the dead volume",
                     Decimal(dead)
                 );
                 faults.push(DefinitionError::value(format!("hose.volume_{side}"), Decimal(hose), allowed));

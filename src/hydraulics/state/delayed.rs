@@ -1,14 +1,14 @@
 //! Hosts that pass every value one step late: the mechanism receives the force of a step at the start of the step, and
 //! the actuator has computed it from the values of one step before.
 //!
-//! In: the state after a step, the element of the inputs. Out: the motion of the mechanism under the reported force, and
-//! the force of the next step. It must not know variables.
+//! In: the state after a step, the element of the inputs. Out: the motion of the mechanism under the reported force,
+//! and the force of the next step. It must not know variables.
 //!
-//! The mechanism uses the mean force of the motion that the actuator has *reported*. So the step keeps this motion, even if
-//! the inputs meanwhile describe another one. The position of the mechanism at the end follows from the motion of the
-//! inputs under the reported force; the next prediction starts there. The difference between the speed of the mechanism and
-//! this prediction is the error of the element alone, and its correction does not see the delay: the pair has the
-//! eigenvalues of a pair without a delay.
+//! The mechanism uses the mean force of the motion that the actuator has *reported*. So the step keeps this motion,
+//! even if the inputs meanwhile describe another one. The position of the mechanism at the end follows from the motion
+//! of the inputs under the reported force; the next prediction starts there. The difference between the speed of the
+//! mechanism and this prediction is the error of the element alone, and its correction does not see the delay: the pair
+//! has the eigenvalues of a pair without a delay.
 use super::{Blind, Foreseen, Preview, Setting, State};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::Input;

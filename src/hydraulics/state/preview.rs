@@ -1,7 +1,7 @@
 //! Prediction of the motion over the next communication step, with one element for the mechanism.
 //!
-//! In: the state, inputs that describe the element, a step. Out: the predicted motion, its derivative along a direction of
-//! the inputs, the predicted force. It must not change the state.
+//! In: the state, inputs that describe the element, a step. Out: the predicted motion, its derivative along a direction
+//! of the inputs, the predicted force. It must not change the state.
 use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State, Told};
 use crate::hydraulics::circuit::{CIRCUIT, Equations};

@@ -85,8 +85,7 @@ impl fmt::Display for CurveError {
             Self::Outside(position) => {
                 write!(
                     f,
-                    "no travel is allowed from {position}: start at a position within the stops, or move the \
-                           stops"
+                    "no travel is allowed from {position}: start at a position within the stops, or move the stops"
                 )
             }
             Self::TooLong { panels } => {

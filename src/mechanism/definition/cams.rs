@@ -74,8 +74,7 @@ impl Coupling {
             (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
             (Some(_), Some(_)) => refused(
                 format!("{key}.points"),
-                "the segments define the lift already: remove the points or the \
-                                                  segments",
+                "the segments define the lift already: remove the points or the segments",
             ),
             (None, None) => refused(key.to_owned(), "has no lift: add segments, or points [angle, lift]"),
         }
@@ -100,8 +99,7 @@ impl Coupling {
             (Some(_), None) if self.carrier.is_some() => {
                 return refused(
                     at("carrier"),
-                    "the joint of the follower defines the carrier of the cam: remove \
-                                               carrier",
+                    "the joint of the follower defines the carrier of the cam: remove carrier",
                 );
             }
             _ => {}
@@ -112,8 +110,7 @@ impl Coupling {
         if self.phase.is_some() {
             return refused(
                 at("phase"),
-                "the base circle defines the position of the follower without lift: remove \
-                                         phase",
+                "the base circle defines the position of the follower without lift: remove phase",
             );
         }
         match (self.follower, self.roller_radius, self.face_angle) {
@@ -121,8 +118,7 @@ impl Coupling {
             (Some(Follower::Roller), _, Some(_)) => {
                 return refused(
                     at("face_angle"),
-                    "a roller has no face: remove face_angle, or write \"follower\": \
-                                                  \"flat\"",
+                    "a roller has no face: remove face_angle, or write \"follower\": \"flat\"",
                 );
             }
             (Some(Follower::Flat), Some(_), _) => {

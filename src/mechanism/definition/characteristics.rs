@@ -27,8 +27,8 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         return refused(
             format_args!("{key}[{}]", i + 1),
             format_args!(
-                "{abscissa} = {after} must be larger than {abscissa} = {before} of the point before: sort \
-                          the points by {abscissa}"
+                "{abscissa} = {after} must be larger than {abscissa} = {before} of the point before: sort the points \
+                 by {abscissa}"
             ),
         );
     }
@@ -44,8 +44,7 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
         if is_rotary {
             return refused(
                 format_args!("{key}.gas"),
-                "a gas spring acts along a line: give first and second, or a \
-                                                       prismatic joint",
+                "a gas spring acts along a line: give first and second, or a prismatic joint",
             );
         }
         if spring.points.is_some() {
@@ -96,8 +95,7 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
         return match drive.command {
             Some(_) => refused(
                 format_args!("{key}.command"),
-                "scales a curve, but there are no points: add points \
-                [speed, force]",
+                "scales a curve, but there are no points: add points [speed, force]",
             ),
             None => Ok(()),
         };
@@ -105,8 +103,7 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
     if drive.hydraulics.is_some() {
         return refused(
             format_args!("{key}.points"),
-            "the hydraulic circuit gives the force: remove points or \
-                                                      hydraulics",
+            "the hydraulic circuit gives the force: remove points or hydraulics",
         );
     }
     if drive.motion.is_some() {
@@ -129,8 +126,8 @@ pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
         Some(i) => {
             let [before, after] = [points[i][1], points[i + 1][1]];
             let message = format_args!(
-                "the force {after} is smaller than {before} at the point before: the force \
-                                        of a bumper must not fall with the depth"
+                "the force {after} is smaller than {before} at the point before: the force of a bumper must not fall \
+                 with the depth"
             );
             refused(format_args!("{key}[{}]", i + 1), message)
         }
@@ -156,10 +153,7 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message = format!(
-                    "give a constant force beyond the depth {depth} {unit}, however hard the \
-                                       impact"
-                );
+                let message = format!("give a constant force beyond the depth {depth} {unit}, however hard the impact");
                 let remedy = "add a point for the deepest impact, or a stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
@@ -190,10 +184,8 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         (points.last().is_some_and(|point| point[0] <= 0.0), "positive"),
     ] {
         if is_missing {
-            let message = format!(
-                "have no point at a {word} speed, so the force there continues with the slope at \
-                                   rest"
-            );
+            let message =
+                format!("have no point at a {word} speed, so the force there continues with the slope at rest");
             all.push(Finding::warning(key, message, "add points for both directions"));
         }
     }

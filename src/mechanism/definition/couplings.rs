@@ -65,8 +65,7 @@ keys! {
         /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of the two numbers matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
-        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second \
-            wheel");
+        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second wheel");
         /// Gears: true if the wheel with more teeth is an internal gear (ring gear).
         internal: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: radius of the first pulley [m], > 0.
@@ -247,8 +246,7 @@ impl Mechanism {
         if coupling.internal == Some(true) && coupling.first_teeth == coupling.second_teeth {
             return refused(
                 "internal",
-                "a wheel cannot run inside a ring with the same number of teeth: change a \
-                                        number of teeth",
+                "a wheel cannot run inside a ring with the same number of teeth: change a number of teeth",
             );
         }
         Ok(())

@@ -278,12 +278,8 @@ impl Mechanism {
             let gap = to - from;
             let off = if is_prismatic { cross(axis, gap).abs() } else { gap.norm() };
             if off > OPEN * size {
-                let what = if is_prismatic {
-                    "off the line through the first point"
-                } else {
-                    "away from the first \
-                    point"
-                };
+                let what =
+                    if is_prismatic { "off the line through the first point" } else { "away from the first point" };
                 let message = format!(
                     "the second point is drawn {} m {what}: correct one of the two points",
                     Decimal::rounded(off)
@@ -375,8 +371,7 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
                     let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
                     let allowed = format!(
-                        "the length in the drawing, as {message}: remove this length, or correct \
-                                           one of the two"
+                        "the length in the drawing, as {message}: remove this length, or correct one of the two"
                     );
                     let (key, stated) = (format!("bodies.{name}.length"), Decimal::rounded(stated));
                     return Err(DefinitionError::value(key, format_args!("{stated} m"), allowed));
@@ -396,8 +391,7 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
         if body.center.is_some() {
             return Err(DefinitionError::key(
                 key(".center"),
-                "is also given in the frame of the body: remove one of \
-                                                             the two",
+                "is also given in the frame of the body: remove one of the two",
             ));
         }
         body.center = Some(local(center));

@@ -89,10 +89,8 @@ impl PrescribedMotion {
             match (is_stated, wanted.contains(name)) {
                 (false, true) => faults.keep::<()>(refused(key, format_args!("{what} needs {name}: add this key"))),
                 (true, false) if !is_optional => {
-                    let message = format_args!(
-                        "{what} does not use this key: remove the key, or choose another \
-                                                profile"
-                    );
+                    let message =
+                        format_args!("{what} does not use this key: remove the key, or choose another profile");
                     faults.keep::<()>(refused(path, message))
                 }
                 _ => None,
@@ -111,10 +109,8 @@ impl Mechanism {
     pub(super) fn warn_of_start_speed(&self, all: &mut Vec<Finding>) {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
-            let message = format!(
-                "has no effect, because actuators.{drive}.motion prescribes the speed from the \
-                                   start"
-            );
+            let message =
+                format!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
@@ -133,8 +129,7 @@ impl Mechanism {
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
             let message = format!(
-                "{other} already has a prescribed motion, which moves the whole mechanism: remove \
-                                   one of the two"
+                "{other} already has a prescribed motion, which moves the whole mechanism: remove one of the two"
             );
             faults.keep::<()>(refused(&key, message));
         }

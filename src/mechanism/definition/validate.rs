@@ -136,8 +136,7 @@ impl Mechanism {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
                     faults.keep::<()>(refused(
                         key,
-                        "the bodies are fixed to each other in a circle: fix one of them \
-                                                    to another body",
+                        "the bodies are fixed to each other in a circle: fix one of them to another body",
                     ));
                 }
             }
@@ -150,11 +149,8 @@ impl Mechanism {
             faults.keep(self.point(key("first"), &joint.first));
             faults.keep(self.point(key("second"), &joint.second));
             let is_revolute = joint.kind == JointKind::Revolute;
-            let (no_slide, no_pin) = (
-                "belongs to a prismatic joint: remove this key",
-                "belongs to a revolute \
-                joint: remove this key",
-            );
+            let (no_slide, no_pin) =
+                ("belongs to a prismatic joint: remove this key", "belongs to a revolute joint: remove this key");
             let no_friction = "has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
@@ -205,8 +201,7 @@ impl Mechanism {
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
                     refuse(&format!(
-                        "{other} already has a circuit, and only one drive can have one: remove one of \
-                                     the two"
+                        "{other} already has a circuit, and only one drive can have one: remove one of the two"
                     ));
                 }
                 circuit.find_faults(faults);
@@ -244,8 +239,7 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format!(
-                    "is fixed to {carrier} and turns with it: guess the angle of that body, and remove this \
-                             key"
+                    "is fixed to {carrier} and turns with it: guess the angle of that body, and remove this key"
                 );
                 faults.keep::<()>(refused(key, message));
             } else if is_body || is_joint {
@@ -255,13 +249,8 @@ impl Mechanism {
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
                 let allowed = alternatives("the bodies and prismatic joints", &names, name);
-                faults.keep::<()>(refused(
-                    key,
-                    format!(
-                        "there is no body or prismatic joint with this name; \
-                                                        {allowed}"
-                    ),
-                ));
+                faults
+                    .keep::<()>(refused(key, format!("there is no body or prismatic joint with this name; {allowed}")));
             }
         }
     }
@@ -281,8 +270,7 @@ impl Mechanism {
                 if one == other {
                     return refused(
                         key,
-                        "both ends are the same point, so the length is zero: give two different \
-                                         points",
+                        "both ends are the same point, so the length is zero: give two different points",
                     );
                 }
                 Ok(false)
@@ -317,8 +305,7 @@ impl Mechanism {
                 if s.surface_angle.is_some() {
                     return refused(
                         key("surface_angle"),
-                        "belongs to an area; a strip lies along the line from \
-                                                          `from` to `to`",
+                        "belongs to an area; a strip lies along the line from `from` to `to`",
                     );
                 }
                 Ok(())

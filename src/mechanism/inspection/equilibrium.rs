@@ -1,7 +1,7 @@
 //! Static equilibrium at the start: whether the mechanism stays at its start position when it is released at rest.
 //!
-//! In: a model at its start. Out: the reason of the equilibrium or the acceleration, and the holding force of each drive.
-//! It must not know laws: it reads outputs.
+//! In: a model at its start. Out: the reason of the equilibrium or the acceleration, and the holding force of each
+//! drive. It must not know laws: it reads outputs.
 use crate::inspection::Fact;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;

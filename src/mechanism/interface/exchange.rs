@@ -17,7 +17,8 @@ pub(super) fn add(b: &mut Builder) {
     let states = [
         (
             "position",
-            "Position along the motion: distance travelled by a mass of 1 kg that has the kinetic energy of the mechanism",
+            "Position along the motion: distance travelled by a mass of 1 kg that has the kinetic energy of the \
+             mechanism",
             Metre,
         ),
         ("speed", "Speed of a mass of 1 kg that has the kinetic energy of the mechanism", MetrePerSecond),

@@ -46,8 +46,8 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
     let Builder { list, quantities, dependencies, .. } = build(&source, known, None, true);
     if dependencies > MOST_DEPENDENCIES {
         let message = format!(
-            "there are {dependencies} dependencies of outputs on inputs, but at most {MOST_DEPENDENCIES} are allowed: use \
-             fewer drives, markers and stops, or make forces and torques constant"
+            "there are {dependencies} dependencies of outputs on inputs, but at most {MOST_DEPENDENCIES} are allowed: \
+             use fewer drives, markers and stops, or make forces and torques constant"
         );
         return Err(DefinitionError::key("mechanism", message));
     }

@@ -229,8 +229,8 @@ impl Linkage {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
                 let message = format!(
-                    "other prismatic joints hold these bodies at an angle that differs by {shift} \
-                                       rad: correct one of the angles"
+                    "other prismatic joints hold these bodies at an angle that differs by {shift} rad: correct one of \
+                     the angles"
                 );
                 return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }

@@ -141,10 +141,9 @@ impl Model {
             return refused("a drive has a prescribed motion, so there are no states; set motion.enabled to false");
         }
         match self.original.parameter_values.mechanism().hydraulic_drive() {
-            Some(_) => refused(
-                "a hydraulic circuit has more states; remove hydraulics to linearise the mechanism \
-                                alone",
-            ),
+            Some(_) => {
+                refused("a hydraulic circuit has more states; remove hydraulics to linearise the mechanism alone")
+            }
             None => Ok(()),
         }
     }

@@ -1,8 +1,8 @@
 //! What has happened in a step, in words for the log.
 //!
 //! In: occurrences of a step, names of the definition. Out: lines of text, for the log of events or for that of
-//! debugging. Successive impacts on one stop, each slower than the one before, are a series: the log
-//! reports the first ones, a remark that further ones are only counted, and the end of the series. It must not change the state.
+//! debugging. Successive impacts on one stop, each slower than the one before, are a series: the log reports the first
+//! ones, a remark that further ones are only counted, and the end of the series. It must not change the state.
 use super::{Formulation, Model};
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::Loading;
@@ -80,8 +80,7 @@ impl Told {
                 let (per, impulse_unit) = units(loading, stop);
                 let (name, speed) = (name(stop), Decimal::rounded(speed));
                 let more = if count == TOLD {
-                    "; slower impacts that follow are counted and reported at the end of the \
-                                        series"
+                    "; slower impacts that follow are counted and reported at the end of the series"
                 } else {
                     ""
                 };
@@ -114,11 +113,9 @@ impl Told {
                 event(format!("a lock catches the mechanism at {}", name(stop)))
             }
             What::LetGo { stop } => event(format!("the lock at {} releases the mechanism", name(stop))),
-            What::Reversal => event(
-                "the motion stops or reverses, and the losses of the drives change their \
-                                     direction"
-                    .to_owned(),
-            ),
+            What::Reversal => {
+                event("the motion stops or reverses, and the losses of the drives change their direction".to_owned())
+            }
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
             What::BreaksAway => event("the mechanism breaks away from its friction".to_owned()),
             What::Regime { joint, regime } => {

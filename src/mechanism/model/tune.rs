@@ -47,8 +47,8 @@ impl Model {
         }
         let Some(state) = &mut self.state else { return Err(ModelError::NotInitialised) };
         let Formulation::Reduced(motion) = state else {
-            let reason = "with solver.method = \"rigid_fem\" tunable parameters are fixed during a run; choose solver.method \
-                 = \"reduced\"";
+            let reason = "with solver.method = \"rigid_fem\" tunable parameters are fixed during a run; choose \
+                          solver.method = \"reduced\"";
             return Err(ModelError::Derivative { what: "tunable parameters".into(), reason: reason.into() });
         };
         let ranges = &self.original.ranges;

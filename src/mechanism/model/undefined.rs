@@ -98,8 +98,9 @@ impl Model {
                 format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
             }
             Err(OutputError::Locked) => format!(
-                "friction locks the mechanism near {} under the present inputs, mainly in {}: the joint forces cause more friction than any load can overcome; reduce the coefficients or pin radii, or add a \
-                 stop before this position",
+                "friction locks the mechanism near {} under the present inputs, mainly in {}: the joint forces cause \
+                 more friction than any load can overcome; reduce the coefficients or pin radii, or add a stop \
+                 before this position",
                 state.describe(reduced),
                 reduced.locking_joint(state.sigma)
             ),

@@ -1,8 +1,8 @@
 //! Steps beyond the end of a communication step, from whose interpolant later communication steps read their states.
 //!
-//! In: inputs that have not changed for some communication steps, a step that continues beyond the last of them. Out: the
-//! states up to the end of that step, each for the cost of a polynomial, as long as nothing changes. An event at its
-//! end takes place when that time has come. It must not know how steps are made.
+//! In: inputs that have not changed for some communication steps, a step that continues beyond the last of them. Out:
+//! the states up to the end of that step, each for the cost of a polynomial, as long as nothing changes. An event at
+//! its end takes place when that time has come. It must not know how steps are made.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Dense;
 use crate::mechanism::motion::contact::EngagedLocks;

@@ -74,11 +74,7 @@ impl fmt::Display for RigidFemError {
                 write!(f, "step size {name} = {} s: must be finite and > 0", Decimal(*value))
             }
             Self::Substeps { count, limit } => {
-                write!(
-                    f,
-                    "the step needs {count:e} steps of h_fem, but at most {limit:e} are allowed: increase \
-                           h_fem"
-                )
+                write!(f, "the step needs {count:e} steps of h_fem, but at most {limit:e} are allowed: increase h_fem")
             }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,

@@ -83,10 +83,9 @@ fn form_of(path: &Path, text: &str) -> Result<Form> {
         (_, text) if text.contains("<robot") => Form::Urdf,
         ("txt" | "pmks", _) => Form::Pmks,
         (_, text) if text.contains("mech=") => Form::Pmks,
-        _ => bail!(
-            "the format of this file is unknown; give it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or \
-                    table"
-        ),
+        _ => {
+            bail!("the format of this file is unknown; give it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or table")
+        }
     })
 }
 

@@ -117,8 +117,8 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     }
     own.notes.push(units.names.to_owned());
     own.notes.push(
-        "the gravity setting is not read, because versions of PMKS+ store it differently: add \"gravity\" if \
-               gravity acts"
+        "the gravity setting is not read, because versions of PMKS+ store it differently: add \"gravity\" if gravity \
+         acts"
             .into(),
     );
     Ok(own)
@@ -254,8 +254,8 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     };
     if flags & 1 != 0 {
         bail!(
-            "the force turns with its link, but forces of a definition keep their direction: make the force \
-               global in PMKS+"
+            "the force turns with its link, but forces of a definition keep their direction: make the force global in \
+             PMKS+"
         );
     }
     let roots = bars.iter().filter(|bar| !bar.is_part);

@@ -144,8 +144,8 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
     if !(start.is_finite() && stop.is_finite() && stop >= start) {
         bail!(
-            "the run from {start:?} s to {stop:?} s is not possible: the stop time must be finite and not before \
-               the start time"
+            "the run from {start:?} s to {stop:?} s is not possible: the stop time must be finite and not before the \
+             start time"
         );
     }
     let interval = match arguments.output_interval {
@@ -156,7 +156,7 @@ fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
     if (stop - start) / interval > MOST_STEPS {
         bail!(
             "--output-interval: {interval:?} s over {:?} s would be more than {MOST_STEPS:e} steps; use a larger \
-               interval",
+             interval",
             stop - start
         );
     }

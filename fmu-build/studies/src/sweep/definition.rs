@@ -242,12 +242,9 @@ impl Definition {
     pub fn read(path: &Path) -> Result<(Self, String)> {
         let shown = path.display();
         let bytes = files::read(path, LARGEST_DEFINITION)?;
-        let text = String::from_utf8(bytes).ok().with_context(|| {
-            format!(
-                "{shown}: is not UTF-8 text; save the file as \
-                UTF-8"
-            )
-        })?;
+        let text = String::from_utf8(bytes)
+            .ok()
+            .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
         let study = Self::from_json(&text).with_context(|| format!("{shown}"))?;
         Ok((study, text))
     }
@@ -281,11 +278,7 @@ mod tests {
                 r#"{ "sampling": { "method": "grid", "count": 1 } }"#,
                 "sampling.method: must be `random`, `latin_hypercube`, `sobol` or `saltelli`, not `grid`",
             ),
-            (
-                r#"{ "scenario": { "inputs": { "f": [[0, 1], 2] } } }"#,
-                "scenario.inputs.f: [[0, 1], 2] is not an \
-                input",
-            ),
+            (r#"{ "scenario": { "inputs": { "f": [[0, 1], 2] } } }"#, "scenario.inputs.f: [[0, 1], 2] is not an input"),
         ] {
             let message = Definition::from_json(text).unwrap_err().to_string();
             assert!(message.contains(said), "{message}");

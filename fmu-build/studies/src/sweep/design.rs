@@ -299,7 +299,7 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         if !(largest > least && (largest - least).is_finite()) {
             bail!(
                 "{key}.bounds = [{least:?}, {largest:?}]: the second bound must be larger than the first, and the \
-                   difference must be finite"
+                 difference must be finite"
             );
         }
         all.push((factor, [least, largest]));

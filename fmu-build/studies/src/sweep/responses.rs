@@ -79,7 +79,7 @@ pub fn instants(study: &Definition) -> Result<Vec<f64>> {
         if response.times.as_ref().is_some_and(Vec::is_empty) {
             bail!(
                 "responses.{name}.times: is empty, so the time series has no column; add an instant or remove the \
-                   response"
+                 response"
             );
         }
         for (index, time) in response.times.iter().flatten().enumerate() {

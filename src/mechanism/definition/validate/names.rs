@@ -20,8 +20,8 @@ pub(super) fn check_name(key: impl fmt::Display, name: &str) -> Check {
     if name.len() > LONGEST {
         let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
         let message = format!(
-            "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because files \
-                     have this name: shorten it"
+            "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because files have this \
+             name: shorten it"
         );
         return refused(key, message);
     }
@@ -100,15 +100,13 @@ impl Mechanism {
                 if is_reserved(name) {
                     faults.keep::<()>(refused(
                         &key,
-                        "this name is a function or a constant of expressions: choose \
-                                                     another name",
+                        "this name is a function or a constant of expressions: choose another name",
                     ));
                 }
                 if parameter.description.chars().any(char::is_control) {
                     faults.keep::<()>(refused(
                         &key,
-                        "the description contains a control character: write the \
-                                                     description on one line",
+                        "the description contains a control character: write the description on one line",
                     ));
                 }
             }

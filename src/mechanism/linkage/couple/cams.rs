@@ -53,8 +53,7 @@ impl Linkage {
             if is_flat && normal.dot(&along).abs() < LEAST {
                 return named.refused(
                     "face_angle",
-                    "the face is parallel to the joint, so the cam cannot lift it: change \
-                                            face_angle",
+                    "the face is parallel to the joint, so the cam cannot lift it: change face_angle",
                 );
             }
             let start = carrier.local + turned(contact.local - second.local, turn) - center;
@@ -99,10 +98,7 @@ impl Linkage {
         let [on, follower] = [contact, second].map(|point| self.bodies[point.body].name.as_str());
         named.refused(
             "contact",
-            format_args!(
-                "is on {on}, but the follower is {follower}: give a point of the \
-                                               follower"
-            ),
+            format_args!("is on {on}, but the follower is {follower}: give a point of the follower"),
         )
     }
 

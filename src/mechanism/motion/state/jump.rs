@@ -1,6 +1,7 @@
 //! The jump at the start of a run whose prescribed motion starts at another position than the mechanism.
 //!
-//! In: the reduced model, the definition, inputs at the start. Out: the position of the drive and the start of its motion.
+//! In: the reduced model, the definition, inputs at the start. Out: the position of the drive and the start of its
+//! motion.
 use super::State;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::inputs::Inputs;
