@@ -218,7 +218,7 @@ mod tests {
             let text = format!("{}x", "\u{e4}".repeat(length / 2));
             let line = shortened(text.clone());
             assert!(line.len() <= LONGEST && line.ends_with('x'), "{}", line.len());
-            assert!(line == text || (line.len() > LONGEST - 60 && line.contains(" bytes left out) ")));
+            assert!(line == text || (line.len() > LONGEST - 60 && line.contains(" bytes omitted) ")));
         }
     }
 

@@ -371,7 +371,7 @@ fn self_locking_is_refused() {
     let before = (run.get("crank.angle"), run.get("crank.speed"));
     let says = ["friction locks the mechanism near", "crank = 0.8"];
     let refused = run.0.step(0.1).unwrap_err().to_string();
-    assert_says(&refused, &[says[0], says[1], "pin radii", "reduce them"]);
+    assert_says(&refused, &[says[0], says[1], "pin radii", "reduce the coefficients or pin radii"]);
     assert!(run.0.get("crank.acceleration").unwrap().is_nan());
     assert_says(run.0.undefined("crank.acceleration").unwrap().unwrap(), &says);
     assert_eq!((run.get("crank.angle"), run.get("crank.speed")), before);

@@ -222,7 +222,7 @@ fn too_many_dependencies_are_refused_with_limit_and_remedy() {
     let drive = |_| json!({ "first": "ground.origin", "second": "crank.end", "force": 0 });
     let mechanism = Mechanism::from_json(&with("actuators", 5000, drive)).unwrap();
     let message = interface::variables(&mechanism).err().unwrap().to_string();
-    assert!(message.contains("at most 50000000: state fewer drives"), "{message}");
+    assert!(message.contains("at most 50000000 are allowed: use fewer drives"), "{message}");
 }
 
 /// A body's length acts on every marker on the body.

@@ -174,7 +174,7 @@ def progress(results: Results) -> UIElement | None:
     y, kept = results.responses[name], results.violation <= 0.0
     own = plot("evaluation", name, 900, 460)
     own.scatter(results.numbers[~kept], y[~kept], color=GREY, size=3, legend_label="exceeds a limit")
-    own.scatter(results.numbers[kept], y[kept], color=BLUE, size=4, legend_label="keeps all limits")
+    own.scatter(results.numbers[kept], y[kept], color=BLUE, size=4, legend_label="satisfies all limits")
     if kept.any():
         best = np.minimum if results.plan["minimise"] else np.maximum
         own.step(

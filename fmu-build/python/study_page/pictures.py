@@ -152,7 +152,7 @@ def progress(results: Results) -> Figure | None:
     canvas, grid = panels(1, 1, 7.0, 3.6)
     axes = grid[0][0]
     axes.plot(results.numbers[~kept], y[~kept], ".", color="0.75", markersize=3, label="exceeds a limit")
-    axes.plot(results.numbers[kept], y[kept], ".", color=BLUE, markersize=3, label="keeps all limits")
+    axes.plot(results.numbers[kept], y[kept], ".", color=BLUE, markersize=3, label="satisfies all limits")
     if kept.any():
         best = np.minimum if results.plan["minimise"] else np.maximum
         axes.step(results.numbers[kept], best.accumulate(y[kept]), where="post", color=RED, label="best so far")
