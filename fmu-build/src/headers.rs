@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(faults(&zip()), Vec::<String>::new());
         let [own, listed] = places(&zip(), b"entry2")[..] else { panic!("two headers") };
         for (at, what) in
-            [(own, "entry2: its name"), (own - 30 + 8, "entry2: its method"), (own - 30 + 14, "check sum")]
+            [(own, "entry2: the name"), (own - 30 + 8, "entry2: the method"), (own - 30 + 14, "check sum")]
         {
             let mut zip = zip();
             zip[at] ^= 1;

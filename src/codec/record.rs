@@ -246,7 +246,7 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(read(&bytes[..end]).is_err());
         }
-        assert!(read(&[255; 64]).unwrap_err().0.contains("holds 2 at most"));
+        assert!(read(&[255; 64]).unwrap_err().0.contains("holds at most 2"));
         for bad in [f64::NAN, f64::INFINITY] {
             let mut bytes = Vec::new();
             Record::Write(&mut bytes).arrays("a", &mut vec![[0.0, bad, 0.0]]).unwrap();

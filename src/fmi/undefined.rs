@@ -78,6 +78,6 @@ mod tests {
         assert_eq!(one.message, "no value exists in this state (NaN is returned) for x0, x1: reason 0");
         assert!(line(11, 1).unwrap().message.ends_with("x6, x7 and 3 more: reason 0"));
         let many = line(5, 5).unwrap().message;
-        assert!(many.ends_with("of x0: reason 0; of x1: reason 1; of x2: reason 2; of 2 more"), "{many}");
+        assert!(many.ends_with("for x0: reason 0; for x1: reason 1; for x2: reason 2; for 2 more"), "{many}");
     }
 }

@@ -122,7 +122,7 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
     assert len(rows) == 1 + 32 * 256
     said = "\n".join(rows)
     assert "crank.mass = -1" in said
-    assert "solver.max_steps = 3 was met" in said
+    assert "solver.max_steps = 3 was reached" in said
     assert 'must be ""reduced"" or ""rigid_fem""' in said
 
 

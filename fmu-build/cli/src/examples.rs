@@ -49,7 +49,7 @@ Examples:
   Run the default experiment, and write all outputs and a plot:
     cargo fmu simulate gear.json --output-file run.csv --plot run.png
   Run 6 s with other start values, and record two variables:
-    cargo fmu simulate gear.json --stop-time 6 --start-values load_factor 3 crank.start_angle 45deg \\\
+    cargo fmu simulate gear.json --stop-time 6 --start-values load_factor 3 crank.start_angle 45deg \\
       --output-variables crank.angle jack.force --output-file run.parquet";
 
 /// Examples of `import`.

@@ -14,7 +14,7 @@ fn the_printed_finding_shows_file_line_text_and_remedy() {
     let [line, column] = all.findings[0].position;
     assert!(printed.contains(&format!("m.json:{line}:{column}")), "{printed}");
     assert!(
-        printed.contains("\"up_angle\": 90") && printed.contains("^^") && printed.contains("help: if 90"),
+        printed.contains("\"up_angle\": 90") && printed.contains("^^") && printed.contains("help: if you mean 90"),
         "{printed}"
     );
     assert!(check::summary(&all).starts_with("m.json: M: 0 errors, 1 warning"), "{}", check::summary(&all));

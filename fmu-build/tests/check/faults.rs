@@ -124,7 +124,7 @@ fn what_is_no_json_has_its_place_and_its_remedy() {
         assert!(all[0].2.starts_with(shown) && all[0].2.len() <= shown.len() + 1, "{to}: {all:#?}");
     }
     for (text, said) in [
-        (format!("{good}}}"), "surplus closing bracket"),
+        (format!("{good}}}"), "surplus or wrong closing bracket"),
         (format!("{good}\n{good}"), "ends before"),
         (good.trim_end().trim_end_matches('}').to_owned(), "has no closing bracket"),
         ("[]".into(), "one object"),

@@ -159,7 +159,7 @@ mod tests {
             (json!({ "profile": "table", "points": [[0, 0], [0.5, 0.4], [1, 1]] }), &[][..]),
             (
                 json!({ "profile": "table", "points": [[0, 0], [1, 0], [1.1, 0.9], [1.2, 1], [2, 0.9], [3, 1]] }),
-                &["servo.motion.points", "8.9", "at the time 2.5", "from 0 m to 1 m", "monotone"],
+                &["servo.motion.points", "8.9", "at the time 2.5", "between 0 m and 1 m", "monotone"],
             ),
             (json!({ "profile": "table", "points": steep, "interpolation": "monotone" }), &[]),
             // Rests by two points at one end and by three at the other.

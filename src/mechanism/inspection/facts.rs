@@ -49,12 +49,12 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     without_rounding(&mut out.facts, reduced.linkage().size);
 }
 
-/// Angles and lengths that are rounding are 0; `size`: that of the linkage [m].
+/// Angles, lengths and ratios that are rounding are 0; `size`: that of the linkage [m].
 fn without_rounding(facts: &mut [Fact], size: f64) {
     const ROUNDING: f64 = 1e-12;
     for quantity in facts.iter_mut().filter(|fact| fact.topic != NEAR).flat_map(|fact| &mut fact.quantities) {
         let scale = match quantity.unit {
-            "rad" => 1.0,
+            "rad" | "1" => 1.0,
             "m" => size,
             _ => continue,
         };

@@ -99,6 +99,6 @@ mod tests {
     fn a_large_study_is_told_with_its_size_and_its_time() {
         let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
         assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
-        assert!(line.contains("at 20 us a run") && line.contains("about 2.3 days on one core"), "{line}");
+        assert!(line.contains("at 20 us per run") && line.contains("about 2.3 days on one core"), "{line}");
     }
 }

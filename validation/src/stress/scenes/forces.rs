@@ -116,7 +116,12 @@ pub fn self_locking() -> Vec<Scene> {
                     why: format!("sqrt(2) N tol {gain:.1}, rounding / (1 - k^2)"),
                 }
             } else {
-                Expected::refusal(&["friction locks the mechanism near jib", "pin radii", "reduce the coefficients or pin radii"])
+                Expected::refusal(&[
+                    "friction locks the mechanism near jib",
+                    "pin radii",
+                    "reduce the coefficients or \
+                    pin radii",
+                ])
             };
             let (what, plan) = (format!("k = mu r / c = {k}"), Plan::steady(SPAN, 30));
             scenes.push(Scene { group: "Self-locking", what, case, plan, tolerance, expected });
