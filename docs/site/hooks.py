@@ -18,9 +18,6 @@ from mkdocs.structure.pages import Page
 ROOT = Path(__file__).resolve().parents[2]
 #: Pages and files of the repository outside `docs/`, with their place on the site.
 ELSEWHERE = {
-    "modelDescription/FORMAT.md": "reference/mechanism-file.md",
-    "modelDescription/HYDRAULICS.md": "reference/hydraulics-file.md",
-    "modelDescription/STUDY.md": "reference/study-file.md",
     "modelDescription/mechanism.schema.json": "reference/mechanism.schema.json",
     "modelDescription/hydraulics.schema.json": "reference/hydraulics.schema.json",
     "modelDescription/study.schema.json": "reference/study.schema.json",
@@ -30,8 +27,14 @@ ELSEWHERE = {
     "CHANGELOG.md": "contributing/changes.md",
 }
 PLACES = {place: path for path, place in ELSEWHERE.items()}
+#: Pages of the repository that lead to a page of the site, which stands for them.
+MOVED = {
+    "modelDescription/FORMAT.md": "reference/mechanism/index.md",
+    "modelDescription/HYDRAULICS.md": "reference/hydraulics/index.md",
+    "modelDescription/STUDY.md": "reference/study.md",
+}
 #: README.md becomes the front page's neighbour, not a page: links to it lead to the front page.
-FRONT = {"README.md": "index.md"}
+FRONT = {"README.md": "index.md", **MOVED}
 CODE = re.compile(r"(```.*?```|`[^`\n]*`)", re.DOTALL)
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s]+)\)")
 

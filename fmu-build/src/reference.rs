@@ -1,44 +1,182 @@
-//! The reference of a definition's keys as Markdown, from its tables: a section for each element, a line for each key.
+//! The reference of a definition's keys as Markdown, from its tables: tables of keys inside the pages of the elements.
 //!
-//! In: the elements of a definition. Out: the text of its page. It must not know laws.
+//! In: the elements of a definition; pages with a line `<!-- keys: spring -->` and a line `<!-- end of keys -->` where the
+//! keys of an element stand. Out: the pages with these keys, and an index of all keys. It must not know laws.
 
 use linkage_fmu::format::{Element, Key, Kind, Names, Range, Short, Table};
 use linkage_fmu::hydraulics::definition as hydraulics;
 use linkage_fmu::mechanism::definition as mechanism;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The page of this definition file.
-pub fn page(definition_file: &str) -> String {
-    let own: &[Element] =
-        if definition_file == "mechanism.json" { &mechanism::ELEMENTS } else { &hydraulics::ELEMENTS };
-    let elements = [own, &hydraulics::CIRCUIT].concat();
-    let mut out = format!(
-        "# Keys of {definition_file}\n\nEach table lists the keys of one object. *fixed*: a parameter of the FMU, \
-         which a host sets before the run. *tunable*: a parameter that a host can also set between two steps. \
-         Where two units are given, the second one applies to a joint that turns.\n"
-    );
-    for element in &elements {
-        let title = if element.name.is_empty() { definition_file } else { element.name };
-        let place = place(&elements, element.table);
-        let place = if place.is_empty() { String::new() } else { format!("Location: `{place}`. ") };
-        let _ = write!(out, "\n## {title}\n\n{place}{}\n\n", element.about.trim());
-        out.push_str(
-            "| key | value | unit | limits | default | parameter | meaning |\n|---|---|---|---|---|---|---|\n",
+/// What stands before the name of an element in a page.
+const START: &str = "<!-- keys: ";
+/// The end of the keys of an element in a page.
+const END: &str = "<!-- end of keys -->";
+/// The limits of every number, which the page of the whole file states.
+const ANY: &str = "from -1e100 to 1e100";
+/// Element whose parts stand in its own table, key by key.
+const CIRCUIT: &str = "circuit";
+
+/// The definition files and their elements; those of a circuit stand in both.
+fn files() -> [(&'static str, Vec<Element>); 2] {
+    [
+        ("mechanism.json", [&mechanism::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
+        ("hydraulics.json", [&hydraulics::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
+    ]
+}
+
+/// Name of an element in a page. What only hydraulics.json has is named with the file.
+fn mark(file: &str, element: &Element) -> String {
+    let is_elsewhere = file == "hydraulics.json" && !files()[0].1.iter().any(|other| other.table == element.table);
+    match (element.name, is_elsewhere) {
+        ("", _) => file.to_owned(),
+        (name, false) => name.to_owned(),
+        (name, true) => format!("{file} {name}"),
+    }
+}
+
+/// The pages with the keys of their elements, and an index of the keys of each file, by path in the folder of the pages.
+///
+/// # Errors
+/// A page names no element, or has a start without an end; an element is on no page, or on two.
+pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, String>, String> {
+    let mut places = BTreeMap::new();
+    for (path, text) in pages {
+        for part in text.split(START).skip(1) {
+            let name = part.split_once(" -->").ok_or_else(|| format!("{path}: a start of keys has no end"))?.0;
+            if places.insert(name.to_owned(), path.clone()).is_some() {
+                return Err(format!("{path}: the keys of {name} stand twice"));
+            }
+        }
+    }
+    let mut left = places.clone();
+    let mut sections = BTreeMap::new();
+    let mut out = BTreeMap::new();
+    for (file, elements) in files() {
+        let mut index = format!(
+            "# Index of keys: {file}\n\nEvery object of {file}, where it stands, and its keys. The link leads to the \
+             page with value, unit, limits and default of each key.\n\n| object | stands at | keys |\n|---|---|---|\n"
         );
-        for (index, key) in element.table.keys.iter().enumerate().filter(|(_, key)| !key.is_written_only) {
+        for element in &elements {
+            let name = mark(file, element);
+            let is_part = hydraulics::CIRCUIT[1..].iter().any(|part| part.table == element.table);
+            let on = if is_part { CIRCUIT } else { &name };
+            let page = places.get(on).ok_or_else(|| format!("no page has the keys of {name}"))?;
+            left.remove(on);
+            if !is_part {
+                sections.entry(name.clone()).or_insert_with(|| section(file, &elements, element, page, &places));
+            }
+            let keys: Vec<_> = listed(element).map(|(_, key)| format!("`{}`", key.name)).collect();
+            let (title, place) = (title(file, element), place(&elements, element.table));
+            let place = if place.is_empty() { "the whole file".into() } else { format!("`{place}`") };
+            let _ = writeln!(index, "| [{title}]({page}#{}) | {place} | {} |", anchor(on), keys.join(", "));
+        }
+        out.insert(format!("keys-of-{}.md", file.trim_end_matches(".json")), index);
+    }
+    if let Some((name, path)) = left.first_key_value() {
+        return Err(format!("{path}: there is no element {name}"));
+    }
+    for (path, text) in pages {
+        let mut parts = text.split(START);
+        let mut page = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (name, rest) = part.split_once(" -->").unwrap_or((part, ""));
+            let rest = rest.split_once(END).ok_or_else(|| format!("{path}: the keys of {name} have no end"))?.1;
+            let keys = sections.get(name).map_or("", String::as_str);
+            let _ = write!(page, "{START}{name} -->\n{keys}{END}{rest}");
+        }
+        out.insert(path.clone(), page);
+    }
+    Ok(out)
+}
+
+/// Words for an element, at the head of its keys.
+fn title<'a>(file: &'a str, element: &Element) -> &'a str {
+    if element.name.is_empty() { file } else { element.name }
+}
+
+/// The anchor of the heading above the keys of an element.
+fn anchor(name: &str) -> String {
+    let name = name.rsplit(' ').next().unwrap_or(name);
+    format!("keys-of-{}", name.replace('.', ""))
+}
+
+/// The keys that a user writes.
+fn listed(element: &Element) -> impl Iterator<Item = (usize, &'static Key)> {
+    element.table.keys.iter().enumerate().filter(|(_, key)| !key.is_written_only)
+}
+
+/// Heading, place and table of the keys of an element.
+fn section(
+    file: &str,
+    elements: &[Element],
+    element: &Element,
+    page: &str,
+    places: &BTreeMap<String, String>,
+) -> String {
+    let place = place(elements, element.table);
+    let place = if place.is_empty() { String::new() } else { format!("Stands at `{place}`. ") };
+    let mut lines = Vec::new();
+    let mut add = |element: &Element, before: &str| {
+        for (index, key) in listed(element) {
             let default = match (key.is_required, element.default_of(index)) {
-                (true, _) => "required".to_owned(),
+                (true, _) => "must be given".to_owned(),
                 (false, Some(default)) => format!("`{default}`"),
                 (false, None) => String::new(),
             };
             let parameter = key.role.map_or("", |role| if role.is_tunable() { "tunable" } else { "fixed" });
-            let (value, [unit, limits]) = (value(&elements, &key.kind, key), number(key));
-            let meaning = element.docs[index].trim();
-            let _ =
-                writeln!(out, "| `{}` | {value} | {unit} | {limits} | {default} | {parameter} | {meaning} |", key.name);
+            let value = value(&|table| link(table, page, places), &key.kind, key);
+            let [unit, limits] = number(key);
+            // What the column of the value says is left out of the meaning.
+            let mut meaning = element.docs[index].trim().to_owned();
+            for (open, text, end) in [(" [", &unit, "]"), (", ", &limits, "")] {
+                if !text.is_empty() {
+                    meaning = meaning.replacen(&[open, text, end].concat(), "", 1);
+                }
+            }
+            let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" [{unit}]") };
+            let limits = if limits.is_empty() { limits } else { format!(", {limits}") };
+            let name = format!("`{before}{}`", key.name);
+            lines.push([name, value + &unit + &limits, default, parameter.into(), meaning]);
         }
+    };
+    if element.name == CIRCUIT {
+        for part in &hydraulics::CIRCUIT[1..] {
+            add(part, &format!("{}.", part.name));
+        }
+    } else {
+        add(element, "");
+    }
+    let heads = ["key", "value", "default", "parameter", "meaning"];
+    let is_used = |column: usize| lines.iter().any(|line| !line[column].is_empty());
+    let used: Vec<usize> = (0..heads.len()).filter(|column| is_used(*column)).collect();
+    let title = title(file, element);
+    let mut out = format!("## Keys of `{title}`\n\n{place}{}\n\n", element.about.trim());
+    let row = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    out += &row(&used.iter().map(|column| heads[*column].to_owned()).collect::<Vec<_>>());
+    out += &format!("|{}\n", "---|".repeat(used.len()));
+    for line in &lines {
+        out += &row(&used.iter().map(|column| line[*column].clone()).collect::<Vec<_>>());
     }
     out
+}
+
+/// The link from a page to the keys of the element with this table.
+fn link(table: &'static Table, from: &str, places: &BTreeMap<String, String>) -> String {
+    let found = files().into_iter().find_map(|(file, elements)| {
+        let element = elements.into_iter().find(|element| element.table == table)?;
+        Some((element.name, mark(file, &element)))
+    });
+    let (name, mark) = found.unwrap_or_default();
+    let folder = |path: &str| path.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
+    let page = places.get(&mark).map_or("", String::as_str);
+    let path = match page {
+        _ if page == from => String::new(),
+        _ if folder(page) == folder(from) => page.rsplit('/').next().unwrap_or_default().to_owned(),
+        _ => format!("{}{page}", "../".repeat(from.matches('/').count())),
+    };
+    format!("[{name}]({path}#{})", anchor(&mark))
 }
 
 /// Path of the first place where an object with these keys stands; empty for the whole.
@@ -64,7 +202,7 @@ fn inside(kind: &Kind, table: &'static Table) -> Option<&'static str> {
 }
 
 /// What may stand under a key, in words.
-fn value(elements: &[Element], kind: &Kind, key: &Key) -> String {
+fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> String {
     match kind {
         Kind::Number if key.range == Range::Count => "whole number".into(),
         Kind::Number => "number".into(),
@@ -78,18 +216,13 @@ fn value(elements: &[Element], kind: &Kind, key: &Key) -> String {
         },
         Kind::Pair => "two numbers".into(),
         Kind::Word(words) => words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "),
-        Kind::Object(table) => {
-            let name = elements.iter().find(|element| element.table == *table).map_or("", |element| element.name);
-            match table.short {
-                Short::None => format!("[{name}](#{name})"),
-                Short::First => {
-                    format!("{}, or [{name}](#{name})", value(elements, &table.keys[0].kind, &table.keys[0]))
-                }
-                Short::Word(word) => format!("`{word}`, or [{name}](#{name})"),
-            }
-        }
-        Kind::Group(of) => format!("by name: {}", value(elements, of, key)),
-        Kind::List(of) => format!("list: {}", value(elements, of, key)),
+        Kind::Object(table) => match table.short {
+            Short::None => link(table),
+            Short::First => format!("{}, or {}", value(link, &table.keys[0].kind, &table.keys[0]), link(table)),
+            Short::Word(word) => format!("`{word}`, or {}", link(table)),
+        },
+        Kind::Group(of) => format!("by name: {}", value(link, of, key)),
+        Kind::List(of) => format!("list: {}", value(link, of, key)),
         Kind::Own(words) => (*words).into(),
     }
 }
@@ -108,8 +241,11 @@ fn number(key: &Key) -> [String; 2] {
         if line == joint { line.to_owned() } else { format!("{line} or {joint}") }
     };
     let second = key.second.map_or(String::new(), |second| format!(", {}", names(second)));
-    let limits = if key.range == Range::Finite { String::new() } else { key.range.text() };
-    [names(key.units) + &second, limits]
+    let text = key.range.text();
+    let words = ["a finite number ", "a number ", "a whole number ", "a length ", "an angle "];
+    let limits = words.iter().find_map(|words| text.strip_prefix(words)).unwrap_or(&text);
+    let is_plain = key.range == Range::Finite || limits == ANY;
+    [names(key.units) + &second, if is_plain { String::new() } else { limits.to_owned() }]
 }
 
 #[cfg(test)]
@@ -117,36 +253,63 @@ fn number(key: &Key) -> [String; 2] {
 mod tests {
     use super::*;
     use crate::workspace::Workspace;
-    use linkage_fmu::component::Component;
     use std::fs;
+    use std::path::PathBuf;
+
+    fn folder() -> PathBuf {
+        Workspace::locate().descriptions().join("../docs/reference")
+    }
+
+    /// The committed pages of elements.
+    fn committed() -> BTreeMap<String, String> {
+        let folders = ["mechanism", "hydraulics"].map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
+        let pages = folders.into_iter().flat_map(|(name, files)| {
+            files.map(move |file| {
+                let path = file.unwrap().path();
+                (format!("{name}/{}", path.file_name().unwrap().to_str().unwrap()), fs::read_to_string(path).unwrap())
+            })
+        });
+        pages.collect()
+    }
 
     #[test]
     fn each_key_has_its_line() {
-        let page = page("mechanism.json");
-        for line in [
-            "## spring\n\nLocation: `springs.<name>`. A spring with a damper.",
-            "Location: `springs.<name>.gas`.",
-            "Location: `couplings.<name>.segments[i]`.",
-            "Location: `actuators.<name>.hydraulics.fluid`.",
-            "| `stiffness` | number | N/m or N.m/rad | a finite number >= 0 | `0.0` | fixed | Stiffness [N/m or \
-             N.m/rad], >= 0. |",
-            "| `restitution` | number | 1 | a number from 0 to 1 | `0.0` | tunable |",
-            "| `type` | `revolute`, `prismatic` |  |  | required |  | Kind of joint.",
-            "| `start` | `equilibrium`, or [start](#start) |",
+        let pages = filled(&committed()).unwrap();
+        for (page, line) in [
+            ("mechanism/springs.md", "## Keys of `spring`\n\nStands at `springs.<name>`. A spring with a damper."),
+            ("mechanism/springs.md", "Stands at `springs.<name>.gas`."),
+            ("mechanism/cams.md", "Stands at `couplings.<name>.segments[i]`."),
+            ("mechanism/actuators.md", "[circuit](../hydraulics/circuit.md#keys-of-circuit)"),
+            ("mechanism/springs.md", "| `stiffness` | number [N/m or N.m/rad], >= 0 | `0.0` | fixed | Stiffness. |"),
+            ("mechanism/stops.md", "| `restitution` | number, from 0 to 1 | `0.0` | tunable |"),
+            ("mechanism/joints.md", "| `type` | `revolute`, `prismatic` |"),
+            ("mechanism/index.md", "| `start` | `equilibrium`, or [start](start.md#keys-of-start) |"),
+            ("hydraulics/circuit.md", "| `valve.rated_flow` | number [m3/s], > 0 |"),
+            ("keys-of-mechanism.md", "| [gas](mechanism/springs.md#keys-of-gas) | `springs.<name>.gas` | `pressure`, "),
+            ("keys-of-hydraulics.md", "| [valve](hydraulics/circuit.md#keys-of-circuit) | `circuit.valve` |"),
         ] {
-            assert!(page.contains(line), "{line}");
+            assert!(pages[page].contains(line), "{page}: {line}");
         }
-        assert!(!page.contains("expressions |"));
+        assert!(pages.values().all(|page| !page.contains("`expressions` |")));
+    }
+
+    #[test]
+    fn a_page_without_an_element_is_told() {
+        let faults = [("mechanism/joints.md", "<!-- keys: joint -->"), ("hydraulics/index.md", " coupling -->")];
+        for (page, removed) in faults {
+            let mut pages = committed();
+            let text = pages[page].replacen(removed, "<!-- keys: nothing -->", 1);
+            pages.insert(page.to_owned(), text);
+            assert!(filled(&pages).is_err(), "{page}");
+        }
     }
 
     /// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
     #[test]
     fn the_committed_pages_are_those_of_the_tables() {
-        let folder = Workspace::locate().descriptions().join("../docs/reference");
-        for file in Component::definition_files() {
-            let (path, page) = (folder.join(format!("keys-of-{}.md", file.trim_end_matches(".json"))), page(file));
+        for (name, page) in filled(&committed()).unwrap() {
+            let path = folder().join(name);
             if std::env::var_os("LINKAGE_FMU_WRITE").is_some() {
-                fs::create_dir_all(&folder).unwrap();
                 fs::write(&path, &page).unwrap();
             }
             let same = fs::read_to_string(&path).unwrap() == page;

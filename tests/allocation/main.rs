@@ -142,6 +142,7 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
         let h = 1e-3;
         let gear = description.instantiate(None, false).unwrap();
         assert_eq!(gear.set_boolean("downstop.enabled", held), Status::Ok);
+        assert_eq!(gear.set("command.ramp_amplitude", 0.0), Status::Ok);
         // More of it presses the gear against its down stop.
         assert_eq!(gear.set("chamber_b.start_pressure", 15e6), Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);

@@ -230,7 +230,7 @@ fn check(name: &str, definition: &Value, transform: fn(Value) -> (Value, Differs
     assert_same(&format!("{name} after steps"), runs.each_mut(), joints, &differs, AFTER_STEPS);
 }
 
-/// Put a part of a file into a whole one, as FORMAT.md says of its examples.
+/// Put a part of a file into a whole one, as the reference says of its examples.
 fn add_part(whole: &mut Value, part: &Map<String, Value>) {
     for (key, value) in part {
         match (whole.get_mut(key), value) {
@@ -244,7 +244,7 @@ fn add_part(whole: &mut Value, part: &Map<String, Value>) {
     }
 }
 
-/// The mechanisms of the repository, those of FORMAT.md, and some that have what those lack.
+/// The mechanisms of the repository, those of the reference, and some that have what those lack.
 fn scenes() -> Vec<(String, Value)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
     let mut all = Vec::new();
@@ -258,18 +258,28 @@ fn scenes() -> Vec<(String, Value)> {
             ));
         }
     }
-    let format = std::fs::read_to_string(root.join("FORMAT.md")).unwrap();
-    let mut above = Value::Null;
-    for (index, block) in format.split("```json\n").skip(1).enumerate() {
-        let example: Value = serde_json::from_str(block.split_once("```").unwrap().0).unwrap();
-        let mut whole = above.clone();
-        if example.get("name").is_some() {
-            above = example.clone();
-            whole = example;
-        } else {
-            add_part(&mut whole, example.as_object().unwrap());
+    let pages = root.join("../docs/reference/mechanism");
+    let mut paths: Vec<_> = std::fs::read_dir(&pages).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    for path in paths {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let read = |text: &str| -> Value { serde_json::from_str(text).unwrap() };
+        let base = text.split_once("](../files/").and_then(|(_, rest)| rest.split_once(')'));
+        let mut above = base.map_or(Value::Null, |(name, _)| {
+            read(&std::fs::read_to_string(pages.join("../files").join(name)).unwrap())
+        });
+        for (index, block) in text.split("```json\n").skip(1).enumerate() {
+            let example = read(block.split_once("```").unwrap().0);
+            let mut whole = above.clone();
+            if example.get("name").is_some() {
+                above = example.clone();
+                whole = example;
+            } else {
+                add_part(&mut whole, example.as_object().unwrap());
+            }
+            let page = path.file_name().unwrap().to_string_lossy();
+            all.push((format!("example {index} of {page}: {}", whole["name"]), whole));
         }
-        all.push((format!("example {index} of FORMAT.md: {}", whole["name"]), whole));
     }
     all.push(("train with losses".into(), train()));
     for push in [1.0, -30.0] {

@@ -16,7 +16,7 @@ PAGES = [
     REPOSITORY / "README.md",
     DOCS / "index.md",
     DOCS / "install.md",
-    *sorted(page for kind in KINDS for page in (DOCS / kind).glob("*.md")),
+    *sorted(page for kind in KINDS for page in (DOCS / kind).rglob("*.md")),
 ]
 
 

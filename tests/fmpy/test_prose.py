@@ -10,10 +10,10 @@ from conftest import REPOSITORY
 
 DOCS = REPOSITORY / "docs"
 PAGES = [
-    *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")),
+    *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "ARCHITECTURE.md")),
     *sorted(DOCS.rglob("*.md")),
 ]
-"""The pages of docs/ and those that people read first; ARCHITECTURE.md, a table in words of the code, is left out."""
+"""The pages of docs/ and those that people read first."""
 LONGEST = 35
 """Most words of a sentence."""
 AVERAGE = 17

@@ -1,4 +1,4 @@
-"""The scene file of OpenModelica's viewers, drawn by its rules with values that FMPy reads, and `docs/viewers.md`."""
+"""The scene file of OpenModelica's viewers, drawn by its rules with values that FMPy reads, and the pages that show it."""
 
 from __future__ import annotations
 
@@ -168,9 +168,9 @@ def test_the_pins_of_the_gear_are_drawn_at_their_closed_form(fmu: Path) -> None:
 
 
 def blocks() -> list[str]:
-    """The examples of docs/viewers.md, with the folder of the packed FMUs in them."""
-    text = (REPOSITORY / "docs" / "viewers.md").read_text(encoding="utf-8")
-    found = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    """The examples for a notebook and for OpenModelica, with the folder of the packed FMUs in them."""
+    texts = [(REPOSITORY / "docs" / page).read_text(encoding="utf-8") for page in ("viewers.md", "how-to/openmodelica.md")]
+    found = [code for text in texts for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL)]
     assert len(found) == 2
     return [code.replace("target/fmu", FMU_FOLDER.as_posix()) for code in found]
 
@@ -209,7 +209,7 @@ def test_the_cell_shows_the_page_of_the_fmu(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_the_result_file_has_all_that_the_scene_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    exec(compile(blocks()[1], "docs/viewers.md", "exec"), {})
+    exec(compile(blocks()[1], "docs/how-to/openmodelica.md", "exec"), {})
     result = read_csv(tmp_path / "SliderCrank_res.csv")
     root = etree.fromstring((tmp_path / "SliderCrank_visual.xml").read_bytes())
     assert {element.text for element in root.iter("cref")} <= set(result.dtype.names)

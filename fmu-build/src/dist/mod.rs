@@ -20,8 +20,8 @@ use std::process::Command;
 
 /// Folder in the wheel of what pip puts into the environment, named in `pyproject.toml`.
 const DATA: &str = "linkage_fmu.data/data";
-/// Parts of the repository that tasks read.
-const PARTS: [&str; 2] = ["modelDescription", "fmu-build/python"];
+/// Parts of the repository that tasks read, and the reference of the formats.
+const PARTS: [&str; 3] = ["modelDescription", "fmu-build/python", "docs/reference"];
 /// What a wheel's name says of a program linked with the glibc 2.N of a platform.
 const PROMISE: &str = "manylinux_2_";
 

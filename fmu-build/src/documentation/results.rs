@@ -20,7 +20,7 @@ pub const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xm
 /// Path of the remarks, as the layered standard recommends them.
 const REMARKS: &str = "documentation/fmi-ls-ref.txt";
 /// Most rows of the results: enough for a curve, little beside the library.
-const MOST_ROWS: usize = 200;
+const MOST_ROWS: u64 = 200;
 /// Most outputs of a model that has results.
 const MOST_OUTPUTS: usize = 2000;
 
@@ -34,7 +34,7 @@ pub struct Results {
     /// Time from one step of the run to the next [s].
     pub interval: f64,
     /// Steps from one row to the next.
-    pub stride: usize,
+    pub stride: u64,
     /// Rows of the results.
     pub rows: usize,
 }
@@ -57,12 +57,12 @@ impl Results {
         let folder = workspace.target("reference");
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));
-        let ran = run::default_run(&mut component.clone(), &path);
+        let ran = run::default_run(&mut component.clone(), &path, MOST_ROWS);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()));
         // What is left there is written over by the next run.
         let _ = fs::remove_file(&path);
-        let (interval, text) = (ran?, text?);
-        let (outputs, stride, rows) = thinned(&text);
+        let (run::DefaultRun { interval, stride }, outputs) = (ran?, text?);
+        let rows = outputs.lines().count().saturating_sub(1);
         Ok(Self { name: component.name().to_owned(), inputs: inputs(component)?, outputs, interval, stride, rows })
     }
 
@@ -147,23 +147,6 @@ impl Results {
     }
 }
 
-/// The head and every n-th row of a table, n a power of two, and its last one; n; the number of rows.
-fn thinned(text: &str) -> (String, usize, usize) {
-    let mut lines = text.lines();
-    let head = lines.next().unwrap_or_default();
-    let rows: Vec<&str> = lines.collect();
-    let mut stride = 1;
-    while rows.len().saturating_sub(1) / stride + 1 > MOST_ROWS {
-        stride *= 2;
-    }
-    let last = rows.len().saturating_sub(1);
-    let kept = rows.iter().enumerate().filter(|(k, _)| k.is_multiple_of(stride) || *k == last).map(|(_, row)| *row);
-    let kept: Vec<&str> = kept.collect();
-    let count = kept.len();
-    let lines = std::iter::once(head).chain(kept);
-    (lines.flat_map(|line| [line, "\n"]).collect(), stride, count)
-}
-
 /// The inputs of the default run: their start values at its beginning and at its end.
 fn inputs(component: &Component) -> Result<Option<String>> {
     let inputs = component.interface().list().iter().filter(|variable| variable.causality == Causality::Input);
@@ -187,19 +170,4 @@ fn inputs(component: &Component) -> Result<Option<String>> {
         starts.remove(0);
     }
     Ok(Some(text))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_long_table_keeps_its_ends() {
-        let table = |rows: usize| (0..rows).fold("head\n".to_owned(), |text, k| format!("{text}{k}\n"));
-        assert_eq!(thinned(&table(200)), (table(200), 1, 200));
-        let (text, stride, rows) = thinned(&table(1002));
-        assert_eq!((stride, rows), (8, 127));
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!([lines[0], lines[1], lines[2], lines[126], lines[127]], ["head", "0", "8", "1000", "1001"]);
-    }
 }

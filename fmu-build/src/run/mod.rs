@@ -25,6 +25,8 @@ use table::{Table, columns};
 const STEPS_PER_LOOK: u64 = 1024;
 /// Most rows that a run has unless its interval is given.
 const DEFAULT_ROWS: f64 = 1000.0;
+/// Most steps of a default run.
+const MOST_STEPS: f64 = 1e5;
 
 /// The times of a run [s].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,29 +134,89 @@ pub fn run(
     Ok(ended)
 }
 
-/// Run a model at its start values over its experiment, every output recorded as CSV at this path; the interval of the
-/// rows [s].
+/// The default run as it was made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DefaultRun {
+    /// From one step to the next [s].
+    pub interval: f64,
+    /// Steps from one row to the next, a power of two.
+    pub stride: u64,
+}
+
+/// Run a model at its start values over its experiment in steps of its default size. Every output is recorded as CSV at
+/// this path, at every n-th communication point and at the end, in few rows.
 ///
 /// # Errors
 /// The start or a step is refused, or the file cannot be written.
-pub fn default_run(model: &mut Component, path: &Path) -> Result<f64> {
+pub fn default_run(model: &mut Component, path: &Path, most_rows: u64) -> Result<DefaultRun> {
     let experiment = model.experiment();
-    let interval = default_interval(experiment, experiment.stop_time);
+    let interval = interval(experiment, experiment.stop_time, MOST_STEPS);
     let span = Span { start: 0.0, stop: experiment.stop_time, interval };
+    let steps = (span.stop / interval).round() as u64;
+    let mut stride = 1;
+    while steps / stride + 1 > most_rows {
+        stride *= 2;
+    }
     let columns = columns(model.interface(), &[])?;
     let writer = Writer::begin::<Csv>(path, &columns)?;
     let mut table = Table::new(columns, Some(writer), false);
-    let mut record = |model: &mut Component, time: f64| table.record(model, time);
+    let mut point = 0_u64;
+    let mut record = |model: &mut Component, time: f64| {
+        let is_row = point.is_multiple_of(stride) || is_close(time, span.stop);
+        point += 1;
+        if is_row { table.record(model, time) } else { Ok(()) }
+    };
     let ended = run(model, &span, &Signals::none(), &mut record, &mut Nobody);
     table.finish(None)?;
-    ended.map(|_| interval)
+    ended.map(|_| DefaultRun { interval, stride })
 }
 
 /// The experiment's step, doubled until a run of this length has few rows [s].
 pub fn default_interval(experiment: Experiment, length: f64) -> f64 {
+    interval(experiment, length, DEFAULT_ROWS)
+}
+
+/// The experiment's step, doubled until a run of this length has at most so many steps [s].
+fn interval(experiment: Experiment, length: f64, most: f64) -> f64 {
     let mut interval = experiment.step_size;
-    while length / interval > DEFAULT_ROWS {
+    while length / interval > most {
         interval *= 2.0;
     }
     interval
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    /// A slider on which nothing acts: x = t.
+    fn slider(stop_time: f64, step_size: f64) -> Component {
+        let text = format!(
+            r#"{{ "name": "Slider", "bodies": {{ "ground": {{}}, "block": {{ "mass": 1 }} }},
+            "joints": {{ "x": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
+            "start": {{ "joint": "x", "position": 0, "speed": 1 }}, "guess": {{ "x": 0 }},
+            "experiment": {{ "stop_time": {stop_time}, "step_size": {step_size} }} }}"#
+        );
+        Component::from_definition("mechanism.json", &text).unwrap()
+    }
+
+    #[test]
+    fn the_default_run_has_the_default_step_and_keeps_its_ends() {
+        let path = std::env::temp_dir().join(format!("fmu-build-default-run-{}.csv", std::process::id()));
+        for (stop, step, most, expected, times) in [
+            (1.0, 0.25, 200, DefaultRun { interval: 0.25, stride: 1 }, vec![0.0, 0.25, 0.5, 0.75, 1.0]),
+            (5.0, 0.001, 3, DefaultRun { interval: 0.001, stride: 4096 }, vec![0.0, 4.096, 5.0]),
+            (1e6, 5.0, 2, DefaultRun { interval: 10.0, stride: 131_072 }, vec![0.0, 1e6]),
+        ] {
+            assert_eq!(default_run(&mut slider(stop, step), &path, most).unwrap(), expected);
+            let text = fs::read_to_string(&path).unwrap();
+            let read = |line: &str| line.split(',').next().unwrap().parse::<f64>().unwrap();
+            let rows: Vec<f64> = text.lines().skip(1).map(read).collect();
+            assert!(rows.len() == times.len(), "{rows:?}");
+            assert!(rows.iter().zip(&times).all(|(row, time)| (row - time).abs() <= 1e-9 * stop), "{rows:?}");
+        }
+        fs::remove_file(path).unwrap();
+    }
 }

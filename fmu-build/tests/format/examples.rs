@@ -1,6 +1,6 @@
-//! The examples of FORMAT.md, each in the whole file that stands above it.
+//! The examples of the pages of the elements, each in the whole file for which it is meant.
 
-use crate::support::{FORMAT, validator};
+use crate::support::{examples, validator};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Kind;
 use serde_json::{Value, json};
@@ -38,22 +38,16 @@ fn add_part(whole: &mut Value, part: &Value) {
 #[test]
 fn every_example_runs() {
     let validator = validator();
-    let mut above = Value::Null;
     let (mut wholes, mut parts) = (0, 0);
-    for block in FORMAT.split("```json\n").skip(1) {
-        let text = block.split_once("```").unwrap().0;
-        let example: Value = serde_json::from_str(text).unwrap_or_else(|e| panic!("{e} in\n{text}"));
-        let whole = if example.get("name").is_some() {
-            above = example;
+    for (page, above, example) in examples() {
+        let text = format!("{page}:\n{example:#}");
+        let mut whole = above.clone();
+        if whole == example {
             wholes += 1;
-            above.clone()
         } else {
-            // As the text says: into the whole file that stands last above it.
-            let mut whole = above.clone();
             add_part(&mut whole, &example);
             parts += 1;
-            whole
-        };
+        }
         let errors: Vec<String> =
             validator.iter_errors(&whole).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(errors.is_empty(), "{errors:?} in\n{text}");
@@ -83,5 +77,5 @@ fn every_example_runs() {
         let lost = model.real(drift).unwrap();
         assert!(lost.abs() < 1e-6, "energy.drift {lost} J in\n{text}");
     }
-    assert!(wholes >= 3 && parts >= 10, "{wholes} whole mechanisms and {parts} parts found");
+    assert!(wholes >= 5 && parts >= 25, "{wholes} whole mechanisms and {parts} parts found");
 }

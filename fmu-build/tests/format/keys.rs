@@ -1,6 +1,6 @@
-//! The keys of every level: known, required, explained; and the choices that some have.
+//! The keys of every level: known, required; and the choices that some have.
 
-use crate::support::{FORMAT, LEVELS, definition, full, keys, names_after, refusal, schema, validator};
+use crate::support::{LEVELS, definition, full, keys, names_after, refusal, schema, validator};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -80,15 +80,5 @@ fn choices_agree() {
             .collect();
         let (message, _) = message.split_once(", not").unwrap();
         assert_eq!(names_after(message, "must be"), choices, "{path}/{key}");
-    }
-}
-
-#[test]
-fn the_documented_keys_are_all_keys() {
-    let schema = schema();
-    for (name, _) in LEVELS {
-        for key in keys(&definition(&schema, name)["properties"]) {
-            assert!(FORMAT.contains(&format!("`{key}`")), "FORMAT.md does not explain {name}.{key}");
-        }
     }
 }

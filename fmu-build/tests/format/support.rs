@@ -1,12 +1,38 @@
-//! The schema, FORMAT.md, and a mechanism that has every element.
+//! The schema, the examples of the reference, and a mechanism that has every element.
 
 use jsonschema::Validator;
 use linkage_fmu::mechanism::definition::Mechanism;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::fs;
 
 const SCHEMA: &str = include_str!("../../../modelDescription/mechanism.schema.json");
-pub const FORMAT: &str = include_str!("../../../modelDescription/FORMAT.md");
+/// The pages of the elements.
+const PAGES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/mechanism");
+
+/// The JSON blocks of the pages, each with its page and the whole file for which it is meant: the last one above it on
+/// the page, or the file in `files` that the page names.
+pub fn examples() -> Vec<(String, Value, Value)> {
+    let mut pages: Vec<_> = fs::read_dir(PAGES).unwrap().map(|page| page.unwrap().path()).collect();
+    pages.sort();
+    let mut all = Vec::new();
+    for path in pages {
+        let (page, text) = (path.file_name().unwrap().to_string_lossy(), fs::read_to_string(&path).unwrap());
+        let base = text.split_once("](../files/").and_then(|(_, rest)| rest.split_once(')'));
+        let read = |text: &str| serde_json::from_str(text).unwrap_or_else(|e| panic!("{page}: {e} in\n{text}"));
+        let mut whole = base.map_or(Value::Null, |(name, _)| {
+            read(&fs::read_to_string(path.parent().unwrap().join("../files").join(name)).unwrap())
+        });
+        for block in text.split("```json\n").skip(1) {
+            let example: Value = read(block.split_once("```").unwrap().0);
+            if example.get("name").is_some() {
+                whole = example.clone();
+            }
+            all.push((page.to_string(), whole.clone(), example));
+        }
+    }
+    all
+}
 
 pub fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()

@@ -27,6 +27,7 @@ impl Random {
 fn random_gear(random: &mut Random) -> Run {
     let mut gear = Run::shared(HYDRAULIC_GEAR);
     let values = [
+        ("command.ramp_amplitude", 0.0),
         ("solver.tolerance", random.ratio(1e-6, 0.02)),
         ("anticavitation.conductance", if random.next() < 0.7 { 0.0 } else { random.ratio(1e-13, 1e-9) }),
         ("fluid.air_fraction", random.ratio(1e-5, 0.05)),

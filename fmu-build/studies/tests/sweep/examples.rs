@@ -83,15 +83,15 @@ fn the_committed_optimum_is_that_of_the_study() {
     }
 }
 
-/// The whole examples of the format page, and every kind of key, under the schema; what the reader refuses is refused.
+/// The examples of the reference, and every kind of key, under the schema; what the reader refuses is refused.
 #[test]
 fn the_schema_agrees_with_the_reader() {
     let descriptions = Workspace::locate().descriptions();
     let schema = fs::read_to_string(descriptions.join("study.schema.json")).unwrap();
     let validator = jsonschema::draft202012::new(&serde_json::from_str(&schema).unwrap()).unwrap();
-    let page = fs::read_to_string(descriptions.join("STUDY.md")).unwrap();
-    let stated = page.split("```json").nth(1).and_then(|text| text.split("```").next()).unwrap();
-    let texts = examples().into_iter().map(|path| fs::read_to_string(path).unwrap()).chain([stated.to_owned()]);
+    let page = fs::read_to_string(descriptions.join("../docs/reference/study.md")).unwrap();
+    let stated = page.split("```json").skip(1).map(|text| text.split("```").next().unwrap().to_owned());
+    let texts = examples().into_iter().map(|path| fs::read_to_string(path).unwrap()).chain(stated);
     for text in texts {
         let study: Value = serde_json::from_str(&text).unwrap();
         assert!(validator.is_valid(&study), "{text}");

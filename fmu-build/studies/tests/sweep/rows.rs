@@ -161,7 +161,8 @@ fn a_failed_run_is_a_row() {
 fn a_hydraulic_mechanism_is_swept() {
     let folder = Folder::new("hydraulic");
     let gear = Workspace::locate().descriptions().join("LandingGearRetractionHydraulic");
-    fs::write(folder.0.join("valve.csv"), "time,valve.command\n0,0\n0.02,1\n0.3,1\n").unwrap();
+    // With the ramp of the definition the valve opens fully.
+    fs::write(folder.0.join("valve.csv"), "time,valve.command\n0,0\n0.02,0.35\n0.3,0.35\n").unwrap();
     let rows = folder.rows(json!({
         "mechanism": gear,
         "factors": {

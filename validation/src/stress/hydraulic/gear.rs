@@ -156,7 +156,7 @@ impl Scene {
         }
         let start = [("chamber_a.start_pressure", case.start[0]), ("chamber_b.start_pressure", case.start[1])];
         let angle = if let Drive::Motion([angle, ..]) = case.drive { angle } else { 0.0 };
-        let own = [("crank.start_angle", angle), ("solver.tolerance", self.tolerance)];
+        let own = [("crank.start_angle", angle), ("solver.tolerance", self.tolerance), ("command.ramp_amplitude", 0.0)];
         for (name, value) in case.set.iter().chain(&start).chain(&own) {
             let reference = find(&model, name)?;
             model.set_real(reference, *value).map_err(words)?;
