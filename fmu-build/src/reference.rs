@@ -138,7 +138,7 @@ fn section(
             let unit = if unit.is_empty() || unit == "1" { String::new() } else { format!(" [{unit}]") };
             let limits = if limits.is_empty() { limits } else { format!(", {limits}") };
             let name = format!("`{before}{}`", key.name);
-            lines.push([name, value + &unit + &limits, default, parameter.into(), meaning]);
+            lines.push([name, meaning, value + &unit + &limits, default, parameter.into()]);
         }
     };
     if element.name == CIRCUIT {
@@ -148,7 +148,7 @@ fn section(
     } else {
         add(element, "");
     }
-    let heads = ["key", "value", "default", "parameter", "meaning"];
+    let heads = ["key", "meaning", "value", "default", "parameter"];
     let is_used = |column: usize| lines.iter().any(|line| !line[column].is_empty());
     let used: Vec<usize> = (0..heads.len()).filter(|column| is_used(*column)).collect();
     let title = title(file, element);
@@ -280,11 +280,11 @@ mod tests {
             ("mechanism/springs.md", "Stands at `springs.<name>.gas`."),
             ("mechanism/cams.md", "Stands at `couplings.<name>.segments[i]`."),
             ("mechanism/actuators.md", "[circuit](../hydraulics/circuit.md#keys-of-circuit)"),
-            ("mechanism/springs.md", "| `stiffness` | number [N/m or N.m/rad], >= 0 | `0.0` | fixed | Stiffness. |"),
-            ("mechanism/stops.md", "| `restitution` | number, from 0 to 1 | `0.0` | tunable |"),
-            ("mechanism/joints.md", "| `type` | `revolute`, `prismatic` |"),
-            ("mechanism/index.md", "| `start` | `equilibrium`, or [start](start.md#keys-of-start) |"),
-            ("hydraulics/circuit.md", "| `valve.rated_flow` | number [m3/s], > 0 |"),
+            ("mechanism/springs.md", "| `stiffness` | Stiffness. | number [N/m or N.m/rad], >= 0 | `0.0` | fixed |"),
+            ("mechanism/stops.md", "| number, from 0 to 1 | `0.0` | tunable |"),
+            ("mechanism/joints.md", "| `revolute`, `prismatic` | must be given |"),
+            ("mechanism/index.md", "| `equilibrium`, or [start](start.md#keys-of-start) | must be given |"),
+            ("hydraulics/circuit.md", "| number [m3/s], > 0 |"),
             ("keys-of-mechanism.md", "| [gas](mechanism/springs.md#keys-of-gas) | `springs.<name>.gas` | `pressure`, "),
             ("keys-of-hydraulics.md", "| [valve](hydraulics/circuit.md#keys-of-circuit) | `circuit.valve` |"),
         ] {

@@ -5,5 +5,6 @@ mod command;
 mod facts;
 mod faults;
 mod hydraulics;
+mod schemas;
 mod support;
 mod warnings;
