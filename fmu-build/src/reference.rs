@@ -244,6 +244,7 @@ fn number(key: &Key) -> [String; 2] {
     let text = key.range.text();
     let words = ["a finite number ", "a number ", "a whole number ", "a length ", "an angle "];
     let limits = words.iter().find_map(|words| text.strip_prefix(words)).unwrap_or(&text);
+    let limits = if limits.starts_with("> 0, from 1e-100") { "> 0" } else { limits };
     let is_plain = key.range == Range::Finite || limits == ANY;
     [names(key.units) + &second, if is_plain { String::new() } else { limits.to_owned() }]
 }

@@ -9,7 +9,11 @@ fn a_pressure_is_a_number_above_absolute_zero() {
         for h in [1e-4, 1e-3, 1e-2] {
             for (torque, air) in [(1e4, 0.005), (-1e4, 0.005), (1e5, 0.05), (-1e5, 1e-6), (1e6, 0.005), (-1e6, 0.005)] {
                 let mut gear = Run::shared(HYDRAULIC_GEAR);
-                gear.set_all(&[("fluid.air_fraction", air), ("solver.tolerance", tolerance), ("command.ramp_amplitude", 0.0)]);
+                gear.set_all(&[
+                    ("fluid.air_fraction", air),
+                    ("solver.tolerance", tolerance),
+                    ("command.ramp_amplitude", 0.0),
+                ]);
                 gear.set_all(&[("anticavitation.conductance", 0.0), ("check.pressure", 1e9)]);
                 gear.initialize();
                 gear.set("crank.torque", torque);

@@ -139,7 +139,7 @@ pub fn run(
 pub struct DefaultRun {
     /// From one step to the next [s].
     pub interval: f64,
-    /// Steps from one row to the next, a power of two.
+    /// Steps from one row to the next, a power of two; the end is a row too.
     pub stride: u64,
 }
 
@@ -207,8 +207,8 @@ mod tests {
         let path = std::env::temp_dir().join(format!("fmu-build-default-run-{}.csv", std::process::id()));
         for (stop, step, most, expected, times) in [
             (1.0, 0.25, 200, DefaultRun { interval: 0.25, stride: 1 }, vec![0.0, 0.25, 0.5, 0.75, 1.0]),
-            (5.0, 0.001, 3, DefaultRun { interval: 0.001, stride: 4096 }, vec![0.0, 4.096, 5.0]),
-            (1e6, 5.0, 2, DefaultRun { interval: 10.0, stride: 131_072 }, vec![0.0, 1e6]),
+            (5.0, 0.001, 3, DefaultRun { interval: 0.001, stride: 2048 }, vec![0.0, 2.048, 4.096, 5.0]),
+            (1e6, 5.0, 2, DefaultRun { interval: 10.0, stride: 65_536 }, vec![0.0, 655_360.0, 1e6]),
         ] {
             assert_eq!(default_run(&mut slider(stop, step), &path, most).unwrap(), expected);
             let text = fs::read_to_string(&path).unwrap();
