@@ -37,8 +37,8 @@ def unpacked(fmu: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("fmu", FMUS, ids=[fmu.stem for fmu in FMUS])
 def test_the_reference_results_are_those_of_the_fmu(fmu: Path, tmp_path: Path) -> None:
-    """FMPy's run of the packed library in steps of the default size has every bit of the results in the FMU. With their inputs, which FMPy
-    interpolates and so rounds, it has them to the tolerance."""
+    """FMPy's run of the packed library in steps of the default size has every bit of the results in the FMU. With their
+    inputs, which FMPy interpolates and so rounds, it has them to the tolerance."""
     folder = unpacked(fmu, tmp_path)
     manifest = etree.parse(folder / RESULTS / "fmi-ls-manifest.xml").getroot()
     assert manifest.tag == "fmiReferences"

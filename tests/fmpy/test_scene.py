@@ -1,4 +1,4 @@
-"""The scene file of OpenModelica's viewers, drawn by its rules with values that FMPy reads, and the pages that show it."""
+"""The scene file of OpenModelica's viewers, drawn by its rules with values that FMPy reads, and its page."""
 
 from __future__ import annotations
 
@@ -169,7 +169,8 @@ def test_the_pins_of_the_gear_are_drawn_at_their_closed_form(fmu: Path) -> None:
 
 def blocks() -> list[str]:
     """The examples for a notebook and for OpenModelica, with the folder of the packed FMUs in them."""
-    texts = [(REPOSITORY / "docs" / page).read_text(encoding="utf-8") for page in ("viewers.md", "how-to/openmodelica.md")]
+    pages = [REPOSITORY / "docs" / page for page in ("viewers.md", "how-to/openmodelica.md")]
+    texts = [page.read_text(encoding="utf-8") for page in pages]
     found = [code for text in texts for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL)]
     assert len(found) == 2
     return [code.replace("target/fmu", FMU_FOLDER.as_posix()) for code in found]
