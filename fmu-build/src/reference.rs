@@ -1,7 +1,7 @@
 //! The reference of a definition's keys as Markdown, from its tables: tables of keys inside the pages of the elements.
 //!
-//! In: the elements of a definition; pages with a line `<!-- keys: spring -->` and a line `<!-- end of keys -->` where the
-//! keys of an element stand. Out: the pages with these keys, and an index of all keys. It must not know laws.
+//! In: the elements of a definition; pages with a line `<!-- keys: spring -->` and a line `<!-- end of keys -->` where
+//! the keys of an element stand. Out: the pages with these keys, and an index of all keys. It must not know laws.
 
 use linkage_fmu::format::{Element, Key, Kind, Names, Range, Short, Table};
 use linkage_fmu::hydraulics::definition as hydraulics;
@@ -36,7 +36,8 @@ fn mark(file: &str, element: &Element) -> String {
     }
 }
 
-/// The pages with the keys of their elements, and an index of the keys of each file, by path in the folder of the pages.
+/// The pages with the keys of their elements, and an index of the keys of each file, by path in the folder of the
+/// pages.
 ///
 /// # Errors
 /// A page names no element, or has a start without an end; an element is on no page, or on two.
