@@ -117,12 +117,12 @@ fn section(
     places: &BTreeMap<String, String>,
 ) -> String {
     let place = place(elements, element.table);
-    let place = if place.is_empty() { String::new() } else { format!("Stands at `{place}`. ") };
+    let place = if place.is_empty() { String::new() } else { format!("Location: `{place}`. ") };
     let mut lines = Vec::new();
     let mut add = |element: &Element, before: &str| {
         for (index, key) in listed(element) {
             let default = match (key.is_required, element.default_of(index)) {
-                (true, _) => "must be given".to_owned(),
+                (true, _) => "required".to_owned(),
                 (false, Some(default)) => format!("`{default}`"),
                 (false, None) => String::new(),
             };
@@ -278,14 +278,14 @@ mod tests {
     fn each_key_has_its_line() {
         let pages = filled(&committed()).unwrap();
         for (page, line) in [
-            ("mechanism/springs.md", "## Keys of `spring`\n\nStands at `springs.<name>`. A spring with a damper."),
-            ("mechanism/springs.md", "Stands at `springs.<name>.gas`."),
-            ("mechanism/cams.md", "Stands at `couplings.<name>.segments[i]`."),
+            ("mechanism/springs.md", "## Keys of `spring`\n\nLocation: `springs.<name>`. A spring with a damper."),
+            ("mechanism/springs.md", "Location: `springs.<name>.gas`."),
+            ("mechanism/cams.md", "Location: `couplings.<name>.segments[i]`."),
             ("mechanism/actuators.md", "[circuit](../hydraulics/circuit.md#keys-of-circuit)"),
             ("mechanism/springs.md", "| `stiffness` | Stiffness. | number [N/m or N.m/rad], >= 0 | `0.0` | fixed |"),
             ("mechanism/stops.md", "| number, from 0 to 1 | `0.0` | tunable |"),
-            ("mechanism/joints.md", "| `revolute`, `prismatic` | must be given |"),
-            ("mechanism/index.md", "| `equilibrium`, or [start](start.md#keys-of-start) | must be given |"),
+            ("mechanism/joints.md", "| `revolute`, `prismatic` | required |"),
+            ("mechanism/index.md", "| `equilibrium`, or [start](start.md#keys-of-start) | required |"),
             ("hydraulics/circuit.md", "| number [m3/s], > 0 |"),
             ("keys-of-mechanism.md", "| [gas](mechanism/springs.md#keys-of-gas) | `pressure`, "),
             ("keys-of-hydraulics.md", "`damping_ratio` | `circuit.valve` |"),
