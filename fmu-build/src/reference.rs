@@ -47,7 +47,7 @@ pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, Strin
         for part in text.split(START).skip(1) {
             let name = part.split_once(" -->").ok_or_else(|| format!("{path}: a start of keys has no end"))?.0;
             if places.insert(name.to_owned(), path.clone()).is_some() {
-                return Err(format!("{path}: the keys of {name} stand twice"));
+                return Err(format!("{path}: the keys of {name} occur twice"));
             }
         }
     }
