@@ -463,6 +463,6 @@ fn names_have_a_length_that_files_can_have() {
     let name = "N".repeat(300);
     check(
         &changed("\"LandingGearRetraction\"", &format!("\"{name}\"")),
-        &["name", "300 letters", "200 at most", "shorten"],
+        &["name", "300 letters", "at most 200", "shorten"],
     );
 }

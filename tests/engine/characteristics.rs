@@ -200,7 +200,7 @@ fn a_gas_without_volume_is_refused() {
                                  "far": { "joint": "rail", "limit": "upper", "position": 1 } });
         })
     };
-    assert_says(refusal(&stops(0.15)), &["strut", "down to 0.2 m", "increase the gas volume", "stops"]);
+    assert_says(refusal(&stops(0.15)), &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
     assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
 }
 
@@ -242,7 +242,7 @@ fn the_position_is_told_where_a_gas_has_no_volume_left() {
         "start": { "body": "rod", "angle": 1 }, "guess": { "rod": 1 }
     });
     let angle = TAU - f64::acos(0.25 / 0.3);
-    assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "down to 0.3 m"]);
+    assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "the length is 0.3 m"]);
 }
 
 /// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the

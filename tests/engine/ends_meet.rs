@@ -77,7 +77,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 
 #[test]
 fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
-    let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "stops"];
+    let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
     let pulled = Run::new(&arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
         let mut run = pulled.clone();

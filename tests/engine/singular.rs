@@ -109,7 +109,7 @@ fn a_start_exactly_at_a_toggle_works() {
         assert!(gear.get("energy.kinetic") > 10.0);
         // The crank stands still at its toggle: a speed cannot be stated by it, but by the follower.
         gear.set("crank.start_speed", 1.0);
-        assert_says(gear.refusal(), &["crank.start_speed = 1", "toggle"]);
+        assert_says(gear.refusal(), &["crank.start_speed = 1", "dead centre"]);
         gear.set("crank.start_speed", 0.0);
         gear.initialize();
         let (coupler, follower) = (gear.get("coupler.angle"), gear.get("follower.angle"));

@@ -87,7 +87,7 @@ fn a_drive_that_never_moves_takes_no_motion() {
             crank["actuators"] = json!({ "ram": ends.clone() });
             crank["actuators"]["ram"]["motion"] = json!({ "position": position });
             let error = Model::from_json(&crank.to_string()).unwrap_err();
-            assert_says(error.to_string(), &["ram.", "is prescribed", words, "name "]);
+            assert_says(error.to_string(), &["ram.", "is prescribed", words, "give "]);
             assert!(!error.to_string().contains("dead"), "{error}");
         }
     }
@@ -114,8 +114,8 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     let refused = |motion: &Value, words: &[&str]| {
         assert_says(Model::from_json(&lift(motion).to_string()).unwrap_err(), words);
     };
-    refused(&json!({}), &["actuators.winch.motion", "without a profile asks for position"]);
-    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile asks for distance"]);
+    refused(&json!({}), &["actuators.winch.motion", "without a profile needs position"]);
+    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile needs distance"]);
     refused(&json!({ "profile": "cycloidal", "duration": 0, "distance": 1 }), &["motion.duration = 0", "> 0"]);
     refused(
         &json!({ "profile": "trapezoid", "distance": 1, "speed": 1, "acceleration": 1, "duration": 2 }),
@@ -149,7 +149,7 @@ fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
         (json!({ "position": 0.8 }), ["motion.position", "starts at 0.8", "the drive is at 0.5"]),
         (
             json!({ "profile": "table", "points": [[0, 0.7], [1, 1]] }),
-            ["motion.points", "starts at 1.2", "be 0 m at time 0"],
+            ["motion.points", "starts at 1.2", "start with 0 m at time 0"],
         ),
     ] {
         let all = warned(&motion);
