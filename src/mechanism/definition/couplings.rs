@@ -65,7 +65,8 @@ keys! {
         /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of the two numbers matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
-        second_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the second wheel");
+        second_teeth: Option<f64> => number(One, Range::Positive)
+            .parameter(Role::Geometry, "Teeth of the second wheel");
         /// Gears: true if the wheel with more teeth is an internal gear (ring gear).
         internal: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: radius of the first pulley [m], > 0.

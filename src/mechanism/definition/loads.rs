@@ -135,7 +135,8 @@ keys! {
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
         /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston this is the cross section of the
         /// rod.
-        area: f64 => number(SquareMetre, Range::Positive).parameter(Role::Load, "Area on which the gas acts").required();
+        area: f64 => number(SquareMetre, Range::Positive)
+            .parameter(Role::Load, "Area on which the gas acts").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();

@@ -74,7 +74,7 @@ keys! {
         /// Position and speed at the start. The word `equilibrium` starts the run at the stable equilibrium nearest to
         /// the guess.
         start: Start => Key::PLAIN.required();
-        /// Rough angle of each body that turns and rough position of each prismatic joint [rad or m]. The guess selects
+        /// Rough angle of each body that turns and rough position of each prismatic joint [m or rad]. The guess selects
         /// one of the ways in which the mechanism can be assembled. Drawn bodies need no guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions where two assembly modes cross), relative to the size of the
