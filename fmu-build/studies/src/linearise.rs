@@ -37,6 +37,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let named = Named { what: what(&model, arguments)?, interface: &interface };
     let start = model.linearise_here(&named.what)?;
     print!("{}", named.in_words(&start));
+    if is_held_by_friction(&start) {
+        eprintln!(
+            "warning: static friction holds the mechanism here, so A and B are zero; eigenfrequency, damping ratio and \
+             eigenvalues are those of the mechanism when it slides; set friction.enabled to false, or \
+             friction.law to viscous, for matrices that agree with them"
+        );
+    }
     if arguments.output_file.is_none() && arguments.plot.is_none() {
         return Ok(());
     }
@@ -50,6 +57,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         eprintln!("{}", path.display());
     }
     Ok(())
+}
+
+/// Whether friction holds the mechanism at a position, so that small loads and deviations give no acceleration there.
+fn is_held_by_friction(at: &Linearised) -> bool {
+    let slides = at.eigenvalues.iter().flatten().any(|part| *part != 0.0);
+    slides && at.acceleration == 0.0 && at.a[1] == [0.0; 2] && at.b.iter().all(|column| column[1] == 0.0)
 }
 
 /// Whether a table can have this name.

@@ -44,13 +44,17 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let here = state.sigma + state.revolutions * reduced.period().unwrap_or(0.0);
     let sticking = model.variables().find("friction.sticking");
     let sticks = sticking.is_some_and(|reference| model.boolean(reference).unwrap_or(false));
-    let is_balanced = acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * all;
+    // The acceleration that the speed alone gives, for the rounding of it.
+    let turning = state.sigma_dot * state.sigma_dot / reduced.scale();
+    let is_balanced = acceleration == 0.0 || (acceleration / c.q_sigma[most]).abs() <= BALANCE * (all + turning);
     let fact = Fact::new(TOPIC, name).with("acceleration", if is_balanced { 0.0 } else { acceleration }, unit);
     let text = if sticks {
         "at the start friction holds the mechanism (equilibrium)".to_owned()
     } else if acceleration.is_nan() {
         let reason = model.undefined(reference).unwrap_or_default();
         format!("at the start the acceleration is unknown: {reason}")
+    } else if reduced.loading().motion.is_some() && model.original.inputs.prescribes() {
+        "at the start a drive prescribes the motion".to_owned()
     } else if is_balanced {
         match held_by(reduced, &state.travel, here).filter(|_| acceleration == 0.0 && all > 0.0) {
             Some(stop) => format!("at the start the mechanism is held at stop {stop} (equilibrium)"),

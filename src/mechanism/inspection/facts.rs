@@ -203,6 +203,15 @@ fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2
     }
 }
 
+/// Least and largest value of a coordinate or a drive: `range`, or one cycle from the start on where it grows by
+/// `growth` over each cycle.
+fn from_start(range: [f64; 2], start: f64, growth: f64) -> [f64; 2] {
+    if growth == 0.0 || range[1] - range[0] > 1.000_001 * growth.abs() {
+        return range;
+    }
+    [start.min(start + growth), start.max(start + growth)]
+}
+
 fn add_travel(
     reduced: &Reduced,
     state: &State,
@@ -218,10 +227,12 @@ fn add_travel(
     let mut toggles = Vec::new();
     for (i, name) in linkage.coordinates.iter().enumerate().take(FOLLOWED) {
         let unit = of_coordinate(linkage, i).0;
-        let Extremes { range: [least, most], stationary } = walk.extremes(i);
+        let Extremes { range, stationary } = walk.extremes(i);
+        let growth = reduced.curve().growth(i);
+        let ([least, most], start) = (from_start(range, at_start[i][0], growth), at_start[i][0]);
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
-        let fact = fact.with("start", at_start[i][0], unit);
-        let turns = reduced.curve().growth(i) / TAU;
+        let fact = fact.with("start", start, unit);
+        let turns = growth / TAU;
         if turns == 0.0 && most - least <= 1e-9 * (1.0 + most.abs()) {
             out.facts.push(fact.saying("does not move"));
             continue;
@@ -239,8 +250,9 @@ fn add_travel(
             true => (Unit::Radian, Unit::KilogramSquareMetre),
             false => (Unit::Metre, Unit::Kilogram),
         };
-        let fact = Fact::new("Drives", &defined.name).with("start", at_start[coordinates + 2 * drive][0], length);
-        let [least, most] = motion.range;
+        let start = at_start[coordinates + 2 * drive][0];
+        let fact = Fact::new("Drives", &defined.name).with("start", start, length);
+        let [least, most] = from_start(motion.range, start, reduced.load_growth(drive));
         out.facts.push(fact.with("least", least, length).with("most", most, length).with(
             "stroke",
             most - least,
@@ -281,6 +293,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     out: &mut Inspection,
 ) {
     let stops = &reduced.loading().stops;
+    let turns = (0..reduced.linkage().coordinates.len()).any(|i| reduced.curve().growth(i) != 0.0);
     for (side, word) in ["backward", "forward"].into_iter().enumerate() {
         let text = match (&state.travel.rigid[side], &reduced.curve().ends) {
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
@@ -290,7 +303,8 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
                 out.findings.push(Finding::warning("stops", message, "add a stop before this position"));
                 format!("no stop: {reason}")
             }
-            (None, Ends::Closed(_)) => "no stop: the mechanism turns without end".to_owned(),
+            (None, Ends::Closed(_)) if turns => "no stop: the mechanism turns without end".to_owned(),
+            (None, Ends::Closed(_)) => "no stop: the motion is a cycle that returns to its beginning".to_owned(),
             (None, _) => format!("no stop: the motion continues beyond {}", walk.describe(walk.ends[side])),
         };
         out.facts.push(Fact::new("Ends of travel", word).saying(text));

@@ -13,6 +13,7 @@ use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use statrs::distribution::ContinuousCDF;
+use statrs::statistics::Distribution;
 use std::path::Path;
 
 /// Most runs of a study: their numbers are exact as doubles.
@@ -167,6 +168,30 @@ impl Design {
     /// Number of runs.
     pub fn runs(&self) -> u64 {
         self.counts.iter().product()
+    }
+
+    /// A warning about a parameter whose mean in the study is far from its value in the definition, as where
+    /// coordinates of a drawing are given for a point, which a body has in its own frame.
+    pub fn far_from_definition(&self, model: &mut Component) -> Option<String> {
+        /// Ratio of mean and value beyond which one of both is probably wrong.
+        const FAR: f64 = 10.0;
+        let normal = self.factors.iter().filter_map(|factor| match &factor.source {
+            Source::Normal(normal, _) => Some((factor, normal.mean()?)),
+            _ => None,
+        });
+        let mut far = normal.filter_map(|(factor, mean)| {
+            let is_parameter = model.interface().list()[factor.reference as usize].causality == Causality::Parameter;
+            let value = model.real(factor.reference).ok().filter(|value| is_parameter && *value != 0.0)?;
+            (mean.abs() > FAR * value.abs()).then(|| {
+                format!(
+                    "factors.{0}.normal.mean = {mean} is far from the value {value} of {0} in the definition: \
+                     variables are in SI units, and points are in the frame of their body; `cargo fmu info` prints \
+                     the values",
+                    factor.name
+                )
+            })
+        });
+        far.next()
     }
 
     /// The values of the factors in a run.

@@ -39,6 +39,7 @@ use journal::Journal;
 use linkage_fmu::codec::checksum::fnv1a_128;
 use linkage_fmu::component::Component;
 use responses::Responses;
+use results::Unusual;
 use run::{Runner, Task};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -105,6 +106,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         return Ok(Outcome::Complete);
     }
     let component = || Ok(Component::from_definition(study.model.kind, &study.model.text)?);
+    if let Some(warning) = study.design.far_from_definition(&mut component()?) {
+        eprintln!("warning: {warning}");
+    }
     if let Some(warning) = extent::warning(&study.task, &study.design, &study.cut, component)? {
         eprintln!("warning: {warning}");
     }
@@ -124,7 +128,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     let csv = arguments.csv.then(|| out.join(CSV));
-    let failed =
+    let Unusual { failed, remarked, first } =
         results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref()).with_context(|| {
             format!("{}: all runs are complete; --resume writes the results", out.join(JOURNAL).display())
         })?;
@@ -133,6 +137,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     journal.remove()?;
     let made = runs_of(chunks) - runs_of(before);
     eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
+    if remarked > 0 {
+        let runs = study.design.runs();
+        eprintln!("warning: {remarked} of {runs} runs have a text in the column `message`; the first is: {first}");
+    }
     eprintln!("{}", out.join(PARQUET).display());
     csv.iter().for_each(|path| eprintln!("{}", path.display()));
     draw()?;

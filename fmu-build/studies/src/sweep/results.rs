@@ -78,14 +78,44 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
     Ok(all)
 }
 
-/// Write the results of all chunks; the number of runs that failed.
+/// What is unusual about the runs of a study.
+#[derive(Debug, Default)]
+pub struct Unusual {
+    /// Runs that failed.
+    pub failed: u64,
+    /// Other runs with a remark, such as an event that did not happen.
+    pub remarked: u64,
+    /// The remark of the first of these.
+    pub first: String,
+}
+
+impl Unusual {
+    /// Count a run with this remark.
+    fn count(&mut self, remark: &Remark) {
+        self.failed += u64::from(remark.is_failure);
+        if !remark.is_failure && !remark.text.is_empty() {
+            self.remarked += 1;
+            if self.remarked == 1 {
+                self.first = remark.text.to_owned();
+            }
+        }
+    }
+}
+
+/// Write the results of all chunks; the runs that are unusual.
 ///
 /// # Errors
 /// A chunk is missing or damaged; a file cannot be written, and what stood there still stands.
-pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Path, csv: Option<&Path>) -> Result<u64> {
+pub fn write(
+    journal: &mut Journal,
+    cut: &Cut,
+    columns: &[Column],
+    parquet: &Path,
+    csv: Option<&Path>,
+) -> Result<Unusual> {
     let mut parquet = Partial::<Parquet>::begin(parquet, columns)?;
     let mut csv = csv.map(|path| Partial::<Csv>::begin(path, columns)).transpose()?;
-    let (mut next, mut failed) = (0, 0);
+    let (mut next, mut unusual) = (0, Unusual::default());
     journal.replay(|chunk, bytes| {
         let runs = cut.runs_of(chunk);
         if runs.start != next {
@@ -93,7 +123,7 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
         }
         next = runs.end;
         chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
-            failed += u64::from(remark.is_failure);
+            unusual.count(&remark);
             parquet.add(runs.start + index, values, remark)?;
             csv.as_mut().map_or(Ok(()), |csv| csv.add(runs.start + index, values, remark))
         })
@@ -103,7 +133,7 @@ pub fn write(journal: &mut Journal, cut: &Cut, columns: &[Column], parquet: &Pat
     }
     parquet.end()?;
     csv.map_or(Ok(()), Partial::end)?;
-    Ok(failed)
+    Ok(unusual)
 }
 
 /// A file that gets its name when it is whole; until then it is removed if it goes no further.
