@@ -120,9 +120,6 @@ impl<'a> Motion<'a> {
     }
 
     fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {
-        if self.sketch.range.is_some_and(|[low, high]| s < low || s > high) {
-            return Err(Miss::Near);
-        }
         let place = Place::of(self.sketch, s)?;
         let [inertia, half] = place.inertia(self.sketch);
         Ok((place.force(self.sketch, rate) - half * rate * rate) / inertia)

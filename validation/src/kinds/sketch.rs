@@ -109,8 +109,6 @@ pub struct Sketch {
     pub coordinate: Coordinate,
     /// Where the motion starts: the parameter [rad or m] and its rate.
     pub start: [f64; 2],
-    /// Span of the parameter over which the mechanism is judged; None if it goes round for ever.
-    pub range: Option<[f64; 2]>,
     /// What acts on it.
     pub loads: Loads,
     /// Stops of its coordinate.
@@ -142,7 +140,6 @@ impl Sketch {
             slides: Vec::new(),
             coordinate: Coordinate::Angle(0),
             start: [start, 0.0],
-            range: None,
             loads: Loads::default(),
             stops: None,
             tolerance: 1e-9,
@@ -170,11 +167,6 @@ impl Sketch {
         self
     }
 
-    /// With a rod from a point to another.
-    pub fn rod(self, name: &str, from: usize, to: usize, length: f64) -> Self {
-        self.plate(name, from, to, length, &[])
-    }
-
     /// With a body from a point to another, which has further points.
     pub fn plate(self, name: &str, from: usize, to: usize, length: f64, points: &[(usize, [f64; 2])]) -> Self {
         self.with(name, from, Frame::To(to, length), points)
@@ -200,23 +192,9 @@ impl Sketch {
         self
     }
 
-    /// With further points on the last body.
-    pub fn points(mut self, points: &[(usize, [f64; 2])]) -> Self {
-        if let Some(body) = self.bodies.last_mut() {
-            body.points.extend_from_slice(points);
-        }
-        self
-    }
-
     /// With the motion judged by this coordinate.
     pub fn by(mut self, coordinate: Coordinate) -> Self {
         self.coordinate = coordinate;
-        self
-    }
-
-    /// Judged while the parameter is in this range.
-    pub fn within(mut self, low: f64, high: f64) -> Self {
-        self.range = Some([low, high]);
         self
     }
 
@@ -267,7 +245,7 @@ impl Sketch {
 
     /// A point of a body's frame.
     pub fn at(pose: &Pose, local: [f64; 2]) -> Vector {
-        pose.origin + Vector::unit(pose.angle).frame(local)
+        pose.origin + Vector::fixed(local) * Vector::unit(pose.angle)
     }
 
     /// Where a point stands in the frame of a body; None if the body has no such point.

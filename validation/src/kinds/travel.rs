@@ -15,8 +15,7 @@ pub fn reach(sketch: &Sketch, most: f64) -> [f64; 2] {
         let mut at = start;
         for k in 1..=(1.0 / STEP) as u32 {
             let next = start + side * most * STEP * f64::from(k);
-            let outside = sketch.range.is_some_and(|[low, high]| next < low || next > high);
-            if outside || !slope(next).is_ok_and(|slope| slope * usual > 0.1 * usual * usual) {
+            if !slope(next).is_ok_and(|slope| slope * usual > 0.1 * usual * usual) {
                 break;
             }
             at = next;

@@ -24,11 +24,6 @@ impl Vary {
         self.random.as_mut().map_or(usual, |random| usual * (1.0 + spread * random.within(-1.0, 1.0)))
     }
 
-    /// Several lengths [m].
-    pub fn lengths<const N: usize>(&mut self, usual: [f64; N]) -> [f64; N] {
-        usual.map(|usual| self.length(usual))
-    }
-
     /// An angle, up to `most` more or less [rad].
     pub fn angle(&mut self, usual: f64, most: f64) -> f64 {
         self.random.as_mut().map_or(usual, |random| usual + most * random.within(-1.0, 1.0))

@@ -21,10 +21,10 @@ pub enum Draw {
 
 /// A random mechanism of a random kind.
 pub fn wild(random: &mut Random) -> (&'static str, Draw) {
-    let kinds = all();
-    let (name, make) = kinds[random.below(kinds.len())];
+    let kind = &all()[random.below(all().len())];
+    let name = kind.name.as_str();
     let spread = random.pick(&[0.02, 0.1, 0.25]);
-    let mut sketch = make(&mut Vary::random(Random::new(random.word()), spread));
+    let mut sketch = kind.sketch(&mut Vary::random(Random::new(random.word()), spread));
     sketch.weigh(random, MASSES);
     sketch.tolerance = random.decades(1e-11, 1e-6);
     sketch.loads.gravity = [if random.chance(0.7) { 9.81 } else { 0.0 }, random.within(-PI, PI)];
@@ -36,7 +36,7 @@ pub fn wild(random: &mut Random) -> (&'static str, Draw) {
         Ok(place) => place,
         Err(Miss::Near) => return (name, Draw::Near),
         Err(Miss::Apart) => {
-            let usual = make(&mut Vary::none());
+            let usual = kind.sketch(&mut Vary::none());
             return (
                 name,
                 match Place::of(&usual, usual.start[0]) {
