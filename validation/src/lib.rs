@@ -5,9 +5,11 @@ mod bodies;
 pub mod cosim;
 mod designs;
 mod gear;
+mod host;
 mod hydraulics;
 mod instructions;
 pub mod kinds;
+mod linear;
 mod measure;
 mod rigid_fem;
 mod scene;
@@ -90,8 +92,8 @@ fn count(results: &Path) -> Result<(), String> {
 /// The coupling host on an FMU of another exporter.
 fn foreign(file: &Path) -> Result<(), String> {
     let name = file.file_stem().ok_or_else(|| format!("{}: no FMU", file.display()))?;
-    let fmu = cosim::unpacked::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
-    println!("{}", cosim::foreign::compare(&fmu)?);
+    let fmu = cosim::fmus::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
+    println!("{}", cosim::fmus::foreign(&fmu)?);
     Ok(())
 }
 
@@ -107,7 +109,7 @@ fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
         let arguments = package::Arguments { paths, ..package::Arguments::of_fmi_2() };
         let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
         let file = files.first().ok_or("nothing was packed")?;
-        cosim::unpacked::Fmu::open(file, &workspace.target("cosim").join(name))
+        cosim::fmus::Fmu::open(file, &workspace.target("cosim").join(name))
     };
     let hydraulic = if words.contains(&"circuit") { None } else { Some(open("HydraulicActuator")?) };
     let pages = cosim::table(&cosim::scenes::Fmus { gear: open("LandingGearRetraction")?, hydraulic })?;

@@ -1,15 +1,8 @@
-//! What a random call of a C function may be answered with, for the attacks on each version of FMI, whose statuses have
-//! the same numbers.
+//! What a random call of a C function may be answered with.
 use super::probe::Probe;
 use super::random::Random;
+use crate::host::{DISCARD, ERROR, OK, WARNING};
 use linkage_fmu::fmi2::host::Message;
-use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Variable};
-
-const OK: i32 = Status::Ok as i32;
-const WARNING: i32 = Status::Warning as i32;
-const DISCARD: i32 = Status::Discard as i32;
-const ERROR: i32 = Status::Error as i32;
 
 /// What may be answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +28,11 @@ impl May {
             _ => false,
         }
     }
+
+    /// This if a condition holds; else the call is refused.
+    pub fn when(self, condition: bool) -> Self {
+        if condition { self } else { Self::BeRefused }
+    }
 }
 
 /// A number that hosts seldom pass.
@@ -49,9 +47,4 @@ pub fn changed(value: f64, random: &mut Random) -> f64 {
         1 => random.within(-1.0, 1.0),
         _ => value * random.decades(0.5, 2.0),
     }
-}
-
-/// Whether the variable has a value before initialization mode.
-pub fn is_early(variable: &Variable) -> bool {
-    matches!(variable.causality, Causality::Input | Causality::Parameter)
 }

@@ -38,7 +38,7 @@ fn possible(probe: &mut Probe, sketch: &Sketch, text: &str, span: f64, steps: u3
         println!("{text}\n{span} s in {steps} steps");
     }
     let mut model = probe.timed("instantiation", || open(text)).map_err(|error| format!("refused: {error}"))?;
-    probe.count(if sketch.stops.is_some() { "mechanisms with stops" } else { "mechanisms without stops" });
+    probe.count(if sketch.stops.is_empty() { "mechanisms without stops" } else { "mechanisms with stops" });
     let off = run(sketch, &mut model, span, steps, &mut |model, h| {
         probe.count("steps");
         probe.timed("step", || model.step(h))

@@ -6,15 +6,14 @@
 mod actuator;
 mod answers;
 mod calls;
-mod calls3;
 mod coupled;
 mod definitions;
-mod exchange;
 mod histories;
 mod kinds;
 mod mechanism;
 mod metamorphic;
 mod page;
+mod player;
 mod probe;
 pub mod random;
 mod relation;
@@ -77,7 +76,7 @@ pub const PARTS: [Part; 12] = [
         name: "calls",
         claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line \
             and changes no Real",
-        case: calls::attack,
+        case: calls::second,
         count: 1_000,
         share: 0.05,
         block: 1,
@@ -86,7 +85,7 @@ pub const PARTS: [Part; 12] = [
         name: "calls3",
         claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one \
             that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
-        case: calls3::attack,
+        case: calls::third,
         count: 42_000,
         share: 0.1,
         block: 1,
@@ -96,7 +95,7 @@ pub const PARTS: [Part; 12] = [
         claim: "random C calls of model exchange in FMI 2.0 and FMI 3.0: each answer is one that the phase allows; a \
             refusal has one line and changes no Real; states that are taken are those that were set; no rate and no \
         indicator is other than a number",
-        case: exchange::attack,
+        case: calls::exchange,
         count: 5_000,
         share: 0.05,
         block: 1,

@@ -5,12 +5,10 @@
 pub mod circuit;
 pub mod extrapolation;
 pub mod fmus;
-pub mod foreign;
 pub mod models;
 mod page;
 pub mod pair;
 pub mod scenes;
 pub mod schemes;
-pub mod unpacked;
 
 pub use page::table;

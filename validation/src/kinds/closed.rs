@@ -105,9 +105,8 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
     names.push("t".into());
     let mut steps = terms(pairs("with")?, &mut names)?;
     let points = terms(pairs("points")?, &mut names)?;
-    let point = |name: &str| {
-        points.iter().position(|(own, _)| own == name).ok_or_else(|| format!("there is no point {name}"))
-    };
+    let point =
+        |name: &str| points.iter().position(|(own, _)| own == name).ok_or_else(|| format!("there is no point {name}"));
     let mut parts = Vec::new();
     for line in list("bodies") {
         let part = Part::read(line, &parts, &point, &|text| Term::read(text, &constants));
@@ -165,7 +164,12 @@ impl Part {
                 Ok::<_, String>((point(name)?, term(local)?))
             });
             let points = points.collect::<Result<_, _>>()?;
-            return Ok(Self::Rod { name: name.into(), ends: [point(from)?, point(end)?], length: term(length)?, points });
+            return Ok(Self::Rod {
+                name: name.into(),
+                ends: [point(from)?, point(end)?],
+                length: term(length)?,
+                points,
+            });
         }
         let (at, rest) = rest.split_once(" on ").ok_or("neither rod nor slide")?;
         let (rail, axis) = rest.split_once(" along ").ok_or("no axis")?;

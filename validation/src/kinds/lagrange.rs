@@ -5,7 +5,7 @@
 //!
 //! In: a sketch. Out: the parameter and its rate in time. It must not know the engine.
 use super::jet::{Jet, Vector};
-use super::sketch::{Miss, Pose, Sketch, Spring, Stops};
+use super::sketch::{Miss, Pose, Sketch, Spring};
 
 /// Steps of the midpoint rule that are extrapolated: each column doubles the order by 2.
 const COLUMNS: usize = 8;
@@ -102,7 +102,7 @@ impl Place {
 
     /// The coordinate of the sketch.
     pub fn value(&self, sketch: &Sketch) -> Jet {
-        sketch.value(&self.places, &self.poses)
+        sketch.value(sketch.coordinate, &self.places, &self.poses)
     }
 }
 
@@ -158,20 +158,13 @@ impl<'a> Motion<'a> {
         Ok(None)
     }
 
-    /// How far the coordinate is beyond a stop.
+    /// How far the coordinate is beyond a stop; an angle has no jumps of a whole turn, within half a turn of the middle
+    /// of the stops.
     fn beyond(&self, s: f64) -> Result<f64, Miss> {
-        let Some(Stops { values: [low, high], .. }) = self.sketch.stops else { return Ok(-1.0) };
-        let value = self.near(Place::of(self.sketch, s)?.value(self.sketch).value());
-        Ok((low - value).max(value - high))
-    }
-
-    /// An angle without the jumps of a whole turn: within half a turn of the middle of the stops.
-    fn near(&self, value: f64) -> f64 {
-        let (Some(stops), super::sketch::Coordinate::Angle(_)) = (self.sketch.stops, self.sketch.coordinate) else {
-            return value;
-        };
-        let middle = 0.5 * (stops.values[0] + stops.values[1]);
-        middle + super::angle_apart(value, middle)
+        let [low, high] = &self.sketch.stops[..] else { return Ok(-1.0) };
+        let middle = 0.5 * (low.value + high.value);
+        let value = middle + self.sketch.apart(Place::of(self.sketch, s)?.value(self.sketch).value(), middle);
+        Ok((low.value - value).max(value - high.value))
     }
 
     /// Integrate over a span.
@@ -191,7 +184,7 @@ impl<'a> Motion<'a> {
                 continue;
             };
             // A step may go beyond a stop and come back within itself: it is farthest out where it turns.
-            let turned = self.sketch.stops.is_some() && self.state[1] * end[1] < 0.0;
+            let turned = !self.sketch.stops.is_empty() && self.state[1] * end[1] < 0.0;
             let (out, farthest) = match turned.then(|| self.turn(h)) {
                 None => (h, end),
                 Some(Some(turn)) => turn,
@@ -259,7 +252,7 @@ impl<'a> Motion<'a> {
             }
             at = next;
         }
-        let restitution = self.sketch.stops?.restitution;
+        let restitution = self.sketch.stops.first()?.rigid?;
         let rate = end[1];
         if restitution == 0.0 && rate.abs() < GRAZE * self.fastest {
             return None;

@@ -5,21 +5,19 @@
 //! closes loops, nor how it integrates.
 mod check;
 mod closed;
+mod definition;
 mod dyads;
 mod expression;
-mod jet;
+pub(crate) mod jet;
 mod lagrange;
 mod serial;
-mod sketch;
-mod travel;
-mod vary;
+pub(crate) mod sketch;
 mod wild;
 
 pub use check::{Off, open, run};
 pub use closed::Kind;
-pub use sketch::{Coordinate, Miss, Sketch};
-pub use vary::Vary;
-pub use wild::{Draw, wild};
+pub use sketch::Sketch;
+pub use wild::{Draw, Vary, wild};
 
 use crate::attack::random::Random;
 use std::f64::consts::{PI, TAU};
@@ -45,9 +43,9 @@ pub fn usual(place: usize, kind: &'static Kind) -> Sketch {
     let mut random = Random::new(place as u64);
     sketch.weigh(&mut random, [0.2, 5.0]);
     sketch.start[1] = 2.0 * sketch.own_motion();
-    let reach = travel::reach(&sketch, ROUND);
+    let reach = wild::reach(&sketch, ROUND);
     if reach.iter().any(|end| (end - sketch.start[0]).abs() < ROUND) {
-        sketch.stops = travel::stops(&sketch, reach, [0.8, 0.8], 0.5);
+        sketch.stops = wild::stops(&sketch, reach, [0.8, 0.8], 0.5);
     }
     sketch.loads.gravity = [9.81, PI / 2.0];
     sketch.tolerance = 1e-10;

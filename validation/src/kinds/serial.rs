@@ -2,7 +2,7 @@
 use super::dyads::{arm, line, on};
 use super::jet::{Jet, Vector};
 use super::sketch::Sketch;
-use super::vary::Vary;
+use super::wild::Vary;
 use std::f64::consts::TAU;
 
 /// A kind by the word for it in `scenes/kinds.json`.
