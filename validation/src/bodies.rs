@@ -26,9 +26,6 @@ struct Chain {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// The engine refuses a chain or a step.
 pub fn table() -> Result<Pages, String> {
     measure().map_err(|e| e.to_string())
 }

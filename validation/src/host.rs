@@ -121,9 +121,6 @@ pub struct Model {
 }
 
 /// A model by the name of its folder.
-///
-/// # Errors
-/// The folder has no definition, or one that is refused.
 pub fn model(name: &'static str) -> Result<&'static Model, String> {
     static ALL: Mutex<BTreeMap<&str, &'static Model>> = Mutex::new(BTreeMap::new());
     let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);

@@ -48,9 +48,6 @@ fn ok(status: Status, what: &str, host: &Host) -> Result<(), String> {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let description = Description::read(&descriptions.join("HydraulicActuator"))?;
     let (mut rows, mut csv, mut figures) = (heading(&["use", "step [us]"]), String::from("use,step_us\n"), Vec::new());

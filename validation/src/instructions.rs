@@ -33,9 +33,6 @@ const READS: [(&str, &[After]); 4] = [
 const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
 
 /// The table in Markdown and CSV; none where there is no callgrind.
-///
-/// # Errors
-/// A run fails, or valgrind reports no count.
 pub fn table() -> Result<Option<Pages>, String> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -99,9 +96,6 @@ fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
 
 /// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` of them, whose
 /// arguments `words` gives.
-///
-/// # Errors
-/// A run fails, or valgrind reports no count.
 pub fn difference(words: impl Fn(String) -> Vec<String>, few: u32, more: u32) -> Result<f64, String> {
     let difference = counted(&words(more.to_string()))?.checked_sub(counted(&words(few.to_string()))?);
     let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
@@ -119,9 +113,6 @@ fn counted(words: &[String]) -> Result<u64, String> {
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
-///
-/// # Errors
-/// A word names nothing; a call is refused.
 pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));

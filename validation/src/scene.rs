@@ -94,9 +94,6 @@ pub const SCENES: [Scene; 9] = [
 
 impl Scene {
     /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
-    ///
-    /// # Errors
-    /// The engine refuses a setting or a step.
     pub fn work(&self, text: &str, tolerance: f64, steps: u32, after: &[After]) -> Result<Statistics, ModelError> {
         let mut model = Model::from_json(text)?;
         for &(name, value) in self.reals {

@@ -20,9 +20,6 @@ const RUNS_OF: [(&str, u32, &[After]); 3] = [
 const RUNS: usize = 400;
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;

@@ -27,9 +27,6 @@ struct Row {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;

@@ -30,9 +30,6 @@ const CASES: [Case; 2] = [
 type Run = (f64, f64, u64);
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A file cannot be read; the engine refuses a setting or a step.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let times = ["mechanism", "tolerance", "tables [us]", "none [us]", "ratio"];
     let mut rows = heading(&[&times[..], &["error, tables [rad]", "error, none [rad]", "evaluations"]].concat());

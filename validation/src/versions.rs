@@ -69,9 +69,6 @@ const ROWS: [(&str, &str, Call); 5] = [
 const VERSIONS: [(&str, &str); 3] = [("2", "FMI 2.0"), ("3", "FMI 3.0"), ("3e", "FMI 3.0 with event mode")];
 
 /// The table in Markdown, and its rows for the CSV.
-///
-/// # Errors
-/// A run fails, or valgrind reports no count.
 pub fn table() -> Result<(String, String), String> {
     let mut page = String::from("\n## FMI 3.0 beside FMI 2.0\n\n");
     page += "Each call by itself, repeated; the state is put back to the start before each retraction. Values are read \
@@ -103,9 +100,6 @@ pub fn table() -> Result<(String, String), String> {
 }
 
 /// Repeat one call: the word of a version, that of a call, and how many times a retraction's worth of them.
-///
-/// # Errors
-/// A word names nothing; a call is refused.
 pub fn repeat(folder: &Path, words: [&str; 3]) -> Result<(), String> {
     let [version, call, repetitions] = words;
     let (.., call) = *ROWS.iter().find(|(word, ..)| *word == call).ok_or_else(|| format!("no call {call}"))?;

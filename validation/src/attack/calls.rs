@@ -176,9 +176,6 @@ pub fn second(probe: &mut Probe) -> Result<(), String> {
 }
 
 /// A part's case: one instance of FMI 3.0, with event mode, early return and intermediate updates or without.
-///
-/// # Errors
-/// As above.
 pub fn third(probe: &mut Probe) -> Result<(), String> {
     const MODELS: [&str; 6] = [
         "LandingGearRetraction",
@@ -205,9 +202,6 @@ pub fn third(probe: &mut Probe) -> Result<(), String> {
 
 /// A part's case: one instance for model exchange, of either version: models with stops, locks, friction, closed and
 /// open curves.
-///
-/// # Errors
-/// As above; states that are taken and are others.
 pub fn exchange(probe: &mut Probe) -> Result<(), String> {
     const MODELS: [&str; 7] =
         ["LandingGearRetraction", "FourBar", "SliderCrank", "CraneJib", "Jib", "StickSlip", "Tailgate"];

@@ -151,9 +151,6 @@ fn exchange(
 }
 
 /// A part's case: one coupling.
-///
-/// # Errors
-/// The twins differ, a state that was written is refused, a value is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let start = probe.timed("instantiation", || Start::new(&mut random))?;

@@ -31,9 +31,6 @@ const STEPS: usize = 3;
 const PLACE: &str = "\"@@place@@\"";
 
 /// A part's case: one definition.
-///
-/// # Errors
-/// A refusal without words or over several lines; a value that is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let (file, text) = match random.below(8) {

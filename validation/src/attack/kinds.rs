@@ -13,9 +13,6 @@ const MOST: f64 = 100.0;
 const DRAWS: u32 = 50;
 
 /// A part's case: one mechanism.
-///
-/// # Errors
-/// It is refused although its lengths can be joined, or is off by too much.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     for _ in 0..DRAWS {

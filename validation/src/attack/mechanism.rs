@@ -40,9 +40,6 @@ pub struct Prepared {
 
 impl Prepared {
     /// The model of a definition, at its start.
-    ///
-    /// # Errors
-    /// The definition is refused.
     pub fn new(definition: Definition) -> Result<Self, String> {
         let mut start = Component::from_definition(definition.file, &definition.text).map_err(|e| e.to_string())?;
         start.initialize().map_err(|e| e.to_string())?;

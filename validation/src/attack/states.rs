@@ -17,9 +17,6 @@ const HEAD: usize = 36;
 const CHECK: usize = 4;
 
 /// A part's case: a model's state, or that of an instance through the C functions.
-///
-/// # Errors
-/// An output is not finite without a reason, or a state that was taken cannot be written or read again.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     if probe.seed % 4 == 3 {
         return instance(probe);

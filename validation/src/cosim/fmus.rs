@@ -163,9 +163,6 @@ pub struct Gear(Side);
 
 impl Gear {
     /// An instance at its start.
-    ///
-    /// # Errors
-    /// The FMU has no such variable, or refuses a value.
     pub fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], flags: &[(String, bool)]) -> Result<Self, String> {
         Side::start(fmu, reals, flags, "").map(Self)
     }
@@ -219,9 +216,6 @@ pub struct Hydraulic(Side, bool);
 
 impl Hydraulic {
     /// An instance at its start in a mode of `coupling.mode`.
-    ///
-    /// # Errors
-    /// The FMU has no such variable, or refuses a value.
     pub fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], mode: &str) -> Result<Self, String> {
         Ok(Self(Side::start(fmu, reals, &[], mode)?, mode != "follow"))
     }

@@ -87,9 +87,6 @@ fn has_mode(fmus: &Fmus, scheme: &str) -> bool {
 }
 
 /// The page, and its figures as CSV.
-///
-/// # Errors
-/// The reference run is refused.
 pub fn table(fmus: &Fmus) -> Result<Pages, String> {
     let side = match fmus.hydraulic {
         Some(_) => "the FMU `HydraulicActuator`",

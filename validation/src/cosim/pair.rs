@@ -134,9 +134,6 @@ impl<'a> Pair<'a> {
     }
 
     /// Exchange the present values: the motion to the actuator, its force to the mechanism.
-    ///
-    /// # Errors
-    /// A side refuses.
     pub fn exchange(&mut self) -> Result<Point, Refused> {
         let Motion { length, speed, .. } = self.mechanism.motion()?;
         self.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
@@ -146,18 +143,12 @@ impl<'a> Pair<'a> {
     }
 
     /// [`Mechanism::step`], counted.
-    ///
-    /// # Errors
-    /// It is refused.
     pub fn step_mechanism(&mut self, t: f64, h: f64) -> Result<(), Refused> {
         self.steps[0] += 1;
         self.mechanism.step(t, h)
     }
 
     /// [`Actuator::step`], counted.
-    ///
-    /// # Errors
-    /// It is refused.
     pub fn step_actuator(&mut self, t: f64, h: f64) -> Result<(), Refused> {
         self.steps[1] += 1;
         self.actuator.step(t, h)

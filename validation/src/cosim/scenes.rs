@@ -33,9 +33,6 @@ pub struct Scene {
 }
 
 /// All scenes.
-///
-/// # Errors
-/// The file is none of scenes.
 pub fn all() -> Result<Vec<Scene>, String> {
     let file: Vec<Value> = serde_json::from_str(FILE).map_err(|e| e.to_string())?;
     file.iter().map(|value| Scene::read(value).ok_or_else(|| format!("no scene: {value}"))).collect()

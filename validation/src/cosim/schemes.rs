@@ -7,9 +7,6 @@ use super::pair::{Motion, Pair, Point, Preview, Refused, hermite};
 /// A coupling scheme with its memory of the past.
 pub trait Scheme {
     /// From the communication point `t` to `t + h` [s], both sides having the state at `t`.
-    ///
-    /// # Errors
-    /// A side refuses a call.
     fn step(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused>;
 }
 

@@ -51,9 +51,6 @@ const SUSPECT: f64 = 10.0;
 const PLACES: usize = 12;
 
 /// A sketch in the engine, at its start.
-///
-/// # Errors
-/// The engine refuses it.
 pub fn open(text: &str) -> Result<Simulation, SimulationError> {
     let mut run = Simulation::open(text)?;
     run.initialize()?;
@@ -105,9 +102,6 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
 /// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference, `strongest` the
 /// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the
 /// closed form.
-///
-/// # Errors
-/// An output is refused, or is not finite.
 fn state(
     sketch: &Sketch,
     run: &mut Simulation,
@@ -249,9 +243,6 @@ fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64)
 pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationError> + 'a;
 
 /// Run a sketch over a span in equal steps and compare after each.
-///
-/// # Errors
-/// The engine refuses a step or an output.
 pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &mut Step<'_>) -> Result<Off, String> {
     let names = Names::of(sketch);
     let mut one = Motion::new(sketch);

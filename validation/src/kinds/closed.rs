@@ -51,9 +51,6 @@ enum Part {
 }
 
 /// All kinds of the file.
-///
-/// # Errors
-/// What in it is no kind.
 pub fn read() -> Result<Vec<Kind>, String> {
     let file: Vec<Map<String, Value>> = serde_json::from_str(FILE).map_err(|e| e.to_string())?;
     file.iter().map(|own| kind(own, &file).map_err(|why| format!("{own:?}: {why}"))).collect()

@@ -19,9 +19,6 @@ impl Sketch {
     }
 
     /// The text of its definition. The guess is off by `rough`, differently for each number.
-    ///
-    /// # Errors
-    /// The closed form has no value at the start.
     pub fn definition(&self) -> Result<String, Miss> {
         Ok(self.definition_at(&(self.places)(Jet::variable(self.start[0]))?))
     }

@@ -61,9 +61,6 @@ impl Term {
     }
 
     /// Its value, where the names have these.
-    ///
-    /// # Errors
-    /// Circles or lines do not meet.
     pub fn value(&self, named: &[Vector]) -> Result<Vector, Miss> {
         match self {
             Self::Constant(value) => Ok(*value),

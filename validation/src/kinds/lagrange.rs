@@ -54,8 +54,6 @@ pub struct Place {
 }
 
 impl Place {
-    /// # Errors
-    /// The closed form has no value there.
     pub fn of(sketch: &Sketch, s: f64) -> Result<Self, Miss> {
         let places = (sketch.places)(Jet::variable(s))?;
         let poses = sketch.poses(&places);

@@ -197,9 +197,6 @@ impl Case {
     }
 
     /// The model, at its start.
-    ///
-    /// # Errors
-    /// What it says.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
         let told = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
@@ -273,47 +270,18 @@ fn stretched(text: &str, length: f64) -> String {
 }
 
 /// Reference of a variable.
-///
-/// # Errors
-/// There is none of this name.
 pub fn find(model: &Model, name: &str) -> Result<Reference, String> {
     model.variables().find(name).ok_or_else(|| format!("no variable {name}"))
 }
 
 /// Value of a Real.
-///
-/// # Errors
-/// It does not exist in the present state.
 pub fn get(model: &mut Model, name: &str) -> Result<f64, String> {
     let reference = find(model, name)?;
     let value = model.real(reference).map_err(|e| e.to_string())?;
     if value.is_nan() { Err(model.undefined(reference).unwrap_or_default()) } else { Ok(value) }
 }
 
-/// Read every output, as a host that records all of them does.
-///
-/// # Errors
-/// An output that is neither finite nor NaN for a reason.
-pub fn read_all(model: &mut Model) -> Result<(), String> {
-    let list = model.variables().list().to_vec();
-    for (variable, reference) in list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output) {
-        if variable.kind == Kind::Boolean {
-            model.boolean(reference).map_err(|e| e.to_string())?;
-            continue;
-        }
-        let value = model.real(reference).map_err(|e| e.to_string())?;
-        let reason = model.undefined(reference);
-        if value.is_infinite() || value.is_nan() != reason.is_some() {
-            return Err(format!("{} = {value}: {reason:?}", variable.name));
-        }
-    }
-    Ok(())
-}
-
 /// Set a Real.
-///
-/// # Errors
-/// It is refused.
 pub fn set(model: &mut Model, name: &str, value: f64) -> Result<(), String> {
     let reference = find(model, name)?;
     model.set_real(reference, value).map_err(|e| e.to_string())

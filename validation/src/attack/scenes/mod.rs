@@ -63,9 +63,6 @@ fn moved_on_the_way(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64
 }
 
 /// A part's case: one scene.
-///
-/// # Errors
-/// The engine is too far off, or refuses a step.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let machine = Machine::random(&mut random);

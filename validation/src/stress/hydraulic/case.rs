@@ -68,9 +68,6 @@ impl Case {
     }
 
     /// The engine's run.
-    ///
-    /// # Errors
-    /// What it refuses.
     pub fn run(&self, tolerance: f64) -> Result<Run, String> {
         let words = |e: linkage_fmu::hydraulics::HydraulicsError| e.to_string();
         let mut model = Model::from_json(ACTUATOR).map_err(words)?;
@@ -154,9 +151,6 @@ impl Case {
 
     /// The circuit in plain numbers from the state `y` before step `from` to the end, each step to a tolerance. `look`
     /// sees the state before each step.
-    ///
-    /// # Errors
-    /// The integration does not come to its end.
     pub fn exact(
         &self,
         mut y: End,

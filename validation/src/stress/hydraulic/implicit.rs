@@ -11,9 +11,6 @@ const COLUMNS: usize = 7;
 const MOST: usize = 2_000_000;
 
 /// y at `t + span`, each step to `tolerance` of `scale(y)`. Components from `driving` on do not occur in f.
-///
-/// # Errors
-/// Too many steps.
 pub fn integrate<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
     scale: &impl Fn(&[f64; N]) -> [f64; N],
