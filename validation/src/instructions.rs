@@ -64,8 +64,7 @@ pub fn table() -> Result<Option<Pages>, String> {
         }
         rows.push('\n');
     }
-    rows += "\n## A reset\n\nfmi2Reset, values set, fmi2SetupExperiment, initialisation: what follows from the \
-        parameters is kept.\n\n";
+    rows += &format!("\n{}", measure::page("reset", &[]));
     rows += &heading(&["scene", "instructions"]);
     for scene in SCENES.iter().filter(|scene| scene.after.is_empty()) {
         let count = instructions(scene.name, RESET, 1)?;
@@ -75,15 +74,8 @@ pub fn table() -> Result<Option<Pages>, String> {
     let (versions, lines) = versions::table()?;
     rows += &versions;
     csv += &lines;
-    let words = format!(
-        "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
-         difference of two runs that differ by 1 to {MOST} repetitions, the more the fewer their doSteps; the state is \
-         put \
-         back to the start before each. Counts of one compiler repeat within half a percent: set-up, which cancels but \
-         for that, hashes with random seeds. Motion: three \
-         fmi2GetReal; reactions: one of four; each reaction: four of one."
-    );
-    Ok(Some(Pages { page: measure::page("Instructions", &words) + &rows, csv }))
+    let words = measure::page("instructions", &[("tolerance", &format!("{TOLERANCE:.0e}")), ("most", &MOST)]);
+    Ok(Some(Pages { page: words + &rows, csv }))
 }
 
 /// Instructions of one run of the scene.

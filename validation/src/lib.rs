@@ -1,9 +1,17 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+/// Text of an example.
+macro_rules! example {
+    ($name:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/", $name, "/resources/mechanism.json"))
+    };
+}
+
 pub mod attack;
 mod benchmarks;
 mod bodies;
 pub mod cosim;
 mod designs;
+pub mod extrapolation;
 mod gear;
 mod host;
 mod hydraulics;
@@ -18,7 +26,6 @@ mod setup;
 mod steps;
 pub mod stress;
 mod stress_report;
-mod untabled;
 mod versions;
 
 use fmu_build::package;
@@ -50,9 +57,8 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }
         _ => {
-            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with \
-             names of \
-                 groups, or `attack` with its options"
+            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with names \
+             of groups, or `attack` with its options"
                 .into())
         }
     }
@@ -68,7 +74,7 @@ const TABLES: [Table; 10] = [
     ("steps", steps::table),
     ("scenes", scenes::table),
     ("bodies", |_| bodies::table()),
-    ("untabled", untabled::table),
+    ("untabled", benchmarks::untabled),
     ("retraction", benchmarks::retraction),
     ("rigid_fem", rigid_fem::table),
     ("benchmarks", benchmarks::table),

@@ -6,9 +6,6 @@ use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;
 
-/// theta2 [rad] at the end of scene S1, from a 34-digit energy quadrature.
-pub const THETA2: f64 = -1.237_711_726_689_136_7;
-
 /// The input that is set, and along which derivatives are taken.
 pub const KNOWN: &str = "actuator.force";
 

@@ -5,7 +5,7 @@
 
 use crate::host::{Host, OK};
 use crate::instructions::difference;
-use crate::measure::heading;
+use crate::measure::{self, heading};
 use crate::scene::SPAN;
 use linkage_fmu::fmi2::host::{Description, State};
 use linkage_fmu::fmi3::host::{Host as Host3, Wishes};
@@ -70,12 +70,7 @@ const VERSIONS: [(&str, &str); 3] = [("2", "FMI 2.0"), ("3", "FMI 3.0"), ("3e", 
 
 /// The table in Markdown, and its rows for the CSV.
 pub fn table() -> Result<(String, String), String> {
-    let mut page = String::from("\n## FMI 3.0 beside FMI 2.0\n\n");
-    page += "Each call by itself, repeated; the state is put back to the start before each retraction. Values are read \
-        again in one \
-             state, and the eight inputs set to the values they have, two of them twice. Asked: a get and a set cost \
-             in FMI 3.0 \
-             what they cost in FMI 2.0, a doStep 5 % more at most.\n\n";
+    let mut page = format!("\n{}", measure::page("versions", &[]));
     page += &heading(&["call", VERSIONS[0].1, VERSIONS[1].1, "to FMI 2.0", VERSIONS[2].1, "to FMI 2.0"]);
     let mut csv = String::new();
     for (word, title, _) in ROWS {

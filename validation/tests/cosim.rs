@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use validation::cosim::circuit::Circuit;
-use validation::cosim::extrapolation::integrate;
 use validation::cosim::models::{Integrated, Mass, OilSpring};
 use validation::cosim::pair::{Actuator, Motion, Pair, hermite};
-use validation::cosim::schemes::{self, Scheme};
+use validation::cosim::schemes;
+use validation::extrapolation::integrate;
 
 /// A mass on an oil spring, from rest under a force.
 const MASS: f64 = 700.0;
@@ -94,7 +94,7 @@ const FROZEN: [[f64; 4]; 7] = [
 fn growth(scheme: &str, mass: f64, spring: OilSpring, h: f64) -> f64 {
     let mut mass = Mass::new(mass, 0.0, [0.5, 0.0]);
     let mut oil = Integrated::new(spring, [1.0, 0.0, 0.0, 0.0]);
-    let mut scheme: Box<dyn Scheme> = schemes::by_name(scheme).unwrap();
+    let mut scheme = schemes::by_name(scheme).unwrap();
     let frequency = (spring.stiffness / mass.mass).sqrt();
     let mut pair = Pair::new(&mut mass, &mut oil);
     let mut energy = Vec::new();

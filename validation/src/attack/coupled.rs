@@ -10,7 +10,7 @@ use linkage_fmu::hydraulics::ACTUATOR;
 use linkage_fmu::variables::{Causality, Reference};
 use serde_json::Value;
 
-const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const GEAR: &str = example!("LandingGearRetraction");
 /// Most steps of a coupling.
 const STEPS: usize = 24;
 /// What the actuator foresees.

@@ -16,12 +16,6 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-macro_rules! example {
-    ($name:literal) => {
-        include_str!(concat!("../../../modelDescription/", $name, "/resources/mechanism.json"))
-    };
-}
-
 /// The examples.
 const EXAMPLES: [&str; 13] = [
     example!("AndrewsSqueezer"),

@@ -2,15 +2,14 @@
 //!
 //! In: models, random numbers. Out: for each call what the phase allows it to be answered with, and the answer. What is
 //! allowed follows from the standards alone.
-use super::answers::{May, changed, odd};
+use super::answers::{Fault, May, changed, count, odd, silent, size, update};
 use super::calls::RESET;
 use super::random::Random;
-use crate::host::{DISCARD, ERROR, Host, Model, OK, WARNING, model};
+use crate::host::{DISCARD, Host, Model, OK, WARNING, model};
 use May::Either;
 use linkage_fmu::fmi2::host::{State, logger};
-use linkage_fmu::fmi3::host::{self, Calls, Wishes};
+use linkage_fmu::fmi3::host::{Host as Host3, Wishes};
 use linkage_fmu::variables::{Causality, Kind, Variability, Variable};
-use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use {Phase::Continuous, Phase::Ended, Phase::Event, Phase::Initialization, Phase::Instantiated, Phase::Step};
 
@@ -49,9 +48,6 @@ pub struct Now {
 
 pub const FRESH: Now = Now { phase: Instantiated, time: 0.0, awaits: false };
 
-/// Where values that do not exist, or another fault of a callback, are noted.
-type Fault = Rc<RefCell<Option<String>>>;
-
 /// An instance, and what is known of it.
 pub struct Player {
     pub host: Host,
@@ -66,56 +62,6 @@ pub struct Player {
 
 /// A call's name, what may be answered, and the answer.
 pub type Answer = (&'static str, May, i32);
-
-/// What is wrong with values that are told without a warning.
-fn silent(status: i32, values: &[f64]) -> Option<String> {
-    let is_silent = status == OK && values.iter().any(|value| !value.is_finite());
-    is_silent.then(|| format!("values that do not exist without a warning: {values:?}"))
-}
-
-/// Number of value references: scalars, and in FMI 3.0 time and vectors.
-fn count(model: &Model) -> usize {
-    model.description.interface().list().len() + 1 + model.vectors
-}
-
-/// Number of values of a Float64 variable; none of what is no Float64.
-fn size(model: &Model, reference: u32) -> Option<usize> {
-    let list = model.description.interface().list();
-    match list.get(reference as usize) {
-        Some(variable) => (variable.kind == Kind::Real).then_some(1),
-        None if reference as usize == list.len() => Some(1),
-        None => ((reference as usize) < count(model)).then_some(2),
-    }
-}
-
-/// What a host does in an intermediate update: it reads a variable now and then, makes calls that are refused there,
-/// and asks for the end of the step at times.
-fn update(model: &'static Model, random: Random, fault: Fault) -> Box<host::Update> {
-    let (random, told) = (RefCell::new(random), Cell::new(0_usize));
-    Box::new(move |calls: &Calls, time| {
-        let mut random = random.borrow_mut();
-        told.set(told.get() + 1);
-        if told.get() % 8 != 1 {
-            return None;
-        }
-        let reference = random.below(count(model)) as u32;
-        calls.log.take();
-        if let Some(size) = size(model, reference) {
-            let mut values = vec![0.0; size];
-            let status = calls.reals(&[reference], &mut values) as i32;
-            let refused = (status > WARNING).then(|| format!("update: status {status}"));
-            if let Some(wrong) = silent(status, &values).or(refused) {
-                fault.replace(Some(wrong));
-            }
-        }
-        calls.log.take();
-        let refused = [calls.set_reals(&[0], &[1.0]), calls.step(time, 1e-3).0, calls.reset()].map(|s| s as i32);
-        if refused != [ERROR; 3] || calls.log.take().len() != 3 {
-            fault.replace(Some(format!("calls within an update: {refused:?}")));
-        }
-        random.chance(0.1).then(|| time + random.pick(&[0.0, 1e-4, -1.0, f64::NAN, f64::INFINITY]))
-    })
-}
 
 impl Player {
     pub fn new(
@@ -132,10 +78,10 @@ impl Player {
         let host = match (is_three, purpose) {
             (false, Use::Exchange) => Host::Two(description.exchange(Some(logger()), logging)?),
             (false, _) => Host::Two(description.instantiate(Some(logger()), logging)?),
-            (true, Use::Exchange) => Host::Three(host::Host::exchange(description, logging)?),
+            (true, Use::Exchange) => Host::Three(Host3::exchange(description, logging)?),
             (true, _) => {
                 let update = update_by.map(|random| update(model, random, Rc::clone(&fault)));
-                Host::Three(host::Host::new(description, Wishes { event_mode, early_return, logging, update })?)
+                Host::Three(Host3::new(description, Wishes { event_mode, early_return, logging, update })?)
             }
         };
         host.log().take();

@@ -4,7 +4,7 @@ use super::schemes;
 use crate::measure::{Asked, Pages, asked, heading, page};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// Communication step of the reference run, of which all others are multiples [s].
 const FINEST: f64 = 5e-5;
@@ -92,15 +92,10 @@ pub fn table(fmus: &Fmus) -> Result<Pages, String> {
         Some(_) => "the FMU `HydraulicActuator`",
         None => "the circuit in plain numbers",
     };
-    let mut out = page(
-        "Coupling of the gear and its hydraulic actuator",
-        &format!(
-            "The FMU `LandingGearRetraction` (tolerance 1e-12) and {side}, coupled through the functions of FMI 2.0 by \
-             every scheme. Largest error of the crank angle [rad] over the run at communication points, against the \
-             run \
-             of \"{REFERENCE}\" in steps of {FINEST:e} s; x: unstable, a force error of more than {UNSTABLE} N."
-        ),
-    );
+    let finest = format!("{FINEST:e}");
+    let values: [(&str, &dyn Display); 4] =
+        [("side", &side), ("reference", &REFERENCE), ("finest", &finest), ("unstable", &UNSTABLE)];
+    let mut out = page("cosim", &values);
     let mut csv = String::from("scene,scheme,step,angle,force,interface,mechanism_steps,actuator_steps\n");
     let mut found = HashMap::new();
     let scenes = all()?;

@@ -42,12 +42,18 @@ struct Words {
     coordinate: Coordinate,
 }
 
-/// A body or a guide.
-enum Part {
-    Rod { name: String, ends: [usize; 2], length: Term, points: Vec<(usize, Term)> },
-    Slider { name: String, at: usize, from: usize, axis: Term },
-    Block { name: String, at: usize, on: usize, from: usize, axis: Term },
-    Guide { name: String, on: usize, from: usize, axis: Term, block: usize },
+/// A body or a guide, with its name and the point of its origin.
+struct Part {
+    name: String,
+    at: usize,
+    shape: Shape,
+}
+
+enum Shape {
+    /// To another point, with further points.
+    Rod { end: usize, length: Term, points: Vec<(usize, Term)> },
+    /// On the ground or a body, through a point of it; a guide of the block that is there, or a block of its own.
+    Slide { on: Option<usize>, from: usize, axis: Term, block: Option<usize> },
 }
 
 /// All kinds of the file.
@@ -100,7 +106,7 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
     let values = terms(pairs("values")?, &mut names)?;
     let constants = names.clone();
     names.push("t".into());
-    let mut steps = terms(pairs("with")?, &mut names)?;
+    let steps = terms(pairs("with")?, &mut names)?;
     let points = terms(pairs("points")?, &mut names)?;
     let point =
         |name: &str| points.iter().position(|(own, _)| own == name).ok_or_else(|| format!("there is no point {name}"));
@@ -112,7 +118,7 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
     let coordinate = match text("coordinate") {
         None => Coordinate::Angle(0),
         Some("slide 0") => Coordinate::Position(0),
-        Some(body) => Coordinate::Angle(body_of(&parts, body)?),
+        Some(body) => Coordinate::Angle(body_of(&parts, |part| part.name == body)?),
     };
     let ground = text("ground").unwrap_or_default().split(' ').map(point).collect::<Result<_, _>>()?;
     let words = Words {
@@ -122,10 +128,7 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
         angles,
         values: values.into_iter().map(|(_, term)| term).collect(),
         points: points.len(),
-        steps: {
-            steps.extend(points);
-            steps.into_iter().map(|(_, term)| term).collect()
-        },
+        steps: steps.into_iter().chain(points).map(|(_, term)| term).collect(),
         ground,
         parts,
         coordinate,
@@ -133,17 +136,11 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
     Ok(Kind { name, source: Source::Words(words) })
 }
 
-/// The number of a body among the bodies.
-fn body_of(parts: &[Part], wanted: &str) -> Result<usize, String> {
-    let bodies = parts.iter().filter_map(|part| match part {
-        Part::Rod { name, .. } | Part::Slider { name, .. } | Part::Block { name, .. } => Some(name),
-        Part::Guide { .. } => None,
-    });
-    let mut bodies = bodies.enumerate();
-    bodies.find(|(_, name)| *name == wanted).map(|(k, _)| k).ok_or_else(|| format!("there is no body {wanted}"))
-}
-
 impl Part {
+    fn is_body(&self) -> bool {
+        !matches!(self.shape, Shape::Slide { block: Some(_), .. })
+    }
+
     /// `name: from to end, length with point local`, `name: point on rail along axis` or `guide name: ...`; a rail is
     /// a point of the ground, or of a body as `body.point`.
     fn read(
@@ -160,31 +157,29 @@ impl Part {
                 let (name, local) = piece.split_once(' ').ok_or("no place")?;
                 Ok::<_, String>((point(name)?, term(local)?))
             });
-            let points = points.collect::<Result<_, _>>()?;
-            return Ok(Self::Rod {
-                name: name.into(),
-                ends: [point(from)?, point(end)?],
-                length: term(length)?,
-                points,
-            });
+            let (points, at) = (points.collect::<Result<_, _>>()?, point(from)?);
+            let shape = Shape::Rod { end: point(end)?, length: term(length)?, points };
+            return Ok(Self { name: name.into(), at, shape });
         }
         let (at, rest) = rest.split_once(" on ").ok_or("neither rod nor slide")?;
         let (rail, axis) = rest.split_once(" along ").ok_or("no axis")?;
         let (at, axis) = (point(at)?, term(axis)?);
-        let Some((on, from)) = rail.split_once('.') else {
-            return Ok(Self::Slider { name: name.into(), at, from: point(rail)?, axis });
+        let (on, from) = match rail.split_once('.') {
+            Some((body, from)) => (Some(body_of(before, |part| part.name == body)?), from),
+            None => (None, rail),
         };
-        let (on, from) = (body_of(before, on)?, point(from)?);
-        let Some(name) = name.strip_prefix("guide ") else {
-            return Ok(Self::Block { name: name.into(), at, on, from, axis });
+        let (name, block) = match name.strip_prefix("guide ") {
+            Some(name) => (name, Some(body_of(before, |part| part.at == at)?)),
+            None => (name, None),
         };
-        let blocks = before.iter().filter(|part| !matches!(part, Self::Guide { .. }));
-        let block = blocks.into_iter().position(|part| match part {
-            Self::Slider { at: own, .. } | Self::Block { at: own, .. } => *own == at,
-            Self::Rod { .. } | Self::Guide { .. } => false,
-        });
-        Ok(Self::Guide { name: name.into(), on, from, axis, block: block.ok_or("no block")? })
+        Ok(Self { name: name.into(), at, shape: Shape::Slide { on, from: point(from)?, axis, block } })
     }
+}
+
+/// The number of the last such body among the bodies.
+fn body_of(parts: &[Part], is_it: impl Fn(&Part) -> bool) -> Result<usize, String> {
+    let mut bodies: Vec<&Part> = parts.iter().filter(|part| part.is_body()).collect();
+    bodies.iter_mut().rposition(|part| is_it(part)).ok_or_else(|| "there is no such body".into())
 }
 
 impl Kind {
@@ -217,14 +212,14 @@ impl Words {
             out = out.ground(&[(point, fixed.get(point).copied().unwrap_or_default().place())]);
         }
         for part in &self.parts {
-            out = match part {
-                Part::Rod { name, ends: [from, end], length, points } => {
+            let (name, at) = (part.name.as_str(), part.at);
+            out = match &part.shape {
+                Shape::Rod { end, length, points } => {
                     let points: Vec<_> = points.iter().map(|(point, term)| (*point, local(term))).collect();
-                    out.plate(name, *from, *end, real(length), &points)
+                    out.plate(name, at, *end, real(length), &points)
                 }
-                Part::Slider { name, at, from, axis } => out.slider(name, *at, *from, real(axis)),
-                Part::Block { name, at, on, from, axis } => out.block(name, *at, *on, *from, real(axis)),
-                Part::Guide { name, on, from, axis, block } => out.guided(name, Some(*on), *from, real(axis), *block),
+                Shape::Slide { on, from, axis, block: None } => out.slider(name, at, *on, *from, real(axis)),
+                Shape::Slide { on, from, axis, block: Some(block) } => out.guided(name, *on, *from, real(axis), *block),
             };
         }
         out

@@ -6,8 +6,9 @@
 //! In: a sketch. Out: the parameter and its rate in time. It must not know the engine.
 use super::jet::{Jet, Vector};
 use super::sketch::{Miss, Pose, Sketch, Spring};
+use crate::extrapolation;
 
-/// Steps of the midpoint rule that are extrapolated: each column doubles the order by 2.
+/// Most columns of the extrapolation.
 const COLUMNS: usize = 8;
 /// Relative error of a step.
 const ERROR: f64 = 2e-14;
@@ -123,37 +124,13 @@ impl<'a> Motion<'a> {
         Ok((place.force(self.sketch, rate) - half * rate * rate) / inertia)
     }
 
-    /// The midpoint rule with Gragg's last step.
-    fn midpoint(&self, h: f64, count: usize) -> Result<[f64; 2], Miss> {
-        let (start, h) = (self.state, h / count as f64);
-        let slope = |y: [f64; 2]| self.acceleration(y).map(|a| [y[1], a]);
-        let add = |y: [f64; 2], h: f64, f: [f64; 2]| [y[0] + h * f[0], y[1] + h * f[1]];
-        let (mut before, mut now) = (start, add(start, h, slope(start)?));
-        for _ in 1..count {
-            (before, now) = (now, add(before, 2.0 * h, slope(now)?));
-        }
-        let end = add(before, h, slope(now)?);
-        Ok([0, 1].map(|k| 0.5 * (now[k] + end[k])))
-    }
-
     /// A step; None if it is too long for its error.
     fn step(&self, h: f64) -> Result<Option<[f64; 2]>, Miss> {
-        let mut last = [[0.0; 2]; COLUMNS];
         let scales = [1.0 + self.state[0].abs() * 0.01, self.fastest.max(1e-3)];
-        for k in 0..COLUMNS {
-            let count = |k: usize| 2.0 * (k + 1) as f64;
-            let mut row = [[0.0; 2]; COLUMNS];
-            row[0] = self.midpoint(h, 2 * (k + 1))?;
-            for j in 1..=k {
-                let ratio = (count(k) / count(k - j)).powi(2);
-                row[j] = [0, 1].map(|n| row[j - 1][n] + (row[j - 1][n] - last[j - 1][n]) / (ratio - 1.0));
-            }
-            if k > 1 && (0..2).all(|n| (row[k][n] - row[k - 1][n]).abs() <= ERROR * scales[n]) {
-                return Ok(Some(row[k]));
-            }
-            last = row;
-        }
-        Ok(None)
+        let mut f = |_: f64, y: &[f64; 2]| self.acceleration(*y).map(|a| [y[1], a]);
+        let agree = |a: &[f64; 2], b: &[f64; 2]| (0..2).all(|n| (a[n] - b[n]).abs() <= ERROR * scales[n]);
+        let (end, is_met) = extrapolation::step(&mut f, 0.0, &self.state, h, COLUMNS, agree)?;
+        Ok(is_met.then_some(end))
     }
 
     /// How far the coordinate is beyond a stop; an angle has no jumps of a whole turn, within half a turn of the middle

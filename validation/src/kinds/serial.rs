@@ -28,7 +28,7 @@ fn scissor(vary: &mut Vary) -> Sketch {
         out = out.plate(&format!("a{k}"), 2 * k, 2 * k + 3, bar, &middle);
         out = out.plate(&format!("b{k}"), 2 * k + 1, 2 * k + 2, bar, &middle);
     }
-    out.slider("carriage", 1, 0, 0.0)
+    out.slider("carriage", 1, None, 0, 0.0)
 }
 
 /// A master rod and rods on its knuckles.
@@ -53,10 +53,10 @@ fn radial_engine(vary: &mut Vary) -> Sketch {
     .ground(&[(0, [0.0, 0.0])])
     .plate("crank", 0, 1, r, &[]);
     let knuckles: Vec<(usize, [f64; 2])> = (1..count).map(|k| (2 * k + 1, local(k))).collect();
-    out = out.plate("master", 1, 2, l, &knuckles).slider("piston0", 2, 0, 0.0);
+    out = out.plate("master", 1, 2, l, &knuckles).slider("piston0", 2, None, 0, 0.0);
     for k in 1..count {
         let (rod, piston) = (format!("rod{k}"), format!("piston{k}"));
-        out = out.plate(&rod, 2 * k + 1, 2 * k + 2, slave, &[]).slider(&piston, 2 * k + 2, 0, axis(k));
+        out = out.plate(&rod, 2 * k + 1, 2 * k + 2, slave, &[]).slider(&piston, 2 * k + 2, None, 0, axis(k));
     }
     out
 }

@@ -180,16 +180,11 @@ impl Sketch {
         self.with(name, from, Frame::To(to, length), points)
     }
 
-    /// With a body in a guide on the ground, along a line through a point of the ground.
-    pub fn slider(self, name: &str, at: usize, from: usize, axis: f64) -> Self {
+    /// With a body in a guide along a line through a point of the ground (None), or of another body.
+    pub fn slider(self, name: &str, at: usize, on: Option<usize>, from: usize, axis: f64) -> Self {
         let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
-        self.with(name, at, Frame::Fixed(axis), &[]).guided(&guide, None, from, axis, block)
-    }
-
-    /// With a block on a body, along a line through a point of that body.
-    pub fn block(self, name: &str, at: usize, on: usize, from: usize, axis: f64) -> Self {
-        let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
-        self.with(name, at, Frame::With(on, axis), &[]).guided(&guide, Some(on), from, axis, block)
+        let frame = on.map_or(Frame::Fixed(axis), |body| Frame::With(body, axis));
+        self.with(name, at, frame, &[]).guided(&guide, on, from, axis, block)
     }
 
     /// With a guide between bodies that are there.

@@ -33,12 +33,6 @@ pub struct Mechanism {
     pub known: &'static [Known],
 }
 
-macro_rules! file {
-    ($name:literal) => {
-        include_str!(concat!("../../../modelDescription/", $name, "/resources/mechanism.json"))
-    };
-}
-
 /// What most rows of the table have, and those with a jib under a cylinder.
 const PLAIN: Mechanism = Mechanism {
     name: "",
@@ -56,7 +50,7 @@ const JIB_LIKE: Mechanism = Mechanism { body: "jib", input: "cylinder.force", ..
 pub static MECHANISMS: [Mechanism; 8] = [
     Mechanism {
         name: "LandingGearRetraction",
-        text: file!("LandingGearRetraction"),
+        text: example!("LandingGearRetraction"),
         span: 0.13,
         steps: 130,
         input: "actuator.force",
@@ -71,18 +65,18 @@ pub static MECHANISMS: [Mechanism; 8] = [
     },
     Mechanism {
         name: "AndrewsSqueezer",
-        text: file!("AndrewsSqueezer"),
+        text: example!("AndrewsSqueezer"),
         body: "K1",
         span: 0.03,
         steps: 300,
         known: &[Known { time: 0.03, value: 15.810_771_195_153_797, within: 4e-15 }],
         ..PLAIN
     },
-    Mechanism { name: "CraneJib", text: file!("CraneJib"), span: 5.0, steps: 500, ..JIB_LIKE },
-    Mechanism { name: "FourBar", text: file!("FourBar"), ..PLAIN },
+    Mechanism { name: "CraneJib", text: example!("CraneJib"), span: 5.0, steps: 500, ..JIB_LIKE },
+    Mechanism { name: "FourBar", text: example!("FourBar"), ..PLAIN },
     Mechanism {
         name: "FourBarChain",
-        text: file!("FourBarChain"),
+        text: example!("FourBarChain"),
         body: "bar0",
         span: 10.0,
         input: "load_factor",
@@ -90,10 +84,10 @@ pub static MECHANISMS: [Mechanism; 8] = [
         known: &[Known { time: 10.0, value: -30.179_800_860_191_205, within: 1e-14 }],
         ..PLAIN
     },
-    Mechanism { name: "Jib", text: file!("Jib"), span: 3.0, steps: 300, ..JIB_LIKE },
+    Mechanism { name: "Jib", text: example!("Jib"), span: 3.0, steps: 300, ..JIB_LIKE },
     Mechanism {
         name: "SlCrank",
-        text: file!("SlCrank"),
+        text: example!("SlCrank"),
         span: 10.0,
         input: "push.force_x",
         slide: Some("slide"),
@@ -102,7 +96,7 @@ pub static MECHANISMS: [Mechanism; 8] = [
     },
     Mechanism {
         name: "SliderCrank",
-        text: file!("SliderCrank"),
+        text: example!("SliderCrank"),
         span: 0.2,
         steps: 400,
         slide: Some("cylinder"),

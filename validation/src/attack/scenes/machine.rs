@@ -115,7 +115,7 @@ fn radius(random: &mut Random, size: f64) -> f64 {
 fn block(random: &mut Random) -> Machine {
     let (mass, at, axis) = (random.decades(0.1, 20.0), random.within(-1.0, 1.0), random.within(-PI, PI));
     let points = [[0.0; 2], turned([at, 0.0], axis)];
-    let mut sketch = standing(&points).ground(&[(0, points[0])]).slider("block", 1, 0, axis);
+    let mut sketch = standing(&points).ground(&[(0, points[0])]).slider("block", 1, None, 0, axis);
     point_mass(&mut sketch.bodies[0], mass);
     let slide = Coordinate::Position(0);
     let mut machine = Machine::of(sketch, slide, random);
@@ -140,7 +140,7 @@ fn slider_crank(random: &mut Random) -> Machine {
         .ground(&[(0, points[0]), (1, points[1])])
         .plate("crank", 0, 2, length(points[0], end), &[])
         .plate("rod", 2, 3, length(end, wrist), &[])
-        .slider("slider", 3, 1, axis);
+        .slider("slider", 3, None, 1, axis);
     sketch.bodies[0].weigh(mass, 0.0, random);
     sketch.bodies[1].weigh(0.6 * mass, 0.0, random);
     point_mass(&mut sketch.bodies[2], mass * part);

@@ -19,6 +19,13 @@ pub enum Drive {
     Element([f64; 2], [f64; 4]),
 }
 
+impl Drive {
+    /// As `scenes/hydraulics.json` has it.
+    pub fn word(&self) -> &'static str {
+        if let Self::Motion(_) = self { "motion" } else { "element" }
+    }
+}
+
 /// One run.
 #[derive(Clone, Debug)]
 pub struct Case {

@@ -9,7 +9,7 @@ use crate::stress::{Outcome, Row, Verdict};
 use linkage_fmu::integrator::Method;
 use linkage_fmu::mechanism::Model;
 
-const GEAR: &str = include_str!("../../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+const GEAR: &str = example!("LandingGearRetractionHydraulic");
 /// Tolerance of the second integration.
 const TIGHT: f64 = 1e-10;
 /// Force times this length [m] is energy at play: the travel of the actuator.

@@ -30,7 +30,7 @@ struct Scene {
     what: String,
     case: Case,
     tolerance: f64,
-    refusal: Option<&'static [&'static str]>,
+    refusal: Option<Vec<&'static str>>,
 }
 
 impl From<Scene> for Row {
@@ -41,7 +41,7 @@ impl From<Scene> for Row {
             Drive::Motion(_) => "HydraulicActuator, follow",
             Drive::Element(..) => "HydraulicActuator, preview",
         };
-        let refusal = scene.refusal.map(|words| words.iter().map(|&word| word.into()).collect());
+        let refusal = scene.refusal.as_ref().map(|words| words.iter().map(|&word| word.into()).collect());
         Self { group, model, what, tolerance, steps, refusal, run: Box::new(move || scene.judged()) }
     }
 }
