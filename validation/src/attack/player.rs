@@ -160,6 +160,12 @@ impl Player {
         status
     }
 
+    /// Whether one of these variables has no value for the instance's use.
+    fn lacks(&self, references: &[u32]) -> bool {
+        let is_drift = |&r: &u32| self.list().get(r as usize).is_some_and(|v| v.name == DRIFT);
+        self.purpose == Use::Exchange && references.iter().any(is_drift)
+    }
+
     /// Note numbers that came with OK and are none.
     fn check(&mut self, status: i32, values: &[f64]) -> i32 {
         if let Some(wrong) = silent(status, values) {
@@ -266,9 +272,8 @@ impl Player {
         let have = references.iter().all(|&reference| self.is_known(reference));
         let mut values = vec![0.0; number];
         let status = self.host.reals(&references, &mut values);
-        let is_drift = |&r: &u32| self.list().get(r as usize).is_some_and(|v| v.name == DRIFT);
-        let lacks = self.purpose == Use::Exchange && references.iter().any(is_drift);
-        let status = if lacks { status } else { self.check(status, &values) };
+        let told = if self.lacks(&references) { &[] } else { &values[..] };
+        let status = self.check(status, told);
         ("get Reals", Either.when(sizes == Some(number) && have), status)
     }
 
@@ -315,7 +320,9 @@ impl Player {
             Host::Three(host) => host.derivative(false, &unknowns, &[known], &seeds[..1], &mut values) as i32,
         };
         let told = if is_adjoint && !self.is_two() { &back[..] } else { &values };
-        ("get a derivative", fits.when(sizes == Some(number)), self.check(status, told))
+        let told = if self.lacks(&unknowns) { &[] } else { told };
+        let may = fits.when(sizes == Some(number));
+        ("get a derivative", may, self.check(status, told))
     }
 
     pub fn output_derivatives(&mut self, random: &mut Random) -> Answer {
