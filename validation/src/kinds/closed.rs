@@ -18,7 +18,7 @@ pub struct Kind {
 }
 
 enum Source {
-    Words(Words),
+    Words(Box<Words>),
     Program(fn(&mut Vary) -> Sketch),
 }
 
@@ -133,7 +133,7 @@ fn kind(own: &Map<String, Value>, file: &[Map<String, Value>]) -> Result<Kind, S
         parts,
         coordinate,
     };
-    Ok(Kind { name, source: Source::Words(words) })
+    Ok(Kind { name, source: Source::Words(Box::new(words)) })
 }
 
 impl Part {
