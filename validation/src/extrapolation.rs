@@ -24,8 +24,8 @@ pub fn integrate<const N: usize>(
     y
 }
 
-/// y at `t + h` in one step: the first of three or more columns that agrees with the one before, or else the last of
-/// `columns`; and whether it agrees.
+/// y at `t + h` in one step: by the first three or more columns whose last two extrapolations agree, or else by all
+/// `columns`; and whether they agree.
 pub fn step<const N: usize, E>(
     f: &mut impl FnMut(f64, &[f64; N]) -> Result<[f64; N], E>,
     t: f64,
@@ -37,7 +37,6 @@ pub fn step<const N: usize, E>(
     let slope = f(t, y)?;
     let mut last = [[0.0; N]; SUBSTEPS.len()];
     for (row, n) in SUBSTEPS.into_iter().enumerate().take(columns) {
-        let before = last[0];
         last[row] = midpoint(f, t, y, &slope, h, n)?;
         // Aitken and Neville in (h/n)^2.
         for k in (0..row).rev() {
@@ -47,7 +46,7 @@ pub fn step<const N: usize, E>(
                 *old = next + (next - *old) / (ratio - 1.0);
             }
         }
-        if row > 1 && agree(&last[0], &before) {
+        if row > 1 && agree(&last[0], &last[1]) {
             return Ok((last[0], true));
         }
     }
