@@ -161,7 +161,8 @@ pub fn untabled(descriptions: &Path) -> Result<Pages, String> {
             let [a, b, c] = [time, time_without, ratio].map(digits);
             let _ = writeln!(
                 rows,
-                "| {} | 1e-{exponent} | {a} | {b} | {c} | {error:.1e} | {error_without:.1e} | {count}, {count_without} |",
+                "| {} | 1e-{exponent} | {a} | {b} | {c} | {error:.1e} | {error_without:.1e} | \
+                 {count}, {count_without} |",
                 known.title
             );
             let _ = writeln!(

@@ -57,8 +57,8 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }
         _ => {
-            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with names \
-             of groups, or `attack` with its options"
+            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with \
+                 names of groups, or `attack` with its options"
                 .into())
         }
     }

@@ -125,7 +125,9 @@ impl From<Jet> for Vector {
 
 /// An operator of one type with another.
 macro_rules! operator {
-    ($($own:ident $operator:ident $function:ident $other:ident -> $out:ident: $a:ident, $b:ident => $value:expr;)*) => {$(
+    ($(
+        $own:ident $operator:ident $function:ident $other:ident -> $out:ident: $a:ident, $b:ident => $value:expr;
+    )*) => {$(
         impl $operator<$other> for $own {
             type Output = $out;
 

@@ -1,5 +1,5 @@
-//! Random machines of the scenes: a block on a slope, a slider-crank, a four-bar linkage, with friction, stops, bumpers,
-//! a lock, a drive with losses.
+//! Random machines of the scenes: a block on a slope, a slider-crank, a four-bar linkage, with friction, stops,
+//! bumpers, a lock, a drive with losses.
 //!
 //! In: random numbers. Out: sketches at their start. It must not know an equation of motion.
 use super::super::random::Random;
