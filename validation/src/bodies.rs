@@ -3,7 +3,7 @@
 use crate::measure::{self, Asked, Pages, digits, heading, timed};
 use fmu_build::chain;
 use linkage_fmu::mechanism::{Model, ModelError};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// Numbers of four-bars.
 const COUNTS: [u32; 6] = [1, 2, 5, 10, 20, 40];
@@ -26,9 +26,6 @@ struct Chain {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// The engine refuses a chain or a step.
 pub fn table() -> Result<Pages, String> {
     measure().map_err(|e| e.to_string())
 }
@@ -56,16 +53,10 @@ fn measure() -> Result<Pages, ModelError> {
     }
     let last = chains.last().map_or(first, step_of);
     let figures = [Asked::at_most("step of 10 ms of 40 four-bars against one", last / first, 1.3, " times")];
-    let words = format!(
-        "Chains of N four-bars (IFToMM A02) for 10 s, which is five turns through both flat positions, at tolerance \
-         {TOLERANCE:.0e}, in the engine; one core. Set-up: from the text of the file to the initialised model, the \
-         fastest \
-         of {SETUPS}. Step: the mean of {STEPS}, of the fastest of {RUNS} runs, the chains taken in turn."
-    );
-    Ok(Pages {
-        page: measure::page("Cost against the number of bodies", &words) + &measure::asked(&figures) + &rows,
-        csv,
-    })
+    let tolerance = format!("{TOLERANCE:.0e}");
+    let values: [(&str, &dyn Display); 4] =
+        [("tolerance", &tolerance), ("setups", &SETUPS), ("steps", &STEPS), ("runs", &RUNS)];
+    Ok(Pages { page: measure::page("bodies", &values) + &measure::asked(&figures) + &rows, csv })
 }
 
 impl Chain {

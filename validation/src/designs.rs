@@ -5,7 +5,7 @@
 use crate::attack::random::Random;
 use crate::measure::{self, Pages, heading};
 use linkage_fmu::mechanism::{Model, ModelError};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use std::path::Path;
 use std::time::Instant;
 
@@ -49,15 +49,9 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
             Err(_) => refused += 1,
         }
     }
-    let mut page = format!(
-        "# Random designs\n\nThe landing gear with the four coordinates of the actuator's ends moved by up to {MOVED} \
-         m and its four \
-         lengths changed by up to {} %, one after another in one instance: {DESIGNS} designs, of which {refused} \
-         cannot be \
-         assembled, start or run. In us, in the engine, one core; no design is seen twice. A run: 0.13 s or up to the \
-         stop.\n\n",
-        100.0 * CHANGED
-    );
+    let values: [(&str, &dyn Display); 4] =
+        [("moved", &MOVED), ("changed", &(100.0 * CHANGED)), ("designs", &DESIGNS), ("refused", &refused)];
+    let mut page = measure::page("designs", &values);
     page += &heading(&["", "median", "99 %"]);
     type Of = fn(&Times) -> f64;
     let rows: [(&str, Of); 5] = [

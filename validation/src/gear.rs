@@ -24,9 +24,6 @@ fn done(call: &str, status: Status) -> Result<(), String> {
 }
 
 /// From `fmi2Instantiate` to `fmi2FreeInstance`, scene S1 in one doStep.
-///
-/// # Errors
-/// A call is refused.
 pub fn live(description: &Arc<Description>) -> Result<(), String> {
     let host = description.instantiate(None, false)?;
     let mut values = [0.0; LAST.len()];
@@ -63,9 +60,6 @@ pub struct Gear {
 
 impl Gear {
     /// An instance of the mechanism in `folder` with the scene's settings, initialised.
-    ///
-    /// # Errors
-    /// The file cannot be read; a call is refused.
     pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
         let host = Description::read(folder)?.instantiate(None, false)?;
         prepare(&host, scene, tolerance)?;
@@ -78,9 +72,6 @@ impl Gear {
 
     /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is
     /// long; `least` keeps the least time [s] of each part.
-    ///
-    /// # Errors
-    /// A call is refused.
     pub fn run(&mut self, steps: u32, h: f64, after: &[After], least: &mut [f64]) -> Result<(), String> {
         done("fmi2SetFMUstate", self.host.restore(&self.start))?;
         let mut state = State::NONE;
@@ -99,18 +90,12 @@ impl Gear {
     }
 
     /// `fmi2Reset` and everything up to the first doStep, with the values of a scene and its settings.
-    ///
-    /// # Errors
-    /// A call is refused.
     pub fn restart(&self, scene: &Scene, tolerance: f64) -> Result<(), String> {
         done("fmi2Reset", self.host.reset())?;
         prepare(&self.host, scene, tolerance)
     }
 
     /// Set a parameter and initialise, after `fmi2Reset`.
-    ///
-    /// # Errors
-    /// A call is refused.
     pub fn restart_with(&self, name: &str, value: f64) -> Result<(), String> {
         done("fmi2Reset", self.host.reset())?;
         done(name, self.host.set(name, value))?;
@@ -119,17 +104,11 @@ impl Gear {
     }
 
     /// One doStep from the start.
-    ///
-    /// # Errors
-    /// The call is refused.
     pub fn step(&self, h: f64) -> Result<(), String> {
         done("fmi2DoStep", self.host.step(0.0, h))
     }
 
     /// Value of an output.
-    ///
-    /// # Errors
-    /// The call is refused.
     pub fn get(&self, name: &str) -> Result<f64, String> {
         self.host.get(name).map_err(|status| format!("{name}: {status:?}"))
     }

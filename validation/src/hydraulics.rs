@@ -48,9 +48,6 @@ fn ok(status: Status, what: &str, host: &Host) -> Result<(), String> {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let description = Description::read(&descriptions.join("HydraulicActuator"))?;
     let (mut rows, mut csv, mut figures) = (heading(&["use", "step [us]"]), String::from("use,step_us\n"), Vec::new());
@@ -70,12 +67,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         timed(&mut setup, || description.instantiate(None, false).map(|host| host.initialize()))?;
     }
     figures.push(Asked::at_most("instantiate, initialise, free", setup * 1e6, 50.0, " us"));
-    let words = "The hydraulic actuator with its default parameters, called as a host does, through the C functions, \
-        in steps \
-         of 1 ms at the tolerance 1e-9; one core. The command is a ramp of 0.1 s to 0.65; the length goes from 0.4285 \
-         to \
-         0.7285 m and back within 4 s. A step is set, read, derivatives and doStep together.";
-    let page = measure::page("Cost of the hydraulic actuator", words) + &measure::asked(&figures) + &rows;
+    let page = measure::page("hydraulics", &[]) + &measure::asked(&figures) + &rows;
     Ok(Pages { page, csv })
 }
 

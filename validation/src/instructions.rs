@@ -33,9 +33,6 @@ const READS: [(&str, &[After]); 4] = [
 const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
 
 /// The table in Markdown and CSV; none where there is no callgrind.
-///
-/// # Errors
-/// A run fails, or valgrind reports no count.
 pub fn table() -> Result<Option<Pages>, String> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -67,8 +64,7 @@ pub fn table() -> Result<Option<Pages>, String> {
         }
         rows.push('\n');
     }
-    rows += "\n## A reset\n\nfmi2Reset, values set, fmi2SetupExperiment, initialisation: what follows from the \
-        parameters is kept.\n\n";
+    rows += &format!("\n{}", measure::page("reset", &[]));
     rows += &heading(&["scene", "instructions"]);
     for scene in SCENES.iter().filter(|scene| scene.after.is_empty()) {
         let count = instructions(scene.name, RESET, 1)?;
@@ -78,15 +74,8 @@ pub fn table() -> Result<Option<Pages>, String> {
     let (versions, lines) = versions::table()?;
     rows += &versions;
     csv += &lines;
-    let words = format!(
-        "Counted by callgrind through the C functions, landing gear at tolerance {TOLERANCE:.0e}, without set-up: the \
-         difference of two runs that differ by 1 to {MOST} repetitions, the more the fewer their doSteps; the state is \
-         put \
-         back to the start before each. Counts of one compiler repeat within half a percent: set-up, which cancels but \
-         for that, hashes with random seeds. Motion: three \
-         fmi2GetReal; reactions: one of four; each reaction: four of one."
-    );
-    Ok(Some(Pages { page: measure::page("Instructions", &words) + &rows, csv }))
+    let words = measure::page("instructions", &[("tolerance", &format!("{TOLERANCE:.0e}")), ("most", &MOST)]);
+    Ok(Some(Pages { page: words + &rows, csv }))
 }
 
 /// Instructions of one run of the scene.
@@ -99,9 +88,6 @@ fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
 
 /// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` of them, whose
 /// arguments `words` gives.
-///
-/// # Errors
-/// A run fails, or valgrind reports no count.
 pub fn difference(words: impl Fn(String) -> Vec<String>, few: u32, more: u32) -> Result<f64, String> {
     let difference = counted(&words(more.to_string()))?.checked_sub(counted(&words(few.to_string()))?);
     let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
@@ -119,9 +105,6 @@ fn counted(words: &[String]) -> Result<u64, String> {
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
-///
-/// # Errors
-/// A word names nothing; a call is refused.
 pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));

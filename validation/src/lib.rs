@@ -1,13 +1,23 @@
 //! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+/// Text of an example.
+macro_rules! example {
+    ($name:literal) => {
+        include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../modelDescription/", $name, "/resources/mechanism.json"))
+    };
+}
+
 pub mod attack;
 mod benchmarks;
 mod bodies;
 pub mod cosim;
 mod designs;
+pub mod extrapolation;
 mod gear;
+mod host;
 mod hydraulics;
 mod instructions;
 pub mod kinds;
+mod linear;
 mod measure;
 mod rigid_fem;
 mod scene;
@@ -16,7 +26,6 @@ mod setup;
 mod steps;
 pub mod stress;
 mod stress_report;
-mod untabled;
 mod versions;
 
 use fmu_build::package;
@@ -49,8 +58,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         }
         _ => {
             Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with \
-             names of \
-                 groups, or `attack` with its options"
+                 names of groups, or `attack` with its options"
                 .into())
         }
     }
@@ -66,7 +74,7 @@ const TABLES: [Table; 10] = [
     ("steps", steps::table),
     ("scenes", scenes::table),
     ("bodies", |_| bodies::table()),
-    ("untabled", untabled::table),
+    ("untabled", benchmarks::untabled),
     ("retraction", benchmarks::retraction),
     ("rigid_fem", rigid_fem::table),
     ("benchmarks", benchmarks::table),
@@ -90,8 +98,8 @@ fn count(results: &Path) -> Result<(), String> {
 /// The coupling host on an FMU of another exporter.
 fn foreign(file: &Path) -> Result<(), String> {
     let name = file.file_stem().ok_or_else(|| format!("{}: no FMU", file.display()))?;
-    let fmu = cosim::unpacked::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
-    println!("{}", cosim::foreign::compare(&fmu)?);
+    let fmu = cosim::fmus::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
+    println!("{}", cosim::fmus::foreign(&fmu)?);
     Ok(())
 }
 
@@ -107,7 +115,7 @@ fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
         let arguments = package::Arguments { paths, ..package::Arguments::of_fmi_2() };
         let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
         let file = files.first().ok_or("nothing was packed")?;
-        cosim::unpacked::Fmu::open(file, &workspace.target("cosim").join(name))
+        cosim::fmus::Fmu::open(file, &workspace.target("cosim").join(name))
     };
     let hydraulic = if words.contains(&"circuit") { None } else { Some(open("HydraulicActuator")?) };
     let pages = cosim::table(&cosim::scenes::Fmus { gear: open("LandingGearRetraction")?, hydraulic })?;

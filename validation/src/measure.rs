@@ -2,6 +2,7 @@
 //! and the machine they were measured on.
 use linkage_fmu::mechanism::{Model, ModelError};
 use linkage_fmu::simulation::Settable;
+use std::fmt::Display;
 use std::path::Path;
 use std::time::Instant;
 
@@ -92,9 +93,13 @@ pub fn asked(figures: &[Asked]) -> String {
     head + &figures.iter().map(Asked::line).collect::<String>() + "\n"
 }
 
-/// Head of a page: title, what was measured and how, and on which machine.
-pub fn page(title: &str, words: &str) -> String {
-    format!("# {title}\n\n{words} Machine: {}.\n\n", machine())
+/// Words of a page, or of a part of one, from `pages.md`: its paragraphs, each in one line, with values filled in.
+pub fn page(name: &str, values: &[(&str, &dyn Display)]) -> String {
+    let texts = include_str!("pages.md").split("<!-- ");
+    let text = texts.filter_map(|text| text.strip_prefix(name)?.strip_prefix(" -->\n")).next().unwrap_or_default();
+    let lines = text.trim().replace("\n\n", "\u{0}").replace('\n', " ").replace('\u{0}', "\n\n");
+    let own = lines.replace("{machine}", &machine()) + "\n\n";
+    values.iter().fold(own, |text, (name, value)| text.replace(&format!("{{{name}}}"), &value.to_string()))
 }
 
 /// Processor, operating system and number of cores.

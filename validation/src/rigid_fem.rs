@@ -25,7 +25,6 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
 }
 
 fn report(model: &mut Model) -> Result<String, ModelError> {
-    let mut out = String::from("# Rigid-link finite elements against the reduced model\n\n");
     model.set_tolerance(1e-13)?;
     let rigid = run(model)?;
     let limit = |model: &mut Model, factor: f64| -> Result<f64, ModelError> {
@@ -33,18 +32,14 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
         Ok(fine.theta + (fine.theta - coarse.theta) / 3.0)
     };
     let own = limit(model, 1.0)?;
-    let _ = writeln!(
-        out,
-        "Scene S1 (30 kN, load factor 3, from rest, 0.13 s) in the engine, without a host, one doStep, solver.method = \
-         rigid_fem. theta2 at 0.13 s against the reduced model (tolerance 1e-13, {:.2} ms) and against the finite \
-         elements' \
-         own limit for h to 0. The difference between the two is the stretch of the rods, the elastic limit: \
-         **{:.4e} rad**; with ten times the axial stiffness {:.4e} rad. Order: from the row above, against the own \
-         limit. \
-         Drift: of energy.drift, of some 1e4 J. Time: the fastest of {RUNS} runs, one core.\n",
-        rigid.milliseconds,
-        own - rigid.theta,
-        limit(model, 10.0)? - rigid.theta
+    let [milliseconds, stretch, stiffer] = [
+        format!("{:.2}", rigid.milliseconds),
+        format!("{:.4e}", own - rigid.theta),
+        format!("{:.4e}", limit(model, 10.0)? - rigid.theta),
+    ];
+    let mut out = measure::page(
+        "rigid_fem",
+        &[("milliseconds", &milliseconds), ("stretch", &stretch), ("stiffer", &stiffer), ("runs", &RUNS)],
     );
     let columns = ["to the reduced model [rad]", "to the own limit [rad]", "order", "drift [J]", "time [ms]"];
     out += &heading(&[&["solver.fem_step h [s]"], &columns[..]].concat());

@@ -6,9 +6,6 @@ use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;
 
-/// theta2 [rad] at the end of scene S1, from a 34-digit energy quadrature.
-pub const THETA2: f64 = -1.237_711_726_689_136_7;
-
 /// The input that is set, and along which derivatives are taken.
 pub const KNOWN: &str = "actuator.force";
 
@@ -94,9 +91,6 @@ pub const SCENES: [Scene; 9] = [
 
 impl Scene {
     /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
-    ///
-    /// # Errors
-    /// The engine refuses a setting or a step.
     pub fn work(&self, text: &str, tolerance: f64, steps: u32, after: &[After]) -> Result<Statistics, ModelError> {
         let mut model = Model::from_json(text)?;
         for &(name, value) in self.reals {

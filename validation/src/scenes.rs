@@ -20,9 +20,6 @@ const RUNS_OF: [(&str, u32, &[After]); 3] = [
 const RUNS: usize = 400;
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
@@ -65,20 +62,8 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         }
         tables.push('\n');
     }
-    let words = format!(
-        "The landing gear (30 kN, load factor 3, from rest, 0.13 s) at tolerance {TOLERANCE:.0e}, called through the C \
-         functions; one core. Time: of the steps and of what is read after each, the fastest of {RUNS} runs, the \
-         scenes \
-         taken in turn. To bare: the ratio of times. All scenes but the first have the stops. Read are four reactions \
-         in \
-         one fmi2GetReal, or four outputs along one input in one fmi2GetDirectionalDerivative. Without a change of \
-         inputs, steps \
-         with a scene go on beyond communication steps, and states are read from them. Steps by method: RKN is the \
-         Nystroem pair for forces that do not depend on the speed, DOPRI5 the pair for spans that are short for \
-         DOP853, RK4 \
-         the method for very short ones."
-    );
-    let page = measure::page("Cost by scene", &words) + &measure::asked(&figures) + &tables;
+    let words = measure::page("scenes", &[("tolerance", &format!("{TOLERANCE:.0e}")), ("runs", &RUNS)]);
+    let page = words + &measure::asked(&figures) + &tables;
     Ok(Pages { page, csv })
 }
 

@@ -24,17 +24,7 @@ const TOLERANCE: f64 = 1e-9;
 
 /// The tables in Markdown.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
-    let mut page = format!(
-        "# Set-up\n\nIn the engine, without a host, one core, in us; each part is the fastest of {RUNS} runs, \
-         {LONG_RUNS} for the \
-         chain of 40 four-bars, the parts taken in turn. \
-         Read: JSON and its checks. Variables: names, units, texts, GUID. Curve: closing the loops, tracing. Tables: \
-         influences, coordinates and displacements, as many as a default start needs. All: from the text of the file \
-         to the \
-         initialised model, in one go; besides the parts, it finds the start and tabulates what acts there besides \
-         loads of \
-         given sizes, springs' dampers, friction or bumpers. First step: one of the default experiment, after that.\n\n"
-    );
+    let mut page = measure::page("setup", &[("runs", &RUNS), ("long_runs", &LONG_RUNS)]);
     page += &heading(&["mechanism", "read", "variables", "curve", "tables", "all", "first step"]);
     for folder in Workspace::locate().description_folders().map_err(|e| format!("{e:#}"))? {
         // Other kinds of model trace no curve.
@@ -87,11 +77,7 @@ type Change = (&'static str, &'static str);
 
 /// What it costs to initialise a mechanism again after a parameter has changed.
 fn changes(out: &mut String, descriptions: &Path) -> Result<(), String> {
-    *out += "\n## A changed parameter\n\nFrom the change to the initialised model, in us. Gear: LandingGearRetraction. \
-        Drive: SmoothRetraction, the same with the motion of \
-             its actuator prescribed. Family: FourBarFamily, whose numbers are expressions of a few. Shafts: two, with \
-             gears between \
-             them.\n\n";
+    *out += &format!("\n{}", measure::page("changes", &[]));
     *out += &heading(&["mechanism", "parameter", "what is built again", "time"]);
     let of = |name: &str| measure::mechanism(&descriptions.join(name));
     let loads = "nothing but the names and laws of the loads";
@@ -144,11 +130,7 @@ type Restart<'a> = &'a dyn Fn(usize) -> Result<(), String>;
 
 /// What a run by fmi2Reset costs before its first doStep.
 fn resets(out: &mut String, folder: &Path) -> Result<(), String> {
-    *out += "\n## A run by reset\n\nOf the landing gear through the FMI functions, in us: fmi2Reset, values set, \
-        fmi2SetupExperiment, \
-             initialisation; then scene S1 in one doStep of 0.13 s. Gravity and length come back to the value of two \
-             runs before, so \
-             that what follows from them is kept.\n\n";
+    *out += &format!("\n{}", measure::page("resets", &[]));
     *out += &heading(&["set after the reset", "up to the first step", "with the step"]);
     let gear = Gear::new(folder, &DEFAULT, TOLERANCE)?;
     let friction = SCENES.iter().find(|scene| scene.name == "friction").ok_or("no scene with friction")?;
@@ -184,15 +166,8 @@ fn life(out: &mut String, folder: &Path) -> Result<(), String> {
         .and_then(|()| fs::write(resources.join(MECHANISM), &text))
         .and_then(|()| fs::write(resources.join(TABLES), &bytes));
     written.map_err(|e| format!("{}: {e}", resources.display()))?;
-    let _ = write!(
-        out,
-        "\n## A whole life\n\nOf the landing gear through the FMI functions, in us: instantiate with the files read \
-         from the \
-         disk's cache, set up and initialise, scene S1 in one doStep of 0.13 s, read {} outputs, free. With \
-         the tables of the FMU ({} kB) and without.\n\n",
-        LAST.len(),
-        bytes.len() / 1000
-    );
+    let size = bytes.len() / 1000;
+    *out += &format!("\n{}", measure::page("life", &[("outputs", &LAST.len()), ("kilobytes", &size)]));
     *out += &heading(&["", "instantiate", "first reaction after the start", "whole life"]);
     for (name, folder) in [("with tables", packed.0.as_path()), ("without", folder)] {
         let description = Description::read(folder)?;

@@ -27,9 +27,6 @@ struct Row {
 }
 
 /// The table in Markdown and CSV.
-///
-/// # Errors
-/// A call is refused.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
@@ -51,15 +48,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         }
         tables.push('\n');
     }
-    let words = format!(
-        "The landing gear (scene S1: 30 kN, load factor 3, from rest, 0.13 s), called as a host does, through the C \
-         functions; one core. Times in ns for one step, the mean over the retraction, of {RUNS} runs \
-         or more, of which each part of {PART} steps counts where it was fastest. 3 reads: crank.angle, crank.speed \
-         and crank.acceleration, each in an fmi2GetReal of its own. \
-         4 reactions: joint1.force to joint4.force. State: fmi2GetFMUstate into a state that is used again, and \
-         fmi2SetFMUstate. Evaluations: of the right-hand side, for a step."
-    );
-    let page = measure::page("Cost of one doStep", &words) + &measure::asked(&figures) + &tables;
+    let page = measure::page("steps", &[("runs", &RUNS), ("part", &PART)]) + &measure::asked(&figures) + &tables;
     Ok(Pages { page, csv })
 }
 

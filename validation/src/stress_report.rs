@@ -10,14 +10,11 @@ const HEAD: &str = include_str!("stress_report.md");
 const THREADS: usize = 2;
 
 /// Run, print, write `stress.csv` and `stress.md`; of some groups only, if any are named: then nothing is written.
-///
-/// # Errors
-/// A scene fails, or a file cannot be written.
 pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut scenes = stress::all();
-    scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group()));
+    scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group));
     let began = Instant::now();
-    let tell = |place: usize, outcome: &Outcome| println!("{}", line(scenes[place].as_ref(), outcome, ", "));
+    let tell = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
     let outcomes = stress::judge(&scenes, THREADS, &tell);
     let seconds = began.elapsed().as_secs_f64();
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
@@ -31,9 +28,9 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut page = format!("{HEAD}\n{summary}\n");
     let mut csv = format!("group,{COLUMNS}\n");
     let mut group = "";
-    for (scene, outcome) in scenes.iter().map(Box::as_ref).zip(&outcomes) {
-        if scene.group() != group {
-            group = scene.group();
+    for (scene, outcome) in scenes.iter().zip(&outcomes) {
+        if scene.group != group {
+            group = scene.group;
             page += &format!("\n## {group}\n\n{}", heading(&COLUMNS.split(',').collect::<Vec<_>>()));
         }
         let _ = writeln!(page, "| {} |", line(scene, outcome, " | "));
@@ -57,15 +54,15 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
 const COLUMNS: &str =
     "mechanism,scene,tolerance,error,bound,drift [J],bound [J],steps,evaluations,rejected,CPU [ms],verdict,why";
 
-fn fields(scene: &dyn Row, outcome: &Outcome) -> [String; 13] {
+fn fields(scene: &Row, outcome: &Outcome) -> [String; 13] {
     let pair = |values: Option<(f64, f64)>| {
         values.map_or([String::new(), String::new()], |(value, bound)| [format!("{value:.1e}"), format!("{bound:.1e}")])
     };
     let ([error, bound], [drift, drift_bound]) = (pair(outcome.error), pair(outcome.drift));
     [
-        scene.model().into(),
-        scene.what().into(),
-        format!("{:.0e}", scene.tolerance()),
+        scene.model.into(),
+        scene.what.clone(),
+        format!("{:.0e}", scene.tolerance),
         error,
         bound,
         drift,
@@ -79,6 +76,6 @@ fn fields(scene: &dyn Row, outcome: &Outcome) -> [String; 13] {
     ]
 }
 
-fn line(scene: &dyn Row, outcome: &Outcome, separator: &str) -> String {
+fn line(scene: &Row, outcome: &Outcome, separator: &str) -> String {
     fields(scene, outcome).join(separator)
 }

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)]
 
 use validation::cosim::circuit::Circuit;
-use validation::cosim::extrapolation::integrate;
 use validation::cosim::models::{Integrated, Mass, OilSpring};
 use validation::cosim::pair::{Actuator, Motion, Pair, hermite};
-use validation::cosim::schemes::{self, Scheme};
+use validation::cosim::schemes;
+use validation::extrapolation::integrate;
 
 /// A mass on an oil spring, from rest under a force.
 const MASS: f64 = 700.0;
@@ -94,7 +94,7 @@ const FROZEN: [[f64; 4]; 7] = [
 fn growth(scheme: &str, mass: f64, spring: OilSpring, h: f64) -> f64 {
     let mut mass = Mass::new(mass, 0.0, [0.5, 0.0]);
     let mut oil = Integrated::new(spring, [1.0, 0.0, 0.0, 0.0]);
-    let mut scheme: Box<dyn Scheme> = schemes::by_name(scheme).unwrap();
+    let mut scheme = schemes::by_name(scheme).unwrap();
     let frequency = (spring.stiffness / mass.mass).sqrt();
     let mut pair = Pair::new(&mut mass, &mut oil);
     let mut energy = Vec::new();
@@ -158,7 +158,7 @@ fn gauss_seidel_is_stable_at_twice_the_step_of_jacobi() {
 /// Values of the circuit's laws at single points, to all digits given.
 #[test]
 fn the_circuit_has_the_reference_flows() {
-    let (circuit, _) = Circuit::h1();
+    let circuit = Circuit::standard();
     let near = |value: f64, expected: f64| assert!((value / expected - 1.0).abs() < 2e-13, "{value:e} {expected:e}");
     near(circuit.areas()[0], 0.001_590_431_280_879_832_6);
     near(circuit.areas()[1], 0.001_099_557_428_756_427_4);
@@ -182,7 +182,7 @@ fn the_circuit_has_the_reference_flows() {
 /// The circuit alone under a given motion, with cavitation, relief and reversal of the friction.
 #[test]
 fn the_circuit_alone_has_the_reference_pressures() {
-    let circuit = Circuit { ramp: [0.0, 0.1], command: 0.4, ..Circuit::h1().0 };
+    let circuit = Circuit { ramp: [0.0, 0.1], command: 0.4, ..Circuit::standard() };
     let mut oil = Integrated::new(circuit, [6e6, 8e6, 0.0, 0.0]);
     let (mut t, h) = (0.0, 1e-3);
     for (until, p_a, p_b, force) in [

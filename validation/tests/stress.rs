@@ -13,12 +13,12 @@ fn a_sample_of_the_scenes_holds() {
     let mut place = 0;
     scenes.retain(|scene| {
         place += 1;
-        place % ONE_IN == 0 && scene.steps() <= MOST_STEPS
+        place % ONE_IN == 0 && scene.steps <= MOST_STEPS
     });
     let outcomes = stress::judge(&scenes, 2, &|_, _| {});
     assert_eq!(outcomes.len(), scenes.len());
     for (scene, outcome) in scenes.iter().zip(&outcomes) {
-        let of = format!("{}, {}, {}", scene.group(), scene.model(), scene.what());
+        let of = format!("{}, {}, {}", scene.group, scene.model, scene.what);
         assert_ne!(outcome.verdict, Verdict::Fails, "{of}: {:?} {:?} {}", outcome.error, outcome.drift, outcome.why);
     }
     println!("{} scenes", scenes.len());

@@ -1,10 +1,9 @@
 //! The crate `differential-equations` on the hand-written equation of motion.
 use crate::four_bar::{FourBar, SPAN, START};
-use crate::measure::{Point, error, fastest};
+use crate::measure::{Point, point, tolerances};
 use differential_equations::prelude::{ControlFlag, ExplicitRungeKutta, IVP, Interpolation, ODE, Solout, Solution};
 use std::time::Instant;
 
-const TOOL: &str = "differential-equations";
 type State = [f64; 2];
 
 impl ODE<f64, State> for FourBar {
@@ -31,40 +30,21 @@ impl Solout<f64, State> for Last<'_> {
     }
 }
 
-/// Run one method over the sweep of tolerances.
+/// Run methods over the sweep of tolerances.
 macro_rules! sweep {
     ($points:ident, $($method:ident),*) => {$(
-        for half in 4..=28 {
-            for ratio in [1.0, 1e-2] {
-                let rtol = 10f64.powf(-f64::from(half) / 2.0);
-                let began = Instant::now();
-                let gear = FourBar::new();
-                let set_up = began.elapsed().as_secs_f64();
-                let run = fastest(|| {
-                    let mut y = START;
-                    let method = ExplicitRungeKutta::$method().rtol(rtol).atol(ratio * rtol).max_steps(1_000_000);
-                    IVP::ode(&gear, 0.0, SPAN, START)
-                        .method(method)
-                        .solout(Last(&mut y))
-                        .solve()
-                        .map(|solution| (y[0], solution.evals.function))
-                });
-                let method = stringify!($method);
-                let setting = format!("rtol {rtol:.1e} atol {:.1e}", ratio * rtol);
-                match run {
-                    Ok(((theta2, evaluations), run)) => $points.push(Point {
-                        scene: "S1",
-                        tool: TOOL,
-                        method: method.into(),
-                        setting,
-                        error: error(theta2),
-                        run,
-                        set_up,
-                        evaluations: Some(evaluations),
-                    }),
-                    Err(reason) => println!("{TOOL} {method} {setting}: {reason:?}"),
-                }
-            }
+        for [rtol, atol] in tolerances(28) {
+            let began = Instant::now();
+            let gear = FourBar::new();
+            let set_up = began.elapsed().as_secs_f64();
+            let run = || {
+                let mut y = START;
+                let method = ExplicitRungeKutta::$method().rtol(rtol).atol(atol).max_steps(1_000_000);
+                let solved = IVP::ode(&gear, 0.0, SPAN, START).method(method).solout(Last(&mut y)).solve();
+                solved.map(|solution| (y[0], solution.evals.function))
+            };
+            let setting = format!("rtol {rtol:.1e} atol {atol:.1e}");
+            $points.extend(point("differential-equations", stringify!($method), setting, set_up, run));
         }
     )*};
 }

@@ -1,5 +1,6 @@
 //! One point of a curve: the error, what it cost, and how it is written down.
 use crate::four_bar::THETA2;
+use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
 /// What one setting of one method gives.
@@ -39,9 +40,32 @@ impl Point {
     }
 }
 
-/// Distance from scene S1's reference [rad].
-pub fn error(theta2: f64) -> f64 {
-    (theta2 - THETA2).abs()
+/// A point of scene S1: a run gives theta2 at the end and its evaluations. One that fails is told and left out.
+pub fn point<E: Debug>(
+    tool: &'static str,
+    method: &str,
+    setting: String,
+    set_up: f64,
+    run: impl FnMut() -> Result<(f64, usize), E>,
+) -> Option<Point> {
+    match fastest(run) {
+        Ok(((theta2, evaluations), run)) => {
+            let (method, error, evaluations) = (method.into(), (theta2 - THETA2).abs(), Some(evaluations));
+            Some(Point { scene: "S1", tool, method, setting, error, run, set_up, evaluations })
+        }
+        Err(reason) => {
+            println!("{tool} {method} {setting}: {reason:?}");
+            None
+        }
+    }
+}
+
+/// Relative and absolute tolerances from 1e-2 on, down to 10^(-last/2).
+pub fn tolerances(last: i32) -> impl Iterator<Item = [f64; 2]> {
+    (4..=last).flat_map(|half| {
+        let rtol = 10f64.powf(-f64::from(half) / 2.0);
+        [1.0, 1e-2].map(|ratio| [rtol, ratio * rtol])
+    })
 }
 
 /// Result and time [s] of the fastest of many runs: for 50 ms and at least five, or until one takes that long itself.

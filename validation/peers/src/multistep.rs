@@ -1,13 +1,12 @@
 //! The crate `diffsol` on the hand-written equation of motion.
 use crate::four_bar::{FourBar, SPAN, START};
-use crate::measure::{Point, error, fastest};
+use crate::measure::{Point, point, tolerances};
 use diffsol::error::DiffsolError;
 use diffsol::{
     NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod, OdeSolverStopReason, Op,
 };
 use std::time::Instant;
 
-const TOOL: &str = "diffsol";
 type Lu = NalgebraLU<f64>;
 
 /// From the start to the end of the span; theta2 there.
@@ -24,49 +23,33 @@ where
 /// Run methods over the sweep of tolerances, down to 10^(-last/2).
 macro_rules! sweep {
     ($points:ident, $($method:ident $(<$lu:ty>)? to $last:literal),*) => {$(
-        for half in 4..=$last {
-            for ratio in [1.0, 1e-2] {
-                let rtol = 10f64.powf(-f64::from(half) / 2.0);
-                let began = Instant::now();
-                let gear = FourBar::new();
-                let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-                    .rtol(rtol)
-                    .atol([ratio * rtol])
-                    .h0(1e-3)
-                    .rhs_implicit(
-                        |y: &[f64], _: &[f64], _, rate: &mut [f64]| {
-                            rate[0] = y[1];
-                            rate[1] = gear.acceleration(y[0], y[1]).0;
-                        },
-                        |y: &[f64], _: &[f64], _, v: &[f64], out: &mut [f64]| {
-                            out[0] = v[1];
-                            out[1] = stiffness(&gear, y) * v[0] + gear.acceleration(y[0], y[1]).1 * v[1];
-                        },
-                    )
-                    .init(|_: &[f64], _, y: &mut [f64]| y.copy_from_slice(&START), 2)
-                    .build()?;
-                let set_up = began.elapsed().as_secs_f64();
-                let setting = format!("rtol {rtol:.1e} atol {:.1e}", ratio * rtol);
-                let method = stringify!($method);
-                let run = fastest(|| {
-                    let before = problem.eqn.rhs().statistics().number_of_calls;
-                    let theta2 = march(problem.$method$(::<$lu>)?()?)?;
-                    Ok::<_, DiffsolError>((theta2, problem.eqn.rhs().statistics().number_of_calls - before))
-                });
-                match run {
-                    Ok(((theta2, evaluations), run)) => $points.push(Point {
-                        scene: "S1",
-                        tool: TOOL,
-                        method: method.into(),
-                        setting,
-                        error: error(theta2),
-                        run,
-                        set_up,
-                        evaluations: Some(evaluations),
-                    }),
-                    Err(reason) => println!("{TOOL} {method} {setting}: {reason}"),
-                }
-            }
+        for [rtol, atol] in tolerances($last) {
+            let began = Instant::now();
+            let gear = FourBar::new();
+            let problem = OdeBuilder::<NalgebraMat<f64>>::new()
+                .rtol(rtol)
+                .atol([atol])
+                .h0(1e-3)
+                .rhs_implicit(
+                    |y: &[f64], _: &[f64], _, rate: &mut [f64]| {
+                        rate[0] = y[1];
+                        rate[1] = gear.acceleration(y[0], y[1]).0;
+                    },
+                    |y: &[f64], _: &[f64], _, v: &[f64], out: &mut [f64]| {
+                        out[0] = v[1];
+                        out[1] = stiffness(&gear, y) * v[0] + gear.acceleration(y[0], y[1]).1 * v[1];
+                    },
+                )
+                .init(|_: &[f64], _, y: &mut [f64]| y.copy_from_slice(&START), 2)
+                .build()?;
+            let set_up = began.elapsed().as_secs_f64();
+            let run = || {
+                let before = problem.eqn.rhs().statistics().number_of_calls;
+                let theta2 = march(problem.$method$(::<$lu>)?()?)?;
+                Ok::<_, DiffsolError>((theta2, problem.eqn.rhs().statistics().number_of_calls - before))
+            };
+            let setting = format!("rtol {rtol:.1e} atol {atol:.1e}");
+            $points.extend(point("diffsol", stringify!($method), setting, set_up, run));
         }
     )*};
 }

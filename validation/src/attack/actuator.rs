@@ -7,7 +7,7 @@ use super::random::Random;
 use serde_json::{Value, json};
 
 const ACTUATOR: &str = include_str!("../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
-const CIRCUIT: &str = include_str!("../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+const CIRCUIT: &str = example!("LandingGearRetractionHydraulic");
 /// Most levels of a definition.
 const DEPTH: usize = 6;
 

@@ -1,15 +1,12 @@
-//! What a random call of a C function may be answered with, for the attacks on each version of FMI, whose statuses have
-//! the same numbers.
+//! What a random call of a C function may be answered with, and what a host does within a step.
 use super::probe::Probe;
 use super::random::Random;
+use crate::host::{DISCARD, ERROR, Model, OK, WARNING};
 use linkage_fmu::fmi2::host::Message;
-use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Variable};
-
-const OK: i32 = Status::Ok as i32;
-const WARNING: i32 = Status::Warning as i32;
-const DISCARD: i32 = Status::Discard as i32;
-const ERROR: i32 = Status::Error as i32;
+use linkage_fmu::fmi3::host::{Calls, Update};
+use linkage_fmu::variables::Kind;
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 
 /// What may be answered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +32,11 @@ impl May {
             _ => false,
         }
     }
+
+    /// This if a condition holds; else the call is refused.
+    pub fn when(self, condition: bool) -> Self {
+        if condition { self } else { Self::BeRefused }
+    }
 }
 
 /// A number that hosts seldom pass.
@@ -51,7 +53,55 @@ pub fn changed(value: f64, random: &mut Random) -> f64 {
     }
 }
 
-/// Whether the variable has a value before initialization mode.
-pub fn is_early(variable: &Variable) -> bool {
-    matches!(variable.causality, Causality::Input | Causality::Parameter)
+/// Where values that do not exist, or another fault of a callback, are noted.
+pub type Fault = Rc<RefCell<Option<String>>>;
+
+/// What is wrong with values that are told without a warning.
+pub fn silent(status: i32, values: &[f64]) -> Option<String> {
+    let is_silent = status == OK && values.iter().any(|value| !value.is_finite());
+    is_silent.then(|| format!("values that do not exist without a warning: {values:?}"))
+}
+
+/// Number of value references: scalars, and in FMI 3.0 time and vectors.
+pub fn count(model: &Model) -> usize {
+    model.description.interface().list().len() + 1 + model.vectors
+}
+
+/// Number of values of a Float64 variable; none of what is no Float64.
+pub fn size(model: &Model, reference: u32) -> Option<usize> {
+    let list = model.description.interface().list();
+    match list.get(reference as usize) {
+        Some(variable) => (variable.kind == Kind::Real).then_some(1),
+        None if reference as usize == list.len() => Some(1),
+        None => ((reference as usize) < count(model)).then_some(2),
+    }
+}
+
+/// What a host does in an intermediate update: it reads a variable now and then, makes calls that are refused there,
+/// and asks for the end of the step at times.
+pub fn update(model: &'static Model, random: Random, fault: Fault) -> Box<Update> {
+    let (random, told) = (RefCell::new(random), Cell::new(0_usize));
+    Box::new(move |calls: &Calls, time| {
+        let mut random = random.borrow_mut();
+        told.set(told.get() + 1);
+        if told.get() % 8 != 1 {
+            return None;
+        }
+        let reference = random.below(count(model)) as u32;
+        calls.log.take();
+        if let Some(size) = size(model, reference) {
+            let mut values = vec![0.0; size];
+            let status = calls.reals(&[reference], &mut values) as i32;
+            let refused = (status > WARNING).then(|| format!("update: status {status}"));
+            if let Some(wrong) = silent(status, &values).or(refused) {
+                fault.replace(Some(wrong));
+            }
+        }
+        calls.log.take();
+        let refused = [calls.set_reals(&[0], &[1.0]), calls.step(time, 1e-3).0, calls.reset()].map(|s| s as i32);
+        if refused != [ERROR; 3] || calls.log.take().len() != 3 {
+            fault.replace(Some(format!("calls within an update: {refused:?}")));
+        }
+        random.chance(0.1).then(|| time + random.pick(&[0.0, 1e-4, -1.0, f64::NAN, f64::INFINITY]))
+    })
 }

@@ -1,246 +1,213 @@
-//! Random calls of the C functions of the hydraulic FMUs: each status is one that the phase allows, a refusal has one
-//! line and changes no Real, and the instance goes on.
-use super::answers::{May, changed, odd};
+//! Random calls of the C functions, of FMI 2.0 and FMI 3.0, of co-simulation and model exchange: each status is one
+//! that the phase allows, a refusal has one line and changes no Real, a value that does not exist is told, and the
+//! instance goes on.
+//!
+//! In: models, random numbers. Out: the first answer that is none. What may be answered follows from the phases of the
+//! standards alone.
+use super::answers::May::{BeRefused, Either, Succeed};
+use super::answers::odd;
+use super::player::Phase::{Continuous, Ended, Event, Initialization, Step};
+use super::player::{Answer, FRESH, Phase, Player, Use};
 use super::probe::Probe;
 use super::random::Random;
-use linkage_fmu::fmi2::host::{Description, Host, State, logger};
-use linkage_fmu::fmi2::types::Status;
-use linkage_fmu::variables::{Causality, Kind, Variability};
-use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use crate::host::{Host, WARNING, model};
+use linkage_fmu::fmi2::host::State;
+use linkage_fmu::fmi3::host::SPOILED;
 
-/// What no message may say.
-const UNITS: [&str; 6] = ["NaN Pa", "NaN N", "NaN kg", "NaN J", "NaN m", "NaN rad"];
 /// Calls of a case.
 const CALLS: usize = 400;
+/// What no message may say of a quantity of the hydraulic models, whose hosts hand over none without a unit.
+const UNITS: [&str; 6] = ["NaN Pa", "NaN N", "NaN kg", "NaN J", "NaN m", "NaN rad"];
 
-/// Phases of FMI 2.0.5, 4.2.4. After a step that did not come to its end an instance is read, restored or reset.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
-    Instantiated,
-    Initialization,
-    Step,
-    Ended,
-}
+/// A kind of call: how often it is made of an FMU of FMI 2.0, of FMI 3.0, and by model exchange.
+type Row = ([u32; 3], fn(&mut Player, &mut Random) -> Answer);
 
-fn descriptions() -> &'static [Arc<Description>] {
-    static ALL: OnceLock<Vec<Arc<Description>>> = OnceLock::new();
-    ALL.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
-        let names = ["HydraulicActuator", "LandingGearRetractionHydraulic"];
-        names.iter().filter_map(|name| Description::read(&folder.join(name)).ok()).collect()
-    })
-}
+/// Of what the version does not have, an instance is reset in its place.
+pub const RESET: fn(&mut Player, &mut Random) -> Answer = |p, _| {
+    p.now = FRESH;
+    ("reset", Succeed, p.host.reset())
+};
 
-/// An instance, and what is known of it.
-struct Player<'a> {
-    host: &'a Host,
-    description: &'a Description,
-    phase: Phase,
-    time: f64,
-    state: State,
-    saved: Option<(Phase, f64)>,
-}
-
-impl Player<'_> {
-    /// Bits of all Reals that can be read.
-    fn bits(&self) -> Vec<(Status, u64)> {
-        let reals = (0..).zip(self.description.interface().list()).filter(|(_, v)| v.kind == Kind::Real);
-        let read = |(reference, _)| {
-            let mut value = [0.0];
-            let status = self.host.reals(&[reference], &mut value);
-            (status, if status == Status::Ok { value[0].to_bits() } else { 0 })
-        };
-        let bits = reals.map(read).collect();
-        self.host.log.take();
-        bits
-    }
-
-    fn legal(&self, phases: &[Phase]) -> May {
-        if phases.contains(&self.phase) { May::Succeed } else { May::BeRefused }
-    }
-
-    /// One random call: its name, what may be answered, and the answer.
-    fn call(&mut self, random: &mut Random) -> (&'static str, May, Status) {
-        use Phase::{Ended, Initialization, Instantiated, Step};
-        let settable = [Instantiated, Initialization, Step];
-        let after = [Initialization, Step, Ended];
-        let early = matches!(self.phase, Instantiated | Initialization);
-        let list = self.description.interface().list();
-        let reference = random.below(list.len() + 1) as u32;
-        let of = list.get(reference as usize);
-        let is = |causality: Causality| of.is_some_and(|v| v.kind == Kind::Real && v.causality == causality);
-        match random.below(100) {
-            0..=3 => {
-                let may = if self.phase == Instantiated { May::Either } else { May::BeRefused };
-                let tolerance = random.pick(&[None, Some(1e-9), Some(1e-4), Some(f64::NAN)]);
-                let start = random.pick(&[0.0, 1.5, f64::NAN]);
-                let status = self.host.set_up(tolerance, start, None);
-                if status == Status::Ok {
-                    self.time = start;
-                }
-                ("fmi2SetupExperiment", may, status)
-            }
-            4..=9 => {
-                let may = if self.phase == Instantiated { May::Either } else { May::BeRefused };
-                let status = self.host.enter();
-                if matches!(status, Status::Ok | Status::Warning) {
-                    self.phase = Initialization;
-                }
-                ("fmi2EnterInitializationMode", may, status)
-            }
-            10..=15 => {
-                let may = if self.phase == Initialization { May::Either } else { May::BeRefused };
-                let status = self.host.exit();
-                if matches!(status, Status::Ok | Status::Warning) {
-                    self.phase = Step;
-                }
-                ("fmi2ExitInitializationMode", may, status)
-            }
-            16 => {
-                let may = if self.phase == Ended { May::Either } else { self.legal(&[Step]) };
-                let status = self.host.terminate();
-                if status == Status::Ok {
-                    self.phase = Ended;
-                }
-                ("fmi2Terminate", may, status)
-            }
-            17..=18 => {
-                (self.phase, self.time) = (Instantiated, 0.0);
-                ("fmi2Reset", May::Succeed, self.host.reset())
-            }
-            19..=48 => {
-                let is_tunable = of.is_some_and(|v| v.variability == Variability::Tunable);
-                let open = is(Causality::Input) || is(Causality::Parameter) && is_tunable;
-                let fine = open && settable.contains(&self.phase) || is(Causality::Parameter) && early;
-                let start = of.filter(|_| fine).map_or(1.0, |_| {
-                    let mut value = [1.0];
-                    self.host.reals(&[reference], &mut value);
-                    value[0]
-                });
-                let value = changed(start, random);
-                let may = if fine && value.is_finite() { May::Either } else { May::BeRefused };
-                ("fmi2SetReal", may, self.host.set_reals(&[reference], &[value]))
-            }
-            49..=54 => {
-                let rates: Vec<f64> = (0..=random.below(5))
-                    .map(|_| if random.chance(0.1) { odd(random) } else { random.within(-1.0, 1.0) })
-                    .collect();
-                let fine = is(Causality::Input) && settable.contains(&self.phase);
-                let fine = fine && rates.iter().all(|rate| rate.is_finite());
-                let may = if fine { May::Either } else { May::BeRefused };
-                ("fmi2SetRealInputDerivatives", may, self.host.set_rates(reference, &rates))
-            }
-            55..=57 => {
-                let name = random.pick(&["coupling.mode", "solver.method", "crank.angle", "nothing"]);
-                let value = random.pick(&["preview", "follow", "delayed", "", "x"]);
-                ("fmi2SetInteger", if early { May::Either } else { May::BeRefused }, self.host.set_item(name, value))
-            }
-            58..=67 => {
-                let may = match of.map(|v| (v.kind, v.causality)) {
-                    Some((Kind::Real, Causality::Output | Causality::Local)) if self.phase == Instantiated => {
-                        May::BeRefused
-                    }
-                    Some((Kind::Real, _)) => May::Either,
-                    _ => May::BeRefused,
-                };
-                ("fmi2GetReal", may, self.host.reals(&[reference], &mut [0.0]))
-            }
-            68..=71 => {
-                let known = random.below(list.len()) as u32;
-                let may = if after.contains(&self.phase) { May::Either } else { May::BeRefused };
-                ("fmi2GetDirectionalDerivative", may, self.host.derivatives(&[reference], known, &mut [0.0]))
-            }
-            72..=89 => {
-                let h = if random.chance(0.05) {
-                    random.pick(&[f64::NAN, f64::INFINITY, 0.0, -1e-3])
-                } else {
-                    random.decades(1e-6, 2e-2)
-                };
-                let point = if random.chance(0.05) { self.time + 10.0 * h } else { self.time };
-                let fine = self.phase == Step && h > 0.0 && h.is_finite() && point == self.time;
-                let may = if fine { May::Either } else { May::BeRefused };
-                let status = self.host.step(point, h);
-                match status {
-                    Status::Ok | Status::Warning => self.time = point + h,
-                    Status::Discard => self.phase = Ended,
-                    // Refused before it began, or not: both end with a reset.
-                    _ if may == May::Either => {
-                        self.host.reset();
-                        (self.phase, self.time) = (Instantiated, 0.0);
-                    }
-                    _ => {}
-                }
-                ("fmi2DoStep", may, status)
-            }
-            90..=93 => {
-                let status = self.host.save_into(&mut self.state);
-                self.saved = Some((self.phase, self.time));
-                ("fmi2GetFMUstate", May::Succeed, status)
-            }
-            94..=97 => match self.saved {
-                Some((phase, time)) => {
-                    (self.phase, self.time) = (phase, time);
-                    ("fmi2SetFMUstate", May::Succeed, self.host.restore(&self.state))
-                }
-                None => ("fmi2SetFMUstate", May::BeRefused, self.host.restore(&State::NONE)),
-            },
-            _ => {
-                if self.saved.is_none() {
-                    return ("fmi2FreeFMUstate", May::Succeed, self.host.free(&mut self.state));
-                }
-                let Ok(bytes) = self.host.serialize(&self.state) else {
-                    return ("fmi2SerializeFMUstate", May::Succeed, Status::Error);
-                };
-                self.host.free(&mut self.state);
-                match self.host.deserialize(&bytes) {
-                    Ok(state) => self.state = state,
-                    Err(status) => return ("fmi2DeSerializeFMUstate", May::Succeed, status),
-                }
-                ("fmi2DeSerializeFMUstate", May::Succeed, Status::Ok)
-            }
+const ROWS: [Row; 27] = [
+    ([4, 0, 4], Player::set_up),
+    ([6, 7, 6], Player::enter),
+    ([6, 7, 6], |p, _| {
+        let (may, status) = (p.legal(&[Initialization], Either), p.host.exit());
+        let next = if p.purpose == Use::CoSimulation { Step } else { Event };
+        ("exit initialization mode", may, p.reach(status, next))
+    }),
+    ([1, 1, 1], |p, _| {
+        let again = p.now.phase == Ended && p.purpose != Use::Exchange;
+        let may = if again { Either } else { p.legal(&[Step, Event, Continuous], Succeed) };
+        let status = p.host.terminate();
+        ("terminate", may, p.reach(status, Ended))
+    }),
+    ([2, 2, 1], RESET),
+    ([30, 20, 10], Player::set_real),
+    ([6, 0, 0], Player::set_rates),
+    ([0, 3, 3], Player::set_boolean),
+    ([3, 1, 0], Player::set_number),
+    ([10, 12, 6], Player::get_reals),
+    ([0, 4, 0], Player::get_other),
+    ([4, 4, 3], Player::derivative),
+    ([0, 2, 0], Player::output_derivatives),
+    ([0, 5, 0], |p, random| {
+        let Host::Three(host) = &p.host else { return RESET(p, random) };
+        let (name, status) = host.spoiled(random.below(SPOILED));
+        (name, BeRefused, status as i32)
+    }),
+    ([0, 3, 2], |p, _| {
+        let from = [Step, Step, Continuous][p.purpose as usize];
+        let may = p.legal(&[from], Succeed).when(p.purpose != Use::CoSimulation);
+        let status = p.host.enter_event_mode();
+        ("enter event mode", may, p.reach(status, Event))
+    }),
+    ([0, 3, 4], Player::update_discrete_states),
+    ([0, 4, 0], |p, random| {
+        let Host::Three(host) = &p.host else { return RESET(p, random) };
+        let may = p.legal(&[Event], Succeed).when(!p.now.awaits);
+        let status = host.enter_step_mode() as i32;
+        ("enter step mode", may, p.reach(status, Step))
+    }),
+    ([0, 1, 0], |p, random| {
+        let Host::Three(host) = &p.host else { return RESET(p, random) };
+        ("evaluate discrete states", p.legal(&[Initialization, Event], Succeed), host.evaluate() as i32)
+    }),
+    ([0, 0, 6], |p, _| {
+        let (may, status) = (p.legal(&[Event], Succeed), p.host.enter_continuous_time_mode());
+        ("enter continuous-time mode", may, p.reach(status, Continuous))
+    }),
+    ([0, 0, 8], |p, _| ("completed integrator step", p.legal(&[Continuous], Either), p.host.complete_step().0)),
+    ([0, 0, 3], |p, random| {
+        let time = if random.chance(0.2) { odd(random) } else { random.within(0.0, 10.0) };
+        ("set time", p.legal(&[Event, Continuous], Succeed).when(time.is_finite()), p.host.set_time(time))
+    }),
+    ([0, 0, 14], Player::set_states),
+    ([0, 0, 14], Player::solver_values),
+    ([18, 13, 1], Player::step),
+    ([4, 3, 4], |p, _| {
+        p.saved = Some(p.now);
+        ("get the FMU state", Succeed, p.host.save_into(&mut p.state))
+    }),
+    ([4, 3, 4], |p, _| match p.saved {
+        None => ("set the FMU state", BeRefused, p.host.restore(&State::NONE)),
+        Some(now) => {
+            p.now = now;
+            ("set the FMU state", Succeed, p.host.restore(&p.state))
         }
+    }),
+    ([2, 2, 4], |p, _| match p.saved {
+        None => ("free the FMU state", Succeed, p.host.free(&mut p.state)),
+        Some(_) => ("deserialize the FMU state", Succeed, p.host.renew(&mut p.state)),
+    }),
+];
+
+impl Player {
+    /// A random call of those of a column of [`ROWS`].
+    fn call(&mut self, column: usize, random: &mut Random) -> Answer {
+        let all: u32 = ROWS.iter().map(|(often, _)| often[column]).sum();
+        let mut left = random.below(all as usize) as u32;
+        for (often, call) in ROWS {
+            if left < often[column] {
+                return call(self, random);
+            }
+            left -= often[column];
+        }
+        RESET(self, random)
+    }
+
+    /// One call, judged.
+    fn judged(&mut self, column: usize, probe: &mut Probe, random: &mut Random, n: usize) -> Result<(), String> {
+        let watched = random.chance(0.03).then(|| (self.now.phase, self.bits()));
+        let (name, may, status) = probe.timed("call", || self.call(column, random));
+        let log = self.host.log().take();
+        if probe.verbose {
+            println!("{n} {name}: {may:?}, {status} {log:?}");
+        }
+        let words = |text: &str| match &self.host {
+            Host::Two(_) => column == 0 && UNITS.iter().any(|unit| text.contains(unit)),
+            Host::Three(_) => text.contains("fmi2") || text.contains(" Real"),
+        };
+        let told = log.iter().find(|message| words(&message.text)).map(|message| format!("words: {message:?}"));
+        let fault = self.fault.take().or(told);
+        let fault = if !may.allows(status, &log, probe) {
+            Some(format!("status {status}, may {may:?}: {log:?}"))
+        } else if fault.is_none() && status > WARNING && may == BeRefused {
+            watched.and_then(|before| self.changed(&before))
+        } else {
+            fault
+        };
+        fault.map_or(Ok(()), |fault| Err(format!("call {n}, {name} in {:?}: {fault}", self.now)))
+    }
+
+    /// What has changed although the call was refused.
+    fn changed(&self, (phase, before): &(Phase, Vec<(i32, [u64; 2])>)) -> Option<String> {
+        let after = self.bits();
+        let other = before.iter().zip(&after).position(|(before, after)| before != after);
+        let value = other.map(|i| format!("refused, and value {i}: {:x?} was {:x?}", after[i], before[i]));
+        let now = self.now.phase;
+        value.or_else(|| (now != *phase).then(|| format!("refused, and phase {now:?} was {phase:?}")))
+    }
+
+    /// A whole case.
+    fn play(mut self, column: usize, probe: &mut Probe, random: &mut Random) -> Result<(), String> {
+        let result = (0..CALLS).try_for_each(|n| {
+            probe.count(match self.host {
+                Host::Two(_) => "calls of FMI 2.0",
+                Host::Three(_) => "calls of FMI 3.0",
+            });
+            self.judged(column, probe, random, n)
+        });
+        self.host.free(&mut self.state);
+        result
     }
 }
 
-/// A part's case: one instance.
+/// A part's case: one instance of FMI 2.0 of a hydraulic model.
 ///
 /// # Errors
-/// An answer that the phase does not allow, a refusal without a line, or one that changes a Real.
-pub fn attack(probe: &mut Probe) -> Result<(), String> {
+/// An answer that the phase does not allow, a refusal without a line, or one that changes a Real; a value that does not
+/// exist, told without a warning.
+pub fn second(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let description = &descriptions()[random.below(descriptions().len())];
-    let host = probe.timed("fmi2Instantiate", || description.instantiate(Some(logger()), true))?;
-    let (phase, time, state, saved) = (Phase::Instantiated, 0.0, State::NONE, None);
-    let mut player = Player { host: &host, description, phase, time, state, saved };
-    host.log.take();
-    let mut result = Ok(());
-    for n in 0..CALLS {
-        let watched = random.chance(0.03).then(|| (player.phase, player.bits()));
-        let (name, may, status) = probe.timed("call", || player.call(&mut random));
-        probe.count("calls");
-        let log = host.log.take();
-        let fine = may.allows(status as i32, &log, probe);
-        if probe.verbose {
-            println!("{n} {name}: {may:?}, {status:?} {log:?}");
+    let name = random.pick(&["HydraulicActuator", "LandingGearRetractionHydraulic"]);
+    let player = probe.timed("fmi2Instantiate", || Player::new(name, false, Use::CoSimulation, true, false, None))?;
+    player.play(0, probe, &mut random)
+}
+
+/// A part's case: one instance of FMI 3.0, with event mode, early return and intermediate updates or without.
+pub fn third(probe: &mut Probe) -> Result<(), String> {
+    const MODELS: [&str; 6] = [
+        "LandingGearRetraction",
+        "LandingGearRetractionHydraulic",
+        "HydraulicActuator",
+        "FourBar",
+        "SliderCrank",
+        "CraneJib",
+    ];
+    let mut random = probe.random.clone();
+    let name = random.pick(&MODELS);
+    let purpose = if random.chance(0.6) { Use::CoSimulationWithEvents } else { Use::CoSimulation };
+    let (early_return, logging) = (random.chance(0.7), random.chance(0.8));
+    let update_by = random.chance(0.3).then(|| random.clone());
+    let make = || Player::new(name, true, purpose, logging, early_return, update_by);
+    match probe.timed("fmi3InstantiateCoSimulation", make) {
+        Err(_) if purpose == Use::CoSimulationWithEvents && !model(name)?.description.has_events() => {
+            probe.count("instances refused, for event mode without events");
+            Ok(())
         }
-        if !fine {
-            result = Err(format!("call {n}, {name} in {:?}: {status:?}, may {may:?}: {log:?}", player.phase));
-            break;
-        }
-        // A quantity of the model, none that the host has handed over.
-        let undefined = |text: &str| UNITS.iter().any(|unit| text.contains(unit));
-        if let Some(message) = log.iter().find(|message| undefined(&message.text)) {
-            result = Err(format!("call {n}, {name}: a message with NaN: {message:?}"));
-            break;
-        }
-        if let Some((phase, before)) = watched.filter(|_| status == Status::Error && may == May::BeRefused)
-            && (player.phase != phase || player.bits() != before)
-        {
-            result = Err(format!("call {n}, {name}: refused, and something has changed"));
-            break;
-        }
+        player => player?.play(1, probe, &mut random),
     }
-    host.free(&mut player.state);
-    result
+}
+
+/// A part's case: one instance for model exchange, of either version: models with stops, locks, friction, closed and
+/// open curves.
+pub fn exchange(probe: &mut Probe) -> Result<(), String> {
+    const MODELS: [&str; 7] =
+        ["LandingGearRetraction", "FourBar", "SliderCrank", "CraneJib", "Jib", "StickSlip", "Tailgate"];
+    let mut random = probe.random.clone();
+    let name = random.pick(&MODELS);
+    let (is_three, logging) = (random.chance(0.5), random.chance(0.8));
+    let make = || Player::new(name, is_three, Use::Exchange, logging, false, None);
+    probe.timed("instantiate", make)?.play(2, probe, &mut random)
 }

@@ -10,7 +10,7 @@ use linkage_fmu::hydraulics::ACTUATOR;
 use linkage_fmu::variables::{Causality, Reference};
 use serde_json::Value;
 
-const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const GEAR: &str = example!("LandingGearRetraction");
 /// Most steps of a coupling.
 const STEPS: usize = 24;
 /// What the actuator foresees.
@@ -151,9 +151,6 @@ fn exchange(
 }
 
 /// A part's case: one coupling.
-///
-/// # Errors
-/// The twins differ, a state that was written is refused, a value is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let start = probe.timed("instantiation", || Start::new(&mut random))?;

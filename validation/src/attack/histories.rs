@@ -38,9 +38,6 @@ const ROLLBACKS: [Rollback; 7] = [
 ];
 
 /// A part's case: one history.
-///
-/// # Errors
-/// The twins differ, a state that was written is refused, a value is not finite without a reason.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let prepared = prepared(probe);
     probe.count(match prepared.1.definition.file {

@@ -13,9 +13,6 @@ const MOST: f64 = 100.0;
 const DRAWS: u32 = 50;
 
 /// A part's case: one mechanism.
-///
-/// # Errors
-/// It is refused although its lengths can be joined, or is off by too much.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     for _ in 0..DRAWS {
@@ -38,7 +35,7 @@ fn possible(probe: &mut Probe, sketch: &Sketch, text: &str, span: f64, steps: u3
         println!("{text}\n{span} s in {steps} steps");
     }
     let mut model = probe.timed("instantiation", || open(text)).map_err(|error| format!("refused: {error}"))?;
-    probe.count(if sketch.stops.is_some() { "mechanisms with stops" } else { "mechanisms without stops" });
+    probe.count(if sketch.stops.is_empty() { "mechanisms without stops" } else { "mechanisms with stops" });
     let off = run(sketch, &mut model, span, steps, &mut |model, h| {
         probe.count("steps");
         probe.timed("step", || model.step(h))

@@ -9,7 +9,7 @@ use linkage_fmu::variables::{Causality, Kind, Reference};
 use serde_json::{Map, Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const GEAR: &str = example!("LandingGearRetraction");
 
 /// A definition, and the sizes of what acts on it.
 #[derive(Clone, Debug)]
@@ -40,12 +40,14 @@ pub struct Prepared {
 
 impl Prepared {
     /// The model of a definition, at its start.
-    ///
-    /// # Errors
-    /// The definition is refused.
     pub fn new(definition: Definition) -> Result<Self, String> {
         let mut start = Component::from_definition(definition.file, &definition.text).map_err(|e| e.to_string())?;
         start.initialize().map_err(|e| e.to_string())?;
+        Ok(Self::of(definition, start))
+    }
+
+    /// The model of a definition, with its variables.
+    pub fn of(definition: Definition, start: Component) -> Self {
         let list = start.interface().list();
         let those = |causality: Causality, kind: Kind| -> Vec<Reference> {
             let found = list.iter().zip(0..).filter(|(v, _)| v.causality == causality && v.kind == kind);
@@ -54,7 +56,7 @@ impl Prepared {
         let [inputs, outputs] = [Causality::Input, Causality::Output].map(|causality| those(causality, Kind::Real));
         let [locks, flags] = [Causality::Input, Causality::Output].map(|causality| those(causality, Kind::Boolean));
         let sizes = inputs.iter().map(|&input| definition.size(&list[input as usize].name)).collect();
-        Ok(Self { definition, inputs, locks, outputs, flags, sizes, start })
+        Self { definition, inputs, locks, outputs, flags, sizes, start }
     }
 
     /// Whether a circuit drives the mechanism.

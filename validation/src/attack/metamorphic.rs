@@ -16,12 +16,6 @@ use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-macro_rules! example {
-    ($name:literal) => {
-        include_str!(concat!("../../../modelDescription/", $name, "/resources/mechanism.json"))
-    };
-}
-
 /// The examples.
 const EXAMPLES: [&str; 13] = [
     example!("AndrewsSqueezer"),
@@ -70,9 +64,6 @@ struct Rows {
 }
 
 /// A part's case: one pair.
-///
-/// # Errors
-/// The two differ.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let Some((mut scene, h)) = scene(&mut random) else {
@@ -229,9 +220,6 @@ fn compare(probe: &mut Probe, scene: &Value, other: &Rewritten, h: f64, way: &'s
 }
 
 /// A part's case: one definition of which all is described that an FMU says of it.
-///
-/// # Errors
-/// It is accepted and cannot be described.
 pub fn package(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let drawn = match random.chance(0.2) {

@@ -6,15 +6,14 @@
 mod actuator;
 mod answers;
 mod calls;
-mod calls3;
 mod coupled;
 mod definitions;
-mod exchange;
 mod histories;
 mod kinds;
 mod mechanism;
 mod metamorphic;
 mod page;
+mod player;
 mod probe;
 pub mod random;
 mod relation;
@@ -25,6 +24,7 @@ mod threads;
 
 pub use probe::{Largest, Tally};
 
+use crate::measure;
 use probe::{Probe, Pulse, milliseconds};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -38,13 +38,14 @@ const PATIENCE: u64 = 120_000;
 /// Failures after which a part ends.
 const ENOUGH: usize = 20;
 
+/// A case of a part: what is wrong, if anything is.
+type Case = fn(&mut Probe) -> Result<(), String>;
+
 /// One kind of attack.
 pub struct Part {
     /// As `--only` names it.
     pub name: &'static str,
-    /// What is asked for.
-    pub claim: &'static str,
-    case: fn(&mut Probe) -> Result<(), String>,
+    case: Case,
     /// Cases if neither their number nor a time is asked for.
     count: u64,
     /// Share of the time that is asked for.
@@ -53,114 +54,31 @@ pub struct Part {
     block: u64,
 }
 
+impl Part {
+    const fn new(name: &'static str, case: Case, count: u64, share: f64, block: u64) -> Self {
+        Self { name, case, count, share, block }
+    }
+
+    /// What is asked for.
+    pub fn claim(&self) -> String {
+        measure::page(if self.name == "scenes" { "motions" } else { self.name }, &[]).trim().to_owned()
+    }
+}
+
 /// All kinds of attack.
 pub const PARTS: [Part; 12] = [
-    Part {
-        name: "histories",
-        claim: "twins of a random history, one of them read, saved, restored and serialised in between, agree to the \
-            bit; every state that is written is read back",
-        case: histories::attack,
-        count: 12_000,
-        share: 0.3,
-        block: histories::SHARED,
-    },
-    Part {
-        name: "coupled",
-        claim: "twins of a coupling of gear and actuator, one of them read, saved and restored between any two calls \
-            of the exchange, agree to the bit",
-        case: coupled::attack,
-        count: 1_000,
-        share: 0.1,
-        block: 1,
-    },
-    Part {
-        name: "calls",
-        claim: "random C calls of the hydraulic FMUs: each answer is one that the phase allows; a refusal has one line \
-            and changes no Real",
-        case: calls::attack,
-        count: 1_000,
-        share: 0.05,
-        block: 1,
-    },
-    Part {
-        name: "calls3",
-        claim: "random C calls of FMI 3.0, with event mode, early return and intermediate updates: each answer is one \
-            that the phase allows; a refusal has one line and changes no Float64; a value that does not exist is told",
-        case: calls3::attack,
-        count: 42_000,
-        share: 0.1,
-        block: 1,
-    },
-    Part {
-        name: "exchange",
-        claim: "random C calls of model exchange in FMI 2.0 and FMI 3.0: each answer is one that the phase allows; a \
-            refusal has one line and changes no Real; states that are taken are those that were set; no rate and no \
-        indicator is other than a number",
-        case: exchange::attack,
-        count: 5_000,
-        share: 0.05,
-        block: 1,
-    },
-    Part {
-        name: "states",
-        claim: "a state with changed bytes and a right check sum is refused, or the instance goes on from it",
-        case: states::attack,
-        count: 6_000,
-        share: 0.08,
-        block: histories::SHARED,
-    },
-    Part {
-        name: "definitions",
-        claim: "a hostile definition is refused in words by a model and by its inspection, or is a model that steps",
-        case: definitions::attack,
-        count: 100_000,
-        share: 0.12,
-        block: 1,
-    },
-    Part {
-        name: "scenes",
-        claim: "the motion is within 100 times the tolerance, or what the scene makes of a state moved by it, of an \
-            independent integration",
-        case: scenes::attack,
-        count: 1_000,
-        share: 0.28,
-        block: 1,
-    },
-    Part {
-        name: "kinds",
-        claim: "a random mechanism of one of the kinds is taken unless its lengths cannot be joined; its positions, \
-            rates and reactions are its closed form's, its motion that of Lagrange's equation to within 100 times the \
-        tolerance, or what it makes of a state moved by it",
-        case: kinds::attack,
-        count: 300,
-        share: 0.1,
-        block: 1,
-    },
-    Part {
-        name: "metamorphic",
-        claim: "a mechanism that is written in another way (joints twice or the other way round, bodies fixed to \
-            others, other units, names, places and scales) gives the outputs that follow, to 1e-6 of the largest",
-        case: metamorphic::attack,
-        count: 10_000,
-        share: 0.1,
-        block: 1,
-    },
-    Part {
-        name: "package",
-        claim: "what is accepted has descriptions of FMI 2.0 and 3.0",
-        case: metamorphic::package,
-        count: 2_000,
-        share: 0.02,
-        block: 1,
-    },
-    Part {
-        name: "threads",
-        claim: "instances that step in threads at once give the bits of each alone",
-        case: threads::attack,
-        count: 200,
-        share: 0.07,
-        block: 1,
-    },
+    Part::new("histories", histories::attack, 12_000, 0.3, histories::SHARED),
+    Part::new("coupled", coupled::attack, 1_000, 0.1, 1),
+    Part::new("calls", calls::second, 1_000, 0.05, 1),
+    Part::new("calls3", calls::third, 42_000, 0.1, 1),
+    Part::new("exchange", calls::exchange, 5_000, 0.05, 1),
+    Part::new("states", states::attack, 6_000, 0.08, histories::SHARED),
+    Part::new("definitions", definitions::attack, 100_000, 0.12, 1),
+    Part::new("scenes", scenes::attack, 1_000, 0.28, 1),
+    Part::new("kinds", kinds::attack, 300, 0.1, 1),
+    Part::new("metamorphic", metamorphic::attack, 10_000, 0.1, 1),
+    Part::new("package", metamorphic::package, 2_000, 0.02, 1),
+    Part::new("threads", threads::attack, 200, 0.07, 1),
 ];
 
 /// What the command line asks for.

@@ -1,7 +1,7 @@
 //! The page of an attack: what was asked, how many cases, what they gave.
 use super::{Asked, LONGEST, Outcome};
 use crate::measure;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// One line for the terminal.
 pub fn line(outcome: &Outcome) -> String {
@@ -21,13 +21,9 @@ pub fn line(outcome: &Outcome) -> String {
 pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
     let time = asked.minutes.map_or("a fixed number of cases".into(), |minutes| format!("{minutes} minutes"));
     let only: String = asked.only.iter().map(|part| format!(" --only {part}")).collect();
-    let words = format!(
-        "`cargo fmu bench attack{only}`, {time} on {} threads, seeds from {}. Case k of a part has the seed {} + k; \
-         `--seed SEED --only PART --count 1 --verbose` runs it alone. A call may take {LONGEST} s of its thread's \
-         time.",
-        asked.threads, asked.seed, asked.seed
-    );
-    let mut page = measure::page("Attack", &words);
+    let values: [(&str, &dyn Display); 5] =
+        [("only", &only), ("time", &time), ("threads", &asked.threads), ("seed", &asked.seed), ("longest", &LONGEST)];
+    let mut page = measure::page("attack", &values);
     page +=
         &measure::heading(&["part", "what is asked for", "cases", "fail", "longest call [s]", "in", "its seed", "[s]"]);
     for Outcome { part, tally, seconds } in outcomes {
@@ -36,7 +32,7 @@ pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
             page,
             "| {} | {} | {} | {} | {:.3} | {} | {} | {seconds:.0} |",
             part.name,
-            part.claim,
+            part.claim(),
             tally.cases,
             tally.failures.len(),
             longest.value,

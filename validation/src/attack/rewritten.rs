@@ -18,9 +18,6 @@ pub struct Rewritten {
 }
 
 /// A definition with all its numbers in SI units and written out.
-///
-/// # Errors
-/// The text is refused.
 pub fn plain(text: &str) -> Result<Value, String> {
     with_parameters(text, &mut |_, _, _, _| {})
 }

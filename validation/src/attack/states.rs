@@ -4,12 +4,11 @@ use super::histories::{length, outputs, prepared, set, written};
 use super::mechanism::Prepared;
 use super::probe::Probe;
 use super::random::Random;
+use crate::host::model;
 use linkage_fmu::codec::checksum::crc32;
 use linkage_fmu::component::Stepped;
-use linkage_fmu::fmi2::host::{Description, Host, State, logger};
+use linkage_fmu::fmi2::host::{Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
-use std::path::Path;
-use std::sync::{Arc, OnceLock};
 
 /// Steps before a state is written, and after a spoiled one is taken.
 const STEPS: usize = 4;
@@ -18,15 +17,12 @@ const HEAD: usize = 36;
 const CHECK: usize = 4;
 
 /// A part's case: a model's state, or that of an instance through the C functions.
-///
-/// # Errors
-/// An output is not finite without a reason, or a state that was taken cannot be written or read again.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     if probe.seed % 4 == 3 {
         return instance(probe);
     }
     let prepared = prepared(probe);
-    let result = model(probe, &prepared.1);
+    let result = of_model(probe, &prepared.1);
     probe.prepared = Some(prepared);
     result
 }
@@ -60,7 +56,7 @@ fn spoil(random: &mut Random, bytes: &mut [u8]) {
     }
 }
 
-fn model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
+fn of_model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
     let mut random = probe.random.clone();
     let mut model = prepared.start.clone();
     for _ in 0..random.below(STEPS) {
@@ -97,22 +93,15 @@ fn model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
 }
 
 /// The FMUs whose states are spoiled.
-fn descriptions() -> &'static [Arc<Description>] {
-    static ALL: OnceLock<Vec<Arc<Description>>> = OnceLock::new();
-    ALL.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
-        let names = [
-            "LandingGearRetraction",
-            "SliderCrank",
-            "FourBar",
-            "Jib",
-            "CraneJib",
-            "HydraulicActuator",
-            "LandingGearRetractionHydraulic",
-        ];
-        names.iter().filter_map(|name| Description::read(&folder.join(name)).ok()).collect()
-    })
-}
+const MODELS: [&str; 7] = [
+    "LandingGearRetraction",
+    "SliderCrank",
+    "FourBar",
+    "Jib",
+    "CraneJib",
+    "HydraulicActuator",
+    "LandingGearRetractionHydraulic",
+];
 
 /// Every output of an instance, whose status is OK, or a warning with a text.
 fn read(host: &Host, outputs: &[u32]) -> Result<(), String> {
@@ -135,7 +124,7 @@ fn fine(call: &str, status: Status) -> Result<(), String> {
 
 fn instance(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let description = &descriptions()[random.below(descriptions().len())];
+    let description = &model(random.pick(&MODELS))?.description;
     let host = probe.timed("fmi2Instantiate", || description.instantiate(Some(logger()), false))?;
     fine("fmi2SetupExperiment", host.set_up(None, 0.0, None))?;
     fine("initialisation", host.initialize())?;

@@ -11,9 +11,6 @@ const INSTANCES: u64 = 4;
 const STEPS: usize = 12;
 
 /// A part's case: one mechanism.
-///
-/// # Errors
-/// An instance differs, or panics.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let (alone, _) = Prepared::random(&mut random, definition);

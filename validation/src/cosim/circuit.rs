@@ -4,48 +4,75 @@
 //! Systems; Jelali and Kroll, Hydraulic Servo-systems; Modelica.Fluid.Utilities.regRoot.
 use std::f64::consts::PI;
 
-/// Numbers of a circuit with a 4/3 valve and a differential cylinder, all in SI units; pressures are gauge.
-#[derive(Clone, Debug)]
-#[expect(missing_docs, reason = "the names are those of the FMU's parameters")]
-pub struct Circuit {
-    pub supply_pressure: f64,
-    pub tank_pressure: f64,
-    pub ambient_pressure: f64,
-    pub bulk_modulus: f64,
-    pub air_fraction: f64,
-    pub polytropic_exponent: f64,
-    pub bore: f64,
-    pub rod: f64,
-    pub stroke: f64,
-    pub closed_length: f64,
-    pub dead_volumes: [f64; 2],
-    pub rated_flow: f64,
-    pub rated_pressure_drop: f64,
-    pub transition_pressure: f64,
-    pub clearance: f64,
-    pub overlap: f64,
-    pub frequency: f64,
-    pub damping_ratio: f64,
-    pub restrictors: [f64; 2],
-    pub check_pressure: f64,
-    pub cushion_lengths: [f64; 2],
-    pub cushions: [f64; 2],
-    pub relief_pressure: f64,
-    pub relief_width: f64,
-    pub relief_conductance: f64,
-    pub anticavitation_conductance: f64,
-    pub leakage_internal: f64,
-    pub leakage_external: [f64; 2],
-    pub coulomb: f64,
-    pub static_friction: f64,
-    pub stribeck_speed: f64,
-    pub transition_speed: f64,
-    pub viscous: f64,
-    /// Command: value before all, ramp to an amplitude within a time, amplitude and frequency of a sine.
-    pub command: f64,
-    pub ramp: [f64; 2],
-    pub sine: [f64; 2],
+/// The numbers of a circuit: field, name as the FMU has it, value of scenes H0 and H1.
+macro_rules! numbers {
+    ({ $($one:ident $name:literal $value:literal;)* } { $($two:ident $a:literal $b:literal $values:expr;)* }) => {
+        /// Numbers of a circuit with a 4/3 valve and a differential cylinder, all in SI units; pressures are gauge.
+        #[derive(Clone, Debug)]
+        #[expect(missing_docs, reason = "the names are those of the FMU's parameters")]
+        pub struct Circuit {
+            $(pub $one: f64,)*
+            $(pub $two: [f64; 2],)*
+            /// Command before ramp and sine.
+            pub command: f64,
+        }
+
+        impl Circuit {
+            /// Circuit of scenes H0 and H1, with the valve closed.
+            pub fn standard() -> Self {
+                Self { $($one: $value,)* $($two: $values,)* command: 0.0 }
+            }
+
+            /// A parameter by its name.
+            pub fn parameter(&mut self, name: &str) -> Option<&mut f64> {
+                match name {
+                    $($name => Some(&mut self.$one),)*
+                    $($a => Some(&mut self.$two[0]), $b => Some(&mut self.$two[1]),)*
+                    _ => None,
+                }
+            }
+        }
+    };
 }
+
+numbers! {{
+    supply_pressure "supply.pressure" 20.7e6;
+    tank_pressure "tank.pressure" 0.35e6;
+    ambient_pressure "fluid.ambient_pressure" 101_325.0;
+    bulk_modulus "fluid.bulk_modulus" 1.4e9;
+    air_fraction "fluid.air_fraction" 0.005;
+    polytropic_exponent "fluid.polytropic_exponent" 1.4;
+    bore "cylinder.bore" 0.045;
+    rod "cylinder.rod" 0.025;
+    stroke "cylinder.stroke" 0.330;
+    closed_length "cylinder.closed_length" 0.412;
+    rated_flow "valve.rated_flow" 1e-4;
+    rated_pressure_drop "valve.rated_pressure_drop" 3.5e6;
+    transition_pressure "valve.transition_pressure" 1e5;
+    clearance "valve.clearance" 2e-3;
+    overlap "valve.overlap" 0.0;
+    frequency "valve.frequency" 60.0;
+    damping_ratio "valve.damping_ratio" 0.8;
+    check_pressure "check.pressure" 5e4;
+    relief_pressure "relief.pressure" 28e6;
+    relief_width "relief.width" 1e5;
+    relief_conductance "relief.conductance" 1e-10;
+    anticavitation_conductance "anticavitation.conductance" 1e-10;
+    leakage_internal "leakage.internal" 2e-13;
+    coulomb "seal.coulomb" 250.0;
+    static_friction "seal.static" 400.0;
+    stribeck_speed "seal.stribeck_speed" 0.02;
+    transition_speed "seal.transition_speed" 0.005;
+    viscous "seal.viscous" 500.0;
+} {
+    dead_volumes "chamber_a.dead_volume" "chamber_b.dead_volume" [6e-5; 2];
+    restrictors "restrictor_a.rated_flow" "restrictor_b.rated_flow" [5e-5, 0.0];
+    cushion_lengths "cushion_a.length" "cushion_b.length" [0.030; 2];
+    cushions "cushion_a.rated_flow" "cushion_b.rated_flow" [1.2e-5; 2];
+    leakage_external "leakage.external_a" "leakage.external_b" [0.0, 5e-14];
+    ramp "command.ramp_amplitude" "command.ramp_time" [0.0; 2];
+    sine "command.sine_amplitude" "command.sine_frequency" [0.0; 2];
+}}
 
 /// Pressures of chambers A and B [Pa], spool position [1] and speed [1/s].
 pub type State = [f64; 4];
@@ -59,57 +86,6 @@ fn gate(x: f64, w: f64) -> f64 {
 }
 
 impl Circuit {
-    /// Circuit of scene H1, and the pressures at its start.
-    pub fn h1() -> (Self, State) {
-        let circuit = Self {
-            supply_pressure: 20.7e6,
-            tank_pressure: 0.35e6,
-            ambient_pressure: 101_325.0,
-            bulk_modulus: 1.4e9,
-            air_fraction: 0.005,
-            polytropic_exponent: 1.4,
-            bore: 0.045,
-            rod: 0.025,
-            stroke: 0.330,
-            closed_length: 0.412,
-            dead_volumes: [6e-5; 2],
-            rated_flow: 1e-4,
-            rated_pressure_drop: 3.5e6,
-            transition_pressure: 1e5,
-            clearance: 2e-3,
-            overlap: 0.0,
-            frequency: 60.0,
-            damping_ratio: 0.8,
-            restrictors: [5e-5, 0.0],
-            check_pressure: 5e4,
-            cushion_lengths: [0.030; 2],
-            cushions: [1.2e-5; 2],
-            relief_pressure: 28e6,
-            relief_width: 1e5,
-            relief_conductance: 1e-10,
-            anticavitation_conductance: 1e-10,
-            leakage_internal: 2e-13,
-            leakage_external: [0.0, 5e-14],
-            coulomb: 250.0,
-            static_friction: 400.0,
-            stribeck_speed: 0.02,
-            transition_speed: 0.005,
-            viscous: 500.0,
-            command: 0.0,
-            ramp: [0.65, 0.1],
-            sine: [0.0, 0.0],
-        };
-        (circuit, [6e6, 11.15e6, 0.0, 0.0])
-    }
-
-    /// Circuit of scene H2, in which all laws are analytic, and the pressures at its start.
-    pub fn h2() -> (Self, State) {
-        let (h1, _) = Self::h1();
-        let friction = Self { coulomb: 0.0, static_friction: 0.0, viscous: 0.0, ..h1 };
-        let smooth = Self { air_fraction: 0.0, cushion_lengths: [0.0; 2], ..friction };
-        (Self { ramp: [0.0, 0.1], sine: [0.5, 2.0], ..smooth }, [8e6, 10.08e6, 0.0, 0.0])
-    }
-
     /// Areas of the piston and rod side [m2].
     pub fn areas(&self) -> [f64; 2] {
         let piston = 0.25 * PI * self.bore * self.bore;

@@ -1,95 +1,133 @@
-//! The two FMUs of the gear as the sides of a coupling, through the functions of FMI 2.0 alone.
-use super::pair::{Actuator, Element, Mechanism, Motion, Preview, Refused};
-use super::unpacked::Fmu;
-use linkage_fmu::fmi2::importer::{Instance, State};
+//! FMU files as the sides of a coupling, through the functions of FMI 2.0 alone: unpacked, the description read, the
+//! library opened.
+//!
+//! In: a `.fmu` file and a folder, values by name. Out: the gear, its hydraulic actuator, an oil spring that this
+//! project did not make. What a side is asked for goes by the names of its variables.
+use super::models::{Integrated, Mass, OilSpring};
+use super::pair::{Actuator, Element, Mechanism, Motion, Pair, Preview, Refused};
+use super::schemes;
+use linkage_fmu::fmi2::host::logger;
+use linkage_fmu::fmi2::importer::{Instance, Library, State};
 use linkage_fmu::fmi2::types::ValueReference;
+use linkage_fmu::hydraulics::definition::Mode;
+use quick_xml::events::Event;
+use quick_xml::{Reader, XmlVersion};
+use std::collections::HashMap;
+use std::env::consts::{DLL_EXTENSION, OS};
+use std::fs::File;
+use std::path::Path;
 use std::sync::Arc;
 
-/// The FMU `LandingGearRetraction`.
+/// An opened FMU.
 #[derive(Debug)]
-pub struct Gear {
-    /// The instance, in step mode.
-    pub instance: Instance,
-    state: State,
-    force: ValueReference,
-    motion: [ValueReference; 3],
-    element: [ValueReference; 4],
-    energies: [ValueReference; 2],
-    position: ValueReference,
+pub struct Fmu {
+    library: Arc<Library>,
+    references: HashMap<String, ValueReference>,
 }
 
-impl Gear {
-    /// An instance at its start: Reals and Booleans by name.
+impl Fmu {
+    /// Unpack an FMU into a folder and open it.
     ///
     /// # Errors
-    /// The FMU has no such variable, or refuses a value.
-    pub fn start(fmu: &Arc<Fmu>, reals: &[(&str, f64)], booleans: &[(&str, bool)]) -> Result<Self, String> {
-        let instance = started(fmu, "gear", reals, booleans, &[])?;
-        let of = "actuator";
-        let name = |suffix: &str| fmu.find(&format!("{of}.{suffix}"));
-        Ok(Self {
-            instance,
-            state: State::NONE,
-            force: name("force")?,
-            motion: [name("length")?, name("speed")?, name("acceleration")?],
-            element: [
-                name("reduced_mass")?,
-                name("reduced_mass_derivative")?,
-                name("holding_force")?,
-                name("holding_force_derivative")?,
-            ],
-            energies: fmu.find_all(["energy.kinetic", "energy.potential"])?,
-            position: fmu.find("crank.angle")?,
-        })
+    /// The file is no FMU for co-simulation on this platform, or cannot be unpacked.
+    pub fn open(file: &Path, folder: &Path) -> Result<Arc<Self>, String> {
+        let refused = |reason: String| format!("{}: {reason}", file.display());
+        let archive = File::open(file).map_err(|e| refused(e.to_string()))?;
+        let mut archive = zip::ZipArchive::new(archive).map_err(|e| refused(e.to_string()))?;
+        archive.extract(folder).map_err(|e| refused(e.to_string()))?;
+        let text = std::fs::read_to_string(folder.join("modelDescription.xml")).map_err(|e| refused(e.to_string()))?;
+        let (guid, identifier, references) = described(&text).map_err(refused)?;
+        let platform = match OS {
+            "linux" => "linux64",
+            "windows" => "win64",
+            _ => "darwin64",
+        };
+        let library = folder.join("binaries").join(platform).join(format!("{identifier}.{DLL_EXTENSION}"));
+        let library = library.canonicalize().map_err(|e| refused(format!("{}: {e}", library.display())))?;
+        let resources = folder.canonicalize().map_err(|e| refused(e.to_string()))?.join("resources");
+        let library = Library::open(library.as_os_str(), &guid, &format!("file://{}", resources.display()))?;
+        Ok(Arc::new(Self { library, references }))
+    }
+
+    fn find(&self, name: &str) -> Result<ValueReference, String> {
+        self.references.get(name).copied().ok_or_else(|| format!("the FMU has no variable {name}"))
     }
 }
 
-/// A new instance in step mode.
-fn started(
-    fmu: &Arc<Fmu>,
-    name: &str,
-    reals: &[(&str, f64)],
-    booleans: &[(&str, bool)],
-    numbers: &[(&str, i32)],
-) -> Result<Instance, String> {
-    let instance = fmu.instantiate(name)?;
-    instance.set_up(0.0, None)?;
-    for (name, value) in reals {
-        instance.set_reals(&[fmu.find(name)?], &[*value])?;
+/// What `modelDescription.xml` tells: GUID, name of the library, value references.
+fn described(text: &str) -> Result<(String, String, HashMap<String, ValueReference>), String> {
+    let mut reader = Reader::from_str(text);
+    let (mut guid, mut identifier, mut references) = (None, None, HashMap::new());
+    loop {
+        let element = match reader.read_event().map_err(|e| e.to_string())? {
+            Event::Eof => break,
+            Event::Start(element) | Event::Empty(element) => element,
+            _ => continue,
+        };
+        let attribute = |name: &str| -> Result<Option<String>, String> {
+            let found = element.try_get_attribute(name).map_err(|e| e.to_string())?;
+            let value = found.map(|a| a.normalized_value(XmlVersion::Explicit1_0).map(|v| v.into_owned()));
+            value.transpose().map_err(|e| e.to_string())
+        };
+        match element.name().as_ref() {
+            "fmiModelDescription" => guid = attribute("guid")?,
+            "CoSimulation" => identifier = attribute("modelIdentifier")?,
+            "ScalarVariable" => {
+                let name = attribute("name")?.ok_or("a ScalarVariable has no name")?;
+                let reference = attribute("valueReference")?.and_then(|text| text.parse().ok());
+                references.insert(name, reference.ok_or("a ScalarVariable has no valueReference")?);
+            }
+            _ => {}
+        }
     }
-    for (name, value) in booleans {
-        instance.set_boolean(fmu.find(name)?, *value)?;
-    }
-    for (name, value) in numbers {
-        instance.set_integer(fmu.find(name)?, *value)?;
-    }
-    instance.initialize()?;
-    Ok(instance)
+    let (guid, identifier) = (guid.ok_or("no guid")?, identifier.ok_or("the FMU is not for co-simulation")?);
+    Ok((guid, identifier, references))
 }
 
-impl Mechanism for Gear {
-    fn motion(&mut self) -> Result<Motion, Refused> {
-        let [length, speed, acceleration] = self.instance.reals(&self.motion)?;
-        Ok(Motion { length, speed, acceleration })
+/// An instance in step mode, with a state that it may return to.
+#[derive(Debug)]
+struct Side {
+    fmu: Arc<Fmu>,
+    instance: Instance,
+    state: State,
+}
+
+impl Side {
+    /// An instance at its start: Reals, Booleans and Enumerations by name.
+    fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], flags: &[(String, bool)], mode: &str) -> Result<Self, String> {
+        let instance = fmu.library.instantiate("side", Some(logger()))?;
+        instance.set_up(0.0, None)?;
+        for (name, value) in reals {
+            instance.set_reals(&[fmu.find(name)?], &[*value])?;
+        }
+        for (name, value) in flags {
+            instance.set_boolean(fmu.find(name)?, *value)?;
+        }
+        if let Some(number) = Mode::WORDS.iter().position(|word| *word == mode) {
+            instance.set_integer(fmu.find("coupling.mode")?, number as i32 + 1)?;
+        }
+        instance.initialize()?;
+        Ok(Self { fmu: Arc::clone(fmu), instance, state: State::NONE })
     }
 
-    fn jerk(&mut self) -> Result<[f64; 2], Refused> {
-        let [.., acceleration] = self.motion;
-        Ok([self.instance.rate(acceleration)?, self.instance.derivative(acceleration, self.force)?])
+    fn references<const N: usize>(&self, names: [&str; N]) -> Result<[ValueReference; N], Refused> {
+        let mut all = [0; N];
+        for (reference, name) in all.iter_mut().zip(names) {
+            *reference = self.fmu.find(name)?;
+        }
+        Ok(all)
     }
 
-    fn element(&mut self) -> Result<Element, Refused> {
-        let [mass, mass_derivative, holding, holding_derivative] = self.instance.reals(&self.element)?;
-        Ok(Element { mass, mass_derivative, holding, holding_derivative })
+    fn get<const N: usize>(&self, names: [&str; N]) -> Result<[f64; N], Refused> {
+        self.instance.reals(&self.references(names)?)
     }
 
-    fn set_force(&mut self, [force, first, second]: [f64; 3]) -> Result<(), Refused> {
-        self.instance.set_reals(&[self.force], &[force])?;
-        self.instance.set_derivatives(self.force, &[first, second])
+    fn set<const N: usize>(&self, names: [&str; N], values: [f64; N]) -> Result<(), Refused> {
+        self.instance.set_reals(&self.references(names)?, &values)
     }
 
-    fn step(&mut self, t: f64, h: f64) -> Result<(), Refused> {
-        self.instance.step(t, h)
+    fn set_rates<const N: usize>(&self, name: &str, rates: [f64; N]) -> Result<(), Refused> {
+        self.instance.set_derivatives(self.fmu.find(name)?, &rates)
     }
 
     fn save(&mut self) -> Result<(), Refused> {
@@ -99,131 +137,188 @@ impl Mechanism for Gear {
     fn restore(&mut self) -> Result<(), Refused> {
         self.instance.restore(&self.state)
     }
-
-    fn energy(&mut self) -> Result<f64, Refused> {
-        Ok(self.instance.reals(&self.energies)?.iter().sum())
-    }
-
-    fn position(&mut self) -> Result<f64, Refused> {
-        Ok(self.instance.reals(&[self.position])?[0])
-    }
 }
 
-impl Drop for Gear {
+impl Drop for Side {
     fn drop(&mut self) {
         // What an FMU answers when it ends changes nothing that was measured.
         let _ = self.instance.free(&mut self.state);
     }
 }
 
-/// The FMU `HydraulicActuator`.
+const FORCE: &str = "actuator.force";
+const SPEED: &str = "actuator.speed";
+const ACCELERATION: &str = "actuator.acceleration";
+/// The element's four terms.
+const ELEMENT: [&str; 4] = [
+    "actuator.reduced_mass",
+    "actuator.reduced_mass_derivative",
+    "actuator.holding_force",
+    "actuator.holding_force_derivative",
+];
+
+/// The FMU `LandingGearRetraction`.
 #[derive(Debug)]
-pub struct Hydraulic {
-    /// The instance, in step mode.
-    pub instance: Instance,
-    state: State,
-    length: ValueReference,
-    speed: ValueReference,
-    acceleration: ValueReference,
-    force: ValueReference,
-    compliance: [ValueReference; 2],
-    /// Inputs of the preview: the element's four terms, the horizon.
-    asked: [ValueReference; 5],
-    /// Its outputs: force, rate, mean, both accelerations.
-    told: [ValueReference; 5],
-    work: ValueReference,
-    /// Whether a step keeps the foreseen motion: one pass.
-    keeps: bool,
+pub struct Gear(Side);
+
+impl Gear {
+    /// An instance at its start.
+    pub fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], flags: &[(String, bool)]) -> Result<Self, String> {
+        Side::start(fmu, reals, flags, "").map(Self)
+    }
 }
 
+impl Mechanism for Gear {
+    fn motion(&mut self) -> Result<Motion, Refused> {
+        let [length, speed, acceleration] = self.0.get(["actuator.length", SPEED, ACCELERATION])?;
+        Ok(Motion { length, speed, acceleration })
+    }
+
+    fn jerk(&mut self) -> Result<[f64; 2], Refused> {
+        let [acceleration, force] = self.0.references([ACCELERATION, FORCE])?;
+        Ok([self.0.instance.rate(acceleration)?, self.0.instance.derivative(acceleration, force)?])
+    }
+
+    fn element(&mut self) -> Result<Element, Refused> {
+        let [mass, mass_derivative, holding, holding_derivative] = self.0.get(ELEMENT)?;
+        Ok(Element { mass, mass_derivative, holding, holding_derivative })
+    }
+
+    fn set_force(&mut self, [force, first, second]: [f64; 3]) -> Result<(), Refused> {
+        self.0.set([FORCE], [force])?;
+        self.0.set_rates(FORCE, [first, second])
+    }
+
+    fn step(&mut self, t: f64, h: f64) -> Result<(), Refused> {
+        self.0.instance.step(t, h)
+    }
+
+    fn save(&mut self) -> Result<(), Refused> {
+        self.0.save()
+    }
+
+    fn restore(&mut self) -> Result<(), Refused> {
+        self.0.restore()
+    }
+
+    fn energy(&mut self) -> Result<f64, Refused> {
+        Ok(self.0.get(["energy.kinetic", "energy.potential"])?.iter().sum())
+    }
+
+    fn position(&mut self) -> Result<f64, Refused> {
+        Ok(self.0.get(["crank.angle"])?[0])
+    }
+}
+
+/// The FMU `HydraulicActuator`, and whether a step keeps the foreseen motion: one pass.
+#[derive(Debug)]
+pub struct Hydraulic(Side, bool);
+
 impl Hydraulic {
-    /// An instance at its start: Reals by name, and `coupling.mode`.
-    ///
-    /// # Errors
-    /// The FMU has no such variable, or refuses a value.
-    pub fn start(fmu: &Arc<Fmu>, reals: &[(&str, f64)], mode: &str) -> Result<Self, String> {
-        let find = |name: &str| fmu.find(name);
-        let modes = linkage_fmu::hydraulics::definition::Mode::WORDS;
-        let number =
-            modes.iter().position(|word| *word == mode).ok_or_else(|| format!("{mode}: there is no such mode"))?;
-        Ok(Self {
-            instance: started(fmu, "hydraulics", reals, &[], &[("coupling.mode", number as i32 + 1)])?,
-            state: State::NONE,
-            length: find("actuator.length")?,
-            speed: find("actuator.speed")?,
-            acceleration: find("actuator.acceleration")?,
-            force: find("actuator.force")?,
-            compliance: fmu.find_all(["actuator.stiffness", "actuator.damping"])?,
-            asked: fmu.find_all([
-                "actuator.reduced_mass",
-                "actuator.reduced_mass_derivative",
-                "actuator.holding_force",
-                "actuator.holding_force_derivative",
-                "preview.horizon",
-            ])?,
-            told: fmu.find_all([
-                "preview.force",
-                "preview.force_rate",
-                "preview.force_mean",
-                "preview.start_acceleration",
-                "preview.acceleration",
-            ])?,
-            work: find("energy.piston")?,
-            keeps: mode != "follow",
-        })
+    /// An instance at its start in a mode of `coupling.mode`.
+    pub fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], mode: &str) -> Result<Self, String> {
+        Ok(Self(Side::start(fmu, reals, &[], mode)?, mode != "follow"))
     }
 }
 
 impl Actuator for Hydraulic {
     fn set_motion(&mut self, length: f64, [speed, first, second, third, fourth]: [f64; 5]) -> Result<(), Refused> {
-        self.instance.set_reals(&[self.length, self.speed], &[length, speed])?;
-        self.instance.set_derivatives(self.speed, &[first, second, third, fourth])
+        self.0.set(["actuator.length", SPEED], [length, speed])?;
+        self.0.set_rates(SPEED, [first, second, third, fourth])
     }
 
     fn force(&mut self) -> Result<f64, Refused> {
-        Ok(self.instance.reals(&[self.force])?[0])
+        Ok(self.0.get([FORCE])?[0])
     }
 
     fn force_rate(&mut self, acceleration: f64) -> Result<f64, Refused> {
-        self.instance.set_reals(&[self.acceleration], &[acceleration])?;
-        self.instance.set_derivatives(self.speed, &[acceleration])?;
-        self.instance.rate(self.force)
+        self.0.set([ACCELERATION], [acceleration])?;
+        self.0.set_rates(SPEED, [acceleration])?;
+        self.0.instance.rate(self.0.fmu.find(FORCE)?)
     }
 
     fn compliance(&mut self) -> Result<[f64; 2], Refused> {
-        self.instance.reals(&self.compliance)
+        self.0.get(["actuator.stiffness", "actuator.damping"])
     }
 
     fn preview(&mut self, element: Element, h: f64, keeps: bool) -> Result<Preview, Refused> {
-        if keeps != self.keeps {
+        if keeps != self.1 {
             return Err("coupling.mode is not that of the scheme".into());
         }
         let Element { mass, mass_derivative, holding, holding_derivative } = element;
-        self.instance.set_reals(&self.asked, &[mass, mass_derivative, holding, holding_derivative, h])?;
-        let [force, rate, mean, from, to] = self.instance.reals(&self.told)?;
-        Ok(Preview { line: [force, rate], mean, accelerations: [from, to] })
+        self.0.set(ELEMENT, [mass, mass_derivative, holding, holding_derivative])?;
+        self.0.set(["preview.horizon"], [h])?;
+        let line = self.0.get(["preview.force", "preview.force_rate"])?;
+        let [mean, from, to] =
+            self.0.get(["preview.force_mean", "preview.start_acceleration", "preview.acceleration"])?;
+        Ok(Preview { line, mean, accelerations: [from, to] })
     }
 
     fn step(&mut self, t: f64, h: f64) -> Result<(), Refused> {
-        self.instance.step(t, h)
+        self.0.instance.step(t, h)
     }
 
     fn save(&mut self) -> Result<(), Refused> {
-        self.instance.save(&mut self.state)
+        self.0.save()
     }
 
     fn restore(&mut self) -> Result<(), Refused> {
-        self.instance.restore(&self.state)
+        self.0.restore()
     }
 
     fn work(&mut self) -> Result<f64, Refused> {
-        Ok(self.instance.reals(&[self.work])?[0])
+        Ok(self.0.get(["energy.piston"])?[0])
     }
 }
 
-impl Drop for Hydraulic {
-    fn drop(&mut self) {
-        // What an FMU answers when it ends changes nothing that was measured.
-        let _ = self.instance.free(&mut self.state);
+/// An oil spring with a leak, exported by another tool: it knows a held speed and its force only.
+#[derive(Debug)]
+struct Spring(Side);
+
+impl Actuator for Spring {
+    fn set_motion(&mut self, _length: f64, [speed, ..]: [f64; 5]) -> Result<(), Refused> {
+        self.0.set(["speed"], [speed])
     }
+
+    fn force(&mut self) -> Result<f64, Refused> {
+        Ok(self.0.get(["force"])?[0])
+    }
+
+    fn step(&mut self, t: f64, h: f64) -> Result<(), Refused> {
+        self.0.instance.step(t, h)
+    }
+}
+
+/// Couple a foreign FMU with `speed`, `force`, `stiffness` and `leak_time` with a mass, by Jacobi coupling with held
+/// inputs, and compare it with the same law in closed form; the sentence of the result.
+///
+/// # Errors
+/// The FMU refuses a call, or the forces differ.
+pub fn foreign(fmu: &Arc<Fmu>) -> Result<String, String> {
+    const SPRING: OilSpring = OilSpring { stiffness: 1.5e6, leak_time: 0.03 };
+    /// Force at the start, the FMU's own [N].
+    const START: f64 = 1000.0;
+    const STEP: f64 = 5e-4;
+    const STEPS: u32 = 400;
+    /// Largest difference of the force relative to the start [1]: rounding of either side over the run.
+    const ALLOWED: f64 = 1e-10;
+    let forces = |spring: &mut dyn Actuator| -> Result<Vec<f64>, Refused> {
+        let mut mass = Mass::new(700.0, 0.0, [0.5, 0.0]);
+        let mut scheme = schemes::by_name("Jacobi 0").ok_or("no Jacobi coupling")?;
+        let mut pair = Pair::new(&mut mass, spring);
+        let mut step = |k: u32| {
+            scheme.step(&mut pair, STEP * f64::from(k), STEP)?;
+            pair.actuator.force()
+        };
+        (0..STEPS).map(&mut step).collect()
+    };
+    let reals = [("stiffness".into(), SPRING.stiffness), ("leak_time".into(), SPRING.leak_time)];
+    let seen = forces(&mut Spring(Side::start(fmu, &reals, &[], "")?))?;
+    let exact = forces(&mut Integrated::new(SPRING, [START, 0.0, 0.0, 0.0]))?;
+    let worst = seen.iter().zip(&exact).map(|(a, b)| (a - b).abs() / START).fold(0.0, f64::max);
+    let last = seen.last().copied().unwrap_or_default();
+    if worst.is_nan() || worst > ALLOWED {
+        return Err(format!("the force differs by {worst:e} of that at the start; {ALLOWED:e} is allowed"));
+    }
+    Ok(format!("{STEPS} steps, force at the end {last:.6} N, largest difference from the closed form {worst:.1e}"))
 }

@@ -3,14 +3,11 @@
 //! In: two FMUs, or models in closed form. Out: error against communication step for each scheme. The host is for
 //! measuring; users couple with the masters that they have.
 pub mod circuit;
-pub mod extrapolation;
 pub mod fmus;
-pub mod foreign;
 pub mod models;
 mod page;
 pub mod pair;
 pub mod scenes;
 pub mod schemes;
-pub mod unpacked;
 
 pub use page::table;

@@ -3,8 +3,8 @@
 //! In: laws of an actuator. Out: an [`Actuator`] with preview. They serve the tests of the schemes, and as a second
 //! formulation beside the FMUs.
 use super::circuit::Circuit;
-use super::extrapolation::integrate;
 use super::pair::{Actuator, Element, Mechanism, Motion, Preview, Refused};
+use crate::extrapolation::integrate;
 
 /// Longest step of the integration [s].
 const LONGEST: f64 = 5e-4;

@@ -1,9 +1,10 @@
 //! The page of the coupling: error against communication step for every scheme and scene.
-use super::scenes::{Fmus, Run, Scene, run};
+use super::scenes::{Fmus, Run, Scene, all, run};
 use super::schemes;
 use crate::measure::{Asked, Pages, asked, heading, page};
+use serde_json::Value;
 use std::collections::HashMap;
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 
 /// Communication step of the reference run, of which all others are multiples [s].
 const FINEST: f64 = 5e-5;
@@ -27,8 +28,16 @@ struct Errors {
     steps: [f64; 2],
 }
 
+impl Errors {
+    /// A line of the CSV.
+    fn write(&self, scene: &Scene, scheme: &str, every: usize, csv: &mut String) {
+        let (Self { angle, force, interface, steps: [a, b] }, h) = (self, every as f64 * FINEST);
+        let _ = writeln!(csv, "{},\"{scheme}\",{h:e},{angle:e},{force:e},{interface:e},{a},{b}", scene.name);
+    }
+}
+
 /// The largest errors of a scheme over a scene in steps of so many finest ones; None if it was unstable.
-fn errors(fmus: &Fmus, scene: Scene, scheme: &str, every: usize, reference: &Run) -> Option<Errors> {
+fn errors(fmus: &Fmus, scene: &Scene, scheme: &str, every: usize, reference: &Run) -> Option<Errors> {
     let run = run(fmus, scene, scheme, FINEST * every as f64).ok()?;
     let mut errors = Errors { angle: 0.0, force: 0.0, interface: run.interface, steps: run.steps };
     for (here, exact) in run.trace.iter().zip(reference.trace.iter().step_by(every)) {
@@ -43,7 +52,7 @@ fn errors(fmus: &Fmus, scene: Scene, scheme: &str, every: usize, reference: &Run
 
 /// Largest multiple of the finest step at which a scheme is usable: the last one before the first that is not, on a
 /// grid that grows by an eighth, then between its last two by bisection.
-fn largest_usable(fmus: &Fmus, scene: Scene, scheme: &str, reference: &Run) -> usize {
+fn largest_usable(fmus: &Fmus, scene: &Scene, scheme: &str, reference: &Run) -> usize {
     let usable = |every: usize| {
         errors(fmus, scene, scheme, every, reference).is_some_and(|e| e.angle < USABLE[0] && e.force < USABLE[1])
     };
@@ -63,9 +72,9 @@ fn largest_usable(fmus: &Fmus, scene: Scene, scheme: &str, reference: &Run) -> u
 }
 
 /// Largest difference of the reference run from the reference values: angle [rad] and force [N].
-fn against_values(scene: Scene, reference: &Run) -> [f64; 2] {
+fn against_values(scene: &Scene, reference: &Run) -> [f64; 2] {
     let mut worst = [0.0_f64; 2];
-    for [t, angle, force] in scene.reference() {
+    for [t, angle, force] in &scene.reference {
         let at = reference.trace.get((t / FINEST).round() as usize).copied().unwrap_or([f64::NAN; 2]);
         worst = [worst[0].max((at[0] - angle).abs()), worst[1].max((at[1] - force).abs())];
     }
@@ -78,26 +87,19 @@ fn has_mode(fmus: &Fmus, scheme: &str) -> bool {
 }
 
 /// The page, and its figures as CSV.
-///
-/// # Errors
-/// The reference run is refused.
 pub fn table(fmus: &Fmus) -> Result<Pages, String> {
     let side = match fmus.hydraulic {
         Some(_) => "the FMU `HydraulicActuator`",
         None => "the circuit in plain numbers",
     };
-    let mut out = page(
-        "Coupling of the gear and its hydraulic actuator",
-        &format!(
-            "The FMU `LandingGearRetraction` (tolerance 1e-12) and {side}, coupled through the functions of FMI 2.0 by \
-             every scheme. Largest error of the crank angle [rad] over the run at communication points, against the \
-             run \
-             of \"{REFERENCE}\" in steps of {FINEST:e} s; x: unstable, a force error of more than {UNSTABLE} N."
-        ),
-    );
+    let finest = format!("{FINEST:e}");
+    let values: [(&str, &dyn Display); 4] =
+        [("side", &side), ("reference", &REFERENCE), ("finest", &finest), ("unstable", &UNSTABLE)];
+    let mut out = page("cosim", &values);
     let mut csv = String::from("scene,scheme,step,angle,force,interface,mechanism_steps,actuator_steps\n");
     let mut found = HashMap::new();
-    for scene in [Scene::H1, Scene::H2] {
+    let scenes = all()?;
+    for scene in scenes.iter().filter(|scene| scene.is_exact()) {
         let reference = run(fmus, scene, REFERENCE, FINEST)?;
         let [angle, force] = against_values(scene, &reference);
         let _ = writeln!(
@@ -105,22 +107,21 @@ pub fn table(fmus: &Fmus) -> Result<Pages, String> {
             "## Scene {}\n\nThe reference run differs from an independent integration of the whole as one system by \
              {angle:.1e} rad and {force:.1e} N. Small: figures of an earlier measurement, with another \
              implementation of both sides.\n",
-            scene.name()
+            scene.name
         );
         let steps = STEPS.map(|every| format!("{} ms", every as f64 * FINEST * 1e3));
         let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
         let more = ["force at 1 ms [N]", "energy at 1 ms [J]", "steps of each", "largest usable [ms]"];
         out += &heading(&[&["scheme"], &steps[..], &more].concat());
         for (name, _) in schemes::ALL.into_iter().filter(|(name, _)| has_mode(fmus, name)) {
-            let expected = EXPECTED.iter().find(|row| row.0 == name).map(|row| row.1[usize::from(scene == Scene::H2)]);
             let row = Row::measure(fmus, scene, name, &reference, &mut csv);
-            let _ = writeln!(out, "| {name} | {} |", row.cells(expected).join(" | "));
-            found.insert((scene.name(), name), row);
+            let _ = writeln!(out, "| {name} | {} |", row.cells(&scene.earlier[name]).join(" | "));
+            found.insert((scene.name.as_str(), name), row);
         }
         out.push('\n');
     }
     out += &goals(&found);
-    for scene in [Scene::Rough, Scene::Contact] {
+    for scene in scenes.iter().filter(|scene| !scene.is_exact()) {
         out += &apart(fmus, scene, &mut csv)?;
     }
     Ok(Pages { page: out, csv })
@@ -138,19 +139,18 @@ const MILLISECOND: usize = 2;
 const LONG: usize = 4;
 
 impl Row {
-    fn measure(fmus: &Fmus, scene: Scene, name: &str, reference: &Run, csv: &mut String) -> Self {
+    fn measure(fmus: &Fmus, scene: &Scene, name: &str, reference: &Run, csv: &mut String) -> Self {
         let errors = STEPS.map(|every| {
             let found = errors(fmus, scene, name, every, reference).filter(|e| e.force < UNSTABLE)?;
-            let Errors { angle, force, interface, steps: [a, b] } = found;
-            let h = every as f64 * FINEST;
-            let _ = writeln!(csv, "{},\"{name}\",{h:e},{angle:e},{force:e},{interface:e},{a},{b}", scene.name());
+            found.write(scene, name, every, csv);
             Some(found)
         });
         Self { errors, usable: largest_usable(fmus, scene, name, reference) as f64 * FINEST }
     }
 
-    fn cells(&self, expected: Option<[&str; STEPS.len()]>) -> Vec<String> {
-        let beside = |k: usize| match expected.map(|row| row[k]) {
+    /// Cells of the table, with the errors of an earlier measurement beside them.
+    fn cells(&self, earlier: &Value) -> Vec<String> {
+        let beside = |k: usize| match earlier[k].as_str() {
             None | Some("") => String::new(),
             Some(figure) => format!(" <sub>{figure}</sub>"),
         };
@@ -167,42 +167,8 @@ impl Row {
     }
 }
 
-/// Errors of the angle of an earlier measurement in scenes H1 and H2, at the steps of the table.
-type Expected = (&'static str, [[&'static str; STEPS.len()]; 2]);
-
-const EXPECTED: [Expected; 13] = [
-    ("Jacobi 0", [["4e-5", "", "4.6e-4", "x", "x"], ["3e-5", "2e-4", "x", "x", "x"]]),
-    ("NEPCE on it", [["1.9e-5", "", "2.1e-4", "x", "x"], ["1.5e-5", "8e-5", "2.4e-4", "x", "x"]]),
-    ("Gauss-Seidel 0", [["5e-6", "", "4.8e-5", "x", "x"], ["6e-6", "4e-5", "1.5e-4", "x", "x"]]),
-    ("Jacobi 1", [["1.6e-7", "", "1.6e-5", "x", "x"], ["1.6e-7", "4e-6", "1.6e-5", "x", "x"]]),
-    ("Jacobi rates", [["5e-10", "", "5e-7", "4.5e-5", "x"], ["5e-10", "7e-8", "5e-7", "5e-5", "x"]]),
-    ("Gauss-Seidel rates", [["4e-10", "", "4e-7", "3.2e-5", "x"], ["4e-10", "5e-8", "4e-7", "3.6e-5", "x"]]),
-    ("hydraulics first, rates", [["1e-10", "", "1e-7", "1.2e-5", "x"], ["9e-11", "1.2e-8", "9e-8", "1.1e-5", "x"]]),
-    ("waveform, linear F", [["1.3e-8", "", "1.3e-6", "2.7e-5", "x"], ["1.5e-8", "4e-7", "1.5e-6", "3.6e-5", "x"]]),
-    (
-        "interface Jacobian, linear F",
-        [["1.3e-8", "", "1.3e-6", "2.7e-5", "x"], ["1.5e-8", "4e-7", "1.5e-6", "3.6e-5", "2e-4"]],
-    ),
-    (
-        "interface Jacobian, quadratic F",
-        [["5e-11", "", "4.6e-8", "5.5e-6", "x"], ["4e-11", "6e-9", "4e-8", "5.4e-6", "x"]],
-    ),
-    (
-        "preview, one pass, held",
-        [["7e-8", "", "7e-6", "1.8e-4", "2.8e-3"], ["7e-9", "1.8e-7", "7e-7", "1.8e-5", "3e-4"]],
-    ),
-    (
-        "preview, one pass, linear",
-        [["1.2e-9", "", "1.2e-7", "2.9e-6", "4e-5"], ["1.3e-11", "3e-10", "1.3e-9", "3e-8", "4e-7"]],
-    ),
-    (
-        "preview, two passes, with dW/ds",
-        [["3e-12", "", "1.2e-9", "1.4e-7", "6e-6"], ["7e-15", "9e-13", "7e-12", "8e-10", "8e-7"]],
-    ),
-];
-
 /// The figures asked, beside those measured.
-fn goals(found: &HashMap<(&'static str, &'static str), Row>) -> String {
+fn goals(found: &HashMap<(&str, &'static str), Row>) -> String {
     let of = |scene: &'static str, scheme: &'static str| found.get(&(scene, scheme));
     let error = |scene, scheme, step: usize, pick: &dyn Fn(Errors) -> f64| {
         of(scene, scheme).and_then(|row| row.errors[step]).map_or(f64::NAN, pick)
@@ -241,12 +207,12 @@ fn goals(found: &HashMap<(&'static str, &'static str), Row>) -> String {
 }
 
 /// Preview where the element model is not exact: errors against its own result in the finest steps.
-fn apart(fmus: &Fmus, scene: Scene, csv: &mut String) -> Result<String, String> {
+fn apart(fmus: &Fmus, scene: &Scene, csv: &mut String) -> Result<String, String> {
     let reference = run(fmus, scene, REFERENCE, FINEST)?;
     let mut out = format!(
         "## {}\n\nErrors of the angle [rad] against the run of \"{REFERENCE}\" in steps of {FINEST:e} s; the load is \
          corrected by what the element model missed in the last step.\n\n",
-        scene.name()
+        scene.name
     );
     out += &heading(&["scheme", "0.1 ms", "0.5 ms", "1 ms", "5 ms", "20 ms"]);
     let shown = |name: &str| (name.starts_with("preview") || name == "Jacobi 0") && has_mode(fmus, name);
@@ -255,10 +221,7 @@ fn apart(fmus: &Fmus, scene: Scene, csv: &mut String) -> Result<String, String> 
         for every in STEPS {
             let found = errors(fmus, scene, name, every, &reference);
             cells.push(found.map_or("x".into(), |e| format!("{:.1e}", e.angle)));
-            if let Some(Errors { angle, force, interface, steps: [a, b] }) = found {
-                let h = every as f64 * FINEST;
-                let _ = writeln!(csv, "{},\"{name}\",{h:e},{angle:e},{force:e},{interface:e},{a},{b}", scene.name());
-            }
+            found.inspect(|errors| errors.write(scene, name, every, csv));
         }
         let _ = writeln!(out, "| {} |", cells.join(" | "));
     }

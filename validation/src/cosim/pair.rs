@@ -66,7 +66,11 @@ pub trait Mechanism {
     fn position(&mut self) -> Result<f64, Refused>;
 }
 
-/// The side that takes the motion and gives the force.
+fn lacking<T>(what: &str) -> Result<T, Refused> {
+    Err(format!("the actuator has no {what}"))
+}
+
+/// The side that takes the motion and gives the force; what it need not have is refused.
 ///
 /// # Errors
 /// Of all methods: the side refuses the call.
@@ -76,20 +80,32 @@ pub trait Actuator {
     /// Force [N].
     fn force(&mut self) -> Result<f64, Refused>;
     /// Rate of the force under this acceleration [N/s].
-    fn force_rate(&mut self, acceleration: f64) -> Result<f64, Refused>;
+    fn force_rate(&mut self, _acceleration: f64) -> Result<f64, Refused> {
+        lacking("output derivatives")
+    }
     /// Stiffness -dF/ds [N/m] at once, and damping -dF/dv [N.s/m].
-    fn compliance(&mut self) -> Result<[f64; 2], Refused>;
+    fn compliance(&mut self) -> Result<[f64; 2], Refused> {
+        lacking("stiffness as an output")
+    }
     /// The force foreseen for a step of `h` [s] of this element from the present motion on. With `keeps`, the next step
     /// follows the motion foreseen; else the motion set.
-    fn preview(&mut self, element: Element, h: f64, keeps: bool) -> Result<Preview, Refused>;
+    fn preview(&mut self, _element: Element, _h: f64, _keeps: bool) -> Result<Preview, Refused> {
+        lacking("preview")
+    }
     /// Advance from the communication point `t` by `h` [s].
     fn step(&mut self, t: f64, h: f64) -> Result<(), Refused>;
     /// Keep the present state for [`Self::restore`].
-    fn save(&mut self) -> Result<(), Refused>;
+    fn save(&mut self) -> Result<(), Refused> {
+        lacking("saved states")
+    }
     /// Return to the state kept last.
-    fn restore(&mut self) -> Result<(), Refused>;
+    fn restore(&mut self) -> Result<(), Refused> {
+        lacking("saved states")
+    }
     /// Work done on the mechanism since the start [J].
-    fn work(&mut self) -> Result<f64, Refused>;
+    fn work(&mut self) -> Result<f64, Refused> {
+        lacking("energy")
+    }
 }
 
 /// Both sides, with the number of steps that each has made.
@@ -118,9 +134,6 @@ impl<'a> Pair<'a> {
     }
 
     /// Exchange the present values: the motion to the actuator, its force to the mechanism.
-    ///
-    /// # Errors
-    /// A side refuses.
     pub fn exchange(&mut self) -> Result<Point, Refused> {
         let Motion { length, speed, .. } = self.mechanism.motion()?;
         self.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
@@ -130,18 +143,12 @@ impl<'a> Pair<'a> {
     }
 
     /// [`Mechanism::step`], counted.
-    ///
-    /// # Errors
-    /// It is refused.
     pub fn step_mechanism(&mut self, t: f64, h: f64) -> Result<(), Refused> {
         self.steps[0] += 1;
         self.mechanism.step(t, h)
     }
 
     /// [`Actuator::step`], counted.
-    ///
-    /// # Errors
-    /// It is refused.
     pub fn step_actuator(&mut self, t: f64, h: f64) -> Result<(), Refused> {
         self.steps[1] += 1;
         self.actuator.step(t, h)

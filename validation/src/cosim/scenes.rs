@@ -1,123 +1,86 @@
-//! The scenes of the coupling, their reference values, and one run of a scheme.
+//! The scenes of the coupling, which `scenes/coupling.json` holds with their reference values, and one run of a scheme.
 //!
 //! In: a scene, a scheme, a communication step. Out: errors, energy at the interface, steps. Reference values: an
 //! independent Taylor-series integration of mechanism and circuit as one system.
 use super::circuit::Circuit;
-use super::fmus::{Gear, Hydraulic};
+use super::fmus::{Fmu, Gear, Hydraulic};
 use super::models::Integrated;
 use super::pair::{Actuator, Mechanism, Pair};
 use super::schemes;
-use super::unpacked::Fmu;
+use serde_json::Value;
 use std::sync::Arc;
 
-/// Settings of the gear in all scenes. The tolerance is that of the reference runs.
-const GEAR: [(&str, f64); 1] = [("solver.tolerance", 1e-12)];
-/// Settings of the hydraulics in scene H2; scene H1 has the defaults.
-const SMOOTH: [(&str, f64); 11] = [
-    ("fluid.air_fraction", 0.0),
-    ("seal.coulomb", 0.0),
-    ("seal.static", 0.0),
-    ("seal.viscous", 0.0),
-    ("cushion_a.length", 0.0),
-    ("cushion_b.length", 0.0),
-    ("chamber_a.start_pressure", 8e6),
-    ("chamber_b.start_pressure", 10.08e6),
-    ("command.sine_amplitude", 0.5),
-    ("command.sine_frequency", 2.0),
-    ("solver.tolerance", 1e-12),
-];
-/// Command of scene H1: a ramp.
-const RAMP: [(&str, f64); 3] =
-    [("command.ramp_amplitude", 0.65), ("command.ramp_time", 0.1), ("solver.tolerance", 1e-12)];
+const FILE: &str = include_str!("../../scenes/coupling.json");
+/// Tolerance of both sides, that of the reference runs.
+const TOLERANCE: (&str, f64) = ("solver.tolerance", 1e-12);
 
 /// A scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scene {
-    /// Retraction, with cushions, entrained air, seal friction.
-    H1,
-    /// A sinusoidal command; all laws are analytic.
-    H2,
-    /// H1 with friction in the joints and 70 m/s of air, which the element model does not have.
-    Rough,
-    /// H1 beyond the contact with the up stop, to rest there.
-    Contact,
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name.
+    pub name: String,
+    /// End of the run [s].
+    pub span: f64,
+    /// Time [s], crank angle [rad] and force [N]; none where the element model is not exact.
+    pub reference: Vec<[f64; 3]>,
+    /// Errors of the angle of an earlier measurement by scheme, at the steps of the table.
+    pub earlier: Value,
+    gear: Vec<(String, f64)>,
+    flags: Vec<(String, bool)>,
+    hydraulics: Vec<(String, f64)>,
+    /// Whether the load of the circuit in plain numbers is corrected by what the element model missed.
+    corrects: bool,
+}
+
+/// All scenes.
+pub fn all() -> Result<Vec<Scene>, String> {
+    let file: Vec<Value> = serde_json::from_str(FILE).map_err(|e| e.to_string())?;
+    file.iter().map(|value| Scene::read(value).ok_or_else(|| format!("no scene: {value}"))).collect()
+}
+
+/// Names with their values.
+fn pairs<T>(value: &Value, of: fn(&Value) -> Option<T>) -> Option<Vec<(String, T)>> {
+    value.as_object()?.iter().map(|(name, value)| Some((name.clone(), of(value)?))).collect()
 }
 
 impl Scene {
-    /// Name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::H1 => "H1",
-            Self::H2 => "H2",
-            Self::Rough => "H1 with joint friction and 70 m/s of air",
-            Self::Contact => "H1 to rest at the up stop",
+    fn read(value: &Value) -> Option<Self> {
+        let rows = value["reference"].as_array().into_iter().flatten();
+        let reference = rows.map(|row| Some([row[0].as_f64()?, row[1].as_f64()?, row[2].as_f64()?]));
+        let [mut gear, mut hydraulics] =
+            [pairs(&value["gear"], Value::as_f64)?, pairs(&value["hydraulics"], Value::as_f64)?];
+        for side in [&mut gear, &mut hydraulics] {
+            side.push((TOLERANCE.0.into(), TOLERANCE.1));
         }
+        Some(Self {
+            name: value["name"].as_str()?.into(),
+            span: value["span"].as_f64()?,
+            reference: reference.collect::<Option<_>>()?,
+            earlier: value["earlier"].clone(),
+            gear,
+            flags: pairs(&value["flags"], Value::as_bool)?,
+            hydraulics,
+            corrects: value["corrects"].as_bool()?,
+        })
     }
 
-    /// Time [s], crank angle [rad] and force [N].
-    pub fn reference(self) -> &'static [[f64; 3]] {
-        match self {
-            Self::Rough | Self::Contact => &[],
-            Self::H1 => &[
-                [0.05, 0.793138133418578, -1232.161703436],
-                [0.1, 0.769550975553854, -1605.896803131],
-                [0.2, 0.703967315179619, -2008.847879986],
-                [0.5, 0.523620580328936, -921.6257163131],
-                [1.0, 0.253250298772210, 471.0857748807],
-                [2.0, -0.242429680769236, 2710.350675763],
-                [3.0, -0.759970553164200, 5284.562808813],
-                [3.5, -1.05718309261089, 6463.272957934],
-                [3.8, -1.22821155571711, 5265.166473185],
-                [4.0, -1.28835660508442, 3674.566628157],
-            ],
-            Self::H2 => &[
-                [0.05, -0.00484058453060504, 2142.016604783],
-                [0.1, -0.0194469102739466, 2062.295462696],
-                [0.25, -0.0609683061521160, 1394.520832211],
-                [0.5, -0.0162693739682587, 2185.452093646],
-                [0.75, -0.0777416580266453, 1460.146297057],
-                [1.0, -0.0328997584464874, 2250.657639348],
-            ],
-        }
-    }
-
-    /// End of the run [s]: in H1 the last round time before the stop.
-    pub fn span(self) -> f64 {
-        match self {
-            Self::H1 => 4.0,
-            Self::H2 => 1.0,
-            Self::Rough => 2.0,
-            Self::Contact => 4.5,
-        }
-    }
-
-    /// The gear at the start of the scene.
-    ///
-    /// # Errors
-    /// The FMU refuses.
-    pub fn gear(self, fmu: &Arc<Fmu>) -> Result<Gear, String> {
-        let start = if self == Self::H2 { 0.0 } else { 0.8 };
-        let air = if self == Self::Rough { 70.0 } else { 0.0 };
-        let reals = [&GEAR[..], &[("crank.start_angle", start), ("airspeed", air)]].concat();
-        let (stop, friction) = (self != Self::H2, self == Self::Rough);
-        let flags = [("downstop.enabled", false), ("upstop.enabled", stop), ("friction.enabled", friction)];
-        Gear::start(fmu, &reals, &flags)
-    }
-
-    /// The hydraulics at the start of the scene.
-    ///
-    /// # Errors
-    /// The FMU refuses.
-    pub fn hydraulic(self, fmu: &Arc<Fmu>, mode: &str) -> Result<Hydraulic, String> {
-        Hydraulic::start(fmu, if self == Self::H2 { &SMOOTH } else { &RAMP }, mode)
+    /// Whether the element model is exact, so that there are reference values.
+    pub fn is_exact(&self) -> bool {
+        !self.reference.is_empty()
     }
 
     /// The circuit in plain numbers at the start of the scene.
-    pub fn circuit(self) -> Integrated<Circuit> {
-        let (laws, x) = if self == Self::H2 { Circuit::h2() } else { Circuit::h1() };
-        // The figures to compare with have no correction of the load where the element model is exact.
+    fn circuit(&self) -> Integrated<Circuit> {
+        let (mut laws, mut x) = (Circuit::standard(), [6e6, 11.15e6, 0.0, 0.0]);
+        for (name, value) in &self.hydraulics {
+            match name.as_str() {
+                "chamber_a.start_pressure" => x[0] = *value,
+                "chamber_b.start_pressure" => x[1] = *value,
+                name => laws.parameter(name).into_iter().for_each(|own| *own = *value),
+            }
+        }
         let mut actuator = Integrated::new(laws, x);
-        actuator.corrects = matches!(self, Self::Rough | Self::Contact);
+        actuator.corrects = self.corrects;
         actuator
     }
 }
@@ -146,23 +109,21 @@ pub struct Run {
 ///
 /// # Errors
 /// A side refuses a call: the coupling was unstable.
-pub fn run(fmus: &Fmus, scene: Scene, scheme: &str, h: f64) -> Result<Run, String> {
-    let mut gear = scene.gear(&fmus.gear)?;
-    let mode = schemes::mode(scheme);
+pub fn run(fmus: &Fmus, scene: &Scene, scheme: &str, h: f64) -> Result<Run, String> {
+    let mut gear = Gear::start(&fmus.gear, &scene.gear, &scene.flags)?;
     match &fmus.hydraulic {
-        Some(fmu) => couple(&mut gear, &mut scene.hydraulic(fmu, mode)?, scene, scheme, h),
-        None => couple(&mut gear, &mut scene.circuit(), scene, scheme, h),
+        Some(fmu) => {
+            let mut actuator = Hydraulic::start(fmu, &scene.hydraulics, schemes::mode(scheme))?;
+            couple(&mut gear, &mut actuator, scene.span, scheme, h)
+        }
+        None => couple(&mut gear, &mut scene.circuit(), scene.span, scheme, h),
     }
 }
 
-/// Run a scheme with two sides.
-///
-/// # Errors
-/// As [`run`].
-pub fn couple(
+fn couple(
     gear: &mut dyn Mechanism,
     actuator: &mut dyn Actuator,
-    scene: Scene,
+    span: f64,
     scheme: &str,
     h: f64,
 ) -> Result<Run, String> {
@@ -170,19 +131,16 @@ pub fn couple(
     let start = gear.energy()? - actuator.work()?;
     let mut run = Run::default();
     let mut pair = Pair::new(gear, actuator);
-    let steps = (scene.span() / h * (1.0 + 1e-12)).floor() as u64;
-    let mut tell = |pair: &mut Pair| -> Result<(), String> {
+    let steps = (span / h * (1.0 + 1e-12)).floor() as u64;
+    for k in 0..=steps {
+        if k > 0 {
+            scheme.step(&mut pair, h * (k - 1) as f64, h)?;
+        }
         let motion = pair.mechanism.motion()?;
         pair.actuator.set_motion(motion.length, [motion.speed, 0.0, 0.0, 0.0, 0.0])?;
         run.trace.push([pair.mechanism.position()?, pair.actuator.force()?]);
         let gained = pair.mechanism.energy()? - start - pair.actuator.work()?;
         run.interface = run.interface.max(gained.abs());
-        Ok(())
-    };
-    tell(&mut pair)?;
-    for k in 0..steps {
-        scheme.step(&mut pair, h * k as f64, h)?;
-        tell(&mut pair)?;
     }
     run.steps = pair.steps.map(|count| count as f64 / steps as f64);
     Ok(run)

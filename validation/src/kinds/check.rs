@@ -51,9 +51,6 @@ const SUSPECT: f64 = 10.0;
 const PLACES: usize = 12;
 
 /// A sketch in the engine, at its start.
-///
-/// # Errors
-/// The engine refuses it.
 pub fn open(text: &str) -> Result<Simulation, SimulationError> {
     let mut run = Simulation::open(text)?;
     run.initialize()?;
@@ -71,6 +68,7 @@ impl Names {
         let value = match sketch.coordinate {
             Coordinate::Angle(body) => format!("{}.angle", sketch.bodies[body].name),
             Coordinate::Position(slide) => format!("{}.position", sketch.slides[slide].name),
+            Coordinate::Distance(..) => String::new(),
         };
         Self { value, joints: sketch.joints() }
     }
@@ -86,12 +84,9 @@ fn rates(run: &mut Simulation, name: &str) -> Result<[f64; 3], String> {
     Ok([get(run, name)?, get(run, &format!("{stem}.speed"))?, get(run, &format!("{stem}.acceleration"))?])
 }
 
-/// The difference of two values of the sketch's coordinate, whole turns left out.
+/// The difference of two values of the sketch's coordinate, whole turns left out [rad, or parts of the size].
 fn apart(sketch: &Sketch, a: f64, b: f64) -> f64 {
-    match sketch.coordinate {
-        Coordinate::Angle(_) => angle_apart(a, b),
-        Coordinate::Position(_) => (a - b) / sketch.size(),
-    }
+    sketch.apart(a, b) / sketch.scale()
 }
 
 /// The parameter at which the coordinate has a value, next to a guess.
@@ -99,11 +94,7 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
     let mut s = guess;
     for _ in 0..8 {
         let now = Place::of(sketch, s)?.value(sketch);
-        let off = match sketch.coordinate {
-            Coordinate::Angle(_) => angle_apart(now.value(), value),
-            Coordinate::Position(_) => now.value() - value,
-        };
-        s -= off / now.slope();
+        s -= sketch.apart(now.value(), value) / now.slope();
     }
     Ok(s)
 }
@@ -111,9 +102,6 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
 /// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference, `strongest` the
 /// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the
 /// closed form.
-///
-/// # Errors
-/// An output is refused, or is not finite.
 fn state(
     sketch: &Sketch,
     run: &mut Simulation,
@@ -126,7 +114,7 @@ fn state(
     let Ok(place) = Place::of(sketch, s) else { return Ok(None) };
     let own = place.value(sketch);
     let fastest = place.poses.iter().fold(0.0_f64, |most, pose| most.max(pose.angle.slope().abs()));
-    if fastest * sketch_scale(sketch) > DEAD * own.slope().abs() {
+    if fastest * sketch.scale() > DEAD * own.slope().abs() {
         return Ok(None);
     }
     let rate = speed / own.slope();
@@ -135,10 +123,10 @@ fn state(
     let size = sketch.size();
     let mut judge = |[x, v, a]: [f64; 3], jet: Jet, scale: f64, is_angle: bool| {
         // An error of the rounding of the coordinate moves the parameter, and so all others.
-        let lever = 1.0 + (jet.slope() / own.slope()).abs() / scale * sketch_scale(sketch);
+        let lever = 1.0 + (jet.slope() / own.slope()).abs() / scale * sketch.scale();
         let apart = if is_angle { angle_apart(x, jet.value()) } else { x - jet.value() };
         let (w, b) = (jet.slope() * rate, jet.slope() * second + jet.bend() * rate * rate);
-        let fast = (jet.slope() * rate).abs() + scale * rate.abs() * own.slope().abs() / sketch_scale(sketch);
+        let fast = (jet.slope() * rate).abs() + scale * rate.abs() * own.slope().abs() / sketch.scale();
         let strong = (jet.slope() * second).abs()
             + (jet.bend() * rate * rate).abs()
             + scale * second.abs()
@@ -167,17 +155,10 @@ fn state(
     }
     for k in (0..sketch.slides.len()).filter(|&k| !sketch.follows(k)) {
         let position = format!("{}.position", sketch.slides[k].name);
-        judge(rates(run, &position)?, sketch.position(k, &place.places, &place.poses), size, false);
+        judge(rates(run, &position)?, sketch.value(Coordinate::Position(k), &place.places, &place.poses), size, false);
     }
     off.balance = balance(sketch, run, names, (&place, [rate, second]), strongest)?;
     Ok(Some(off))
-}
-
-fn sketch_scale(sketch: &Sketch) -> f64 {
-    match sketch.coordinate {
-        Coordinate::Angle(_) => 1.0,
-        Coordinate::Position(_) => sketch.size(),
-    }
 }
 
 /// What is left over in Newton and Euler's equations of the bodies under the engine's reactions, as a part of the
@@ -262,9 +243,6 @@ fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64)
 pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationError> + 'a;
 
 /// Run a sketch over a span in equal steps and compare after each.
-///
-/// # Errors
-/// The engine refuses a step or an output.
 pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &mut Step<'_>) -> Result<Off, String> {
     let names = Names::of(sketch);
     let mut one = Motion::new(sketch);
@@ -281,7 +259,7 @@ pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &
         track.push(one.clone());
         let Ok(near) = Place::of(sketch, one.state[0]).map(|place| place.value(sketch)) else { break };
         let rate = near.slope() * one.state[1];
-        fastest = fastest.max(rate.abs()).max(1e-2 * sketch_scale(sketch));
+        fastest = fastest.max(rate.abs()).max(1e-2 * sketch.scale());
         let Ok(mut doubt) = between(sketch, &one, &other, fastest) else { break };
         if doubt > LOST {
             break;

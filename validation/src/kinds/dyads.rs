@@ -11,20 +11,13 @@ const FLAT: f64 = 0.05;
 ///
 /// # Errors
 /// The circles are apart or one is in the other; or they nearly touch.
-pub fn circles(a: Vector, r: impl Into<Jet>, b: Vector, s: impl Into<Jet>, side: f64) -> Result<Vector, Miss> {
-    let (r, s, apart) = (r.into(), s.into(), b - a);
+pub fn circles(a: Vector, r: Jet, b: Vector, s: Jet, side: f64) -> Result<Vector, Miss> {
+    let apart = b - a;
     let square = apart.dot(apart);
     let along = 0.5 * (square + r.squared() - s.squared());
-    // Along the line and across it, both times its length.
-    let across = r.squared() * square - along.squared();
-    if across.value() < 0.0 {
-        return Err(Miss::Apart);
-    }
-    // across = (r s sin(angle between the rods))^2
-    if across.value() < (FLAT * r.value() * s.value()).powi(2) {
-        return Err(Miss::Near);
-    }
-    let (along, across) = (along / square, across.sqrt() / square);
+    // Along the line and across it, both times its length: across = (r s sin(angle between the rods))^2.
+    let across = clear(r.squared() * square - along.squared(), r.value() * s.value())?;
+    let (along, across) = (along / square, across / square);
     Ok(a + along * apart + (side * across) * apart.left())
 }
 
@@ -33,30 +26,39 @@ pub fn circles(a: Vector, r: impl Into<Jet>, b: Vector, s: impl Into<Jet>, side:
 ///
 /// # Errors
 /// The line passes the circle, or nearly touches it.
-pub fn line(a: Vector, r: f64, from: Vector, axis: Jet, side: f64) -> Result<Vector, Miss> {
+pub fn line(a: Vector, r: Jet, from: Vector, axis: Jet, side: f64) -> Result<Vector, Miss> {
     let (unit, apart) = (Vector::unit(axis), a - from);
     let (along, off) = (unit.dot(apart), unit.left().dot(apart));
-    let square = Jet::from(r * r) - off.squared();
-    if square.value() < 0.0 {
-        return Err(Miss::Apart);
+    Ok(from + (along + side * clear(r.squared() - off.squared(), r.value())?) * unit)
+}
+
+/// The root of a square that is large enough against a size.
+fn clear(square: Jet, size: f64) -> Result<Jet, Miss> {
+    match square.value() {
+        value if value < 0.0 => Err(Miss::Apart),
+        value if value < (FLAT * size).powi(2) => Err(Miss::Near),
+        _ => Ok(square.sqrt()),
     }
-    if square.value() < (FLAT * r).powi(2) {
-        return Err(Miss::Near);
-    }
-    Ok(from + (along + side * square.sqrt()) * unit)
 }
 
 /// The point of a body that lies from `a` towards `b`, in that body's frame.
-pub fn on(a: Vector, b: Vector, length: f64, local: [f64; 2]) -> Vector {
-    a + (1.0 / length) * (b - a).frame(local)
+pub fn on(a: Vector, b: Vector, length: f64, local: Vector) -> Vector {
+    a + (1.0 / length) * ((b - a) * local)
 }
 
-/// The point at a distance from a fixed point in the direction of an angle.
+/// The point at a distance from a point in the direction of an angle.
 pub fn arm(from: Vector, length: f64, angle: Jet) -> Vector {
     from + length * Vector::unit(angle)
 }
 
-/// A point that does not move.
-pub fn fixed(x: f64, y: f64) -> Vector {
-    Vector::fixed([x, y])
+/// The point at a distance from `from` in the direction of `to`: the end of a lever with a slot, or of a barrel.
+pub fn towards(from: Vector, to: Vector, length: Jet) -> Vector {
+    let apart = to - from;
+    from + (length / apart.norm()) * apart
+}
+
+/// A corner of a triangle over a side, on its left, from the lengths of its sides from both ends.
+pub fn corner(side: f64, from: f64, to: f64) -> [f64; 2] {
+    let x = 0.5 * (side * side + from * from - to * to) / side;
+    [x, (from * from - x * x).sqrt()]
 }

@@ -1,4 +1,5 @@
-//! Values with their first and second derivative by one parameter, and points of the plane made of them.
+//! Values with their first and second derivative by one parameter, and points of the plane made of them: complex
+//! numbers, whose product turns and stretches.
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value, its derivative and its second derivative by the parameter of a closed form.
@@ -11,17 +12,10 @@ impl Jet {
         Self([value, 1.0, 0.0])
     }
 
-    /// A constant.
-    pub fn constant(value: f64) -> Self {
-        Self([value, 0.0, 0.0])
-    }
-
-    /// Value.
     pub fn value(self) -> f64 {
         self.0[0]
     }
 
-    /// Derivative.
     pub fn slope(self) -> f64 {
         self.0[1]
     }
@@ -43,19 +37,22 @@ impl Jet {
         self.chain([root, 0.5 / root, -0.25 / (root * self.value())])
     }
 
-    /// Sine.
     pub fn sin(self) -> Self {
         let (sin, cos) = self.value().sin_cos();
         self.chain([sin, cos, -sin])
     }
 
-    /// Cosine.
     pub fn cos(self) -> Self {
         let (sin, cos) = self.value().sin_cos();
         self.chain([cos, -sin, -cos])
     }
 
-    /// Square.
+    pub fn tan(self) -> Self {
+        let tan = self.value().tan();
+        let slope = 1.0 + tan * tan;
+        self.chain([tan, slope, 2.0 * tan * slope])
+    }
+
     pub fn squared(self) -> Self {
         self * self
     }
@@ -72,56 +69,11 @@ impl Jet {
 
 impl From<f64> for Jet {
     fn from(value: f64) -> Self {
-        Self::constant(value)
+        Self([value, 0.0, 0.0])
     }
 }
 
-impl Add for Jet {
-    type Output = Self;
-    fn add(self, Self([d, e, f]): Self) -> Self {
-        let [a, b, c] = self.0;
-        Self([a + d, b + e, c + f])
-    }
-}
-
-impl Neg for Jet {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(self.0.map(|x| -x))
-    }
-}
-
-impl Sub for Jet {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-impl Mul for Jet {
-    type Output = Self;
-    fn mul(self, Self([d, e, f]): Self) -> Self {
-        let [a, b, c] = self.0;
-        Self([a * d, a * e + b * d, a * f + 2.0 * b * e + c * d])
-    }
-}
-
-impl Div for Jet {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        let x = 1.0 / other.value();
-        self * other.chain([x, -x * x, 2.0 * x * x * x])
-    }
-}
-
-impl Mul<Jet> for f64 {
-    type Output = Jet;
-    fn mul(self, jet: Jet) -> Jet {
-        Jet(jet.0.map(|x| self * x))
-    }
-}
-
-/// A point or a vector.
+/// A point or a vector; a real number if y is 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Vector {
     pub x: Jet,
@@ -154,21 +106,62 @@ impl Vector {
         self.dot(self).sqrt()
     }
 
+    /// The values alone.
+    pub fn place(self) -> [f64; 2] {
+        [self.x.value(), self.y.value()]
+    }
+
     /// Angle from the X axis.
     pub fn angle(self) -> Jet {
         self.y.atan2(self.x)
     }
+}
 
-    /// A vector given in a frame of which this is the unit vector along x.
-    pub fn frame(self, [x, y]: [f64; 2]) -> Self {
-        x * self + y * self.left()
+impl From<Jet> for Vector {
+    fn from(x: Jet) -> Self {
+        Self { x, y: Jet::default() }
     }
 }
 
-impl Add for Vector {
+/// An operator of one type with another.
+macro_rules! operator {
+    ($(
+        $own:ident $operator:ident $function:ident $other:ident -> $out:ident: $a:ident, $b:ident => $value:expr;
+    )*) => {$(
+        impl $operator<$other> for $own {
+            type Output = $out;
+
+            fn $function(self, other: $other) -> $out {
+                let ($a, $b) = (self, other);
+                $value
+            }
+        }
+    )*};
+}
+
+operator! {
+    Jet Add add Jet -> Jet: a, b => Jet([a.0[0] + b.0[0], a.0[1] + b.0[1], a.0[2] + b.0[2]]);
+    Jet Sub sub Jet -> Jet: a, b => a + -b;
+    Jet Mul mul Jet -> Jet: a, b => {
+        let ([a, b, c], [d, e, f]) = (a.0, b.0);
+        Jet([a * d, a * e + b * d, a * f + 2.0 * b * e + c * d])
+    };
+    Jet Div div Jet -> Jet: a, b => {
+        let x = 1.0 / b.value();
+        a * b.chain([x, -x * x, 2.0 * x * x * x])
+    };
+    f64 Mul mul Jet -> Jet: a, b => Jet(b.0.map(|x| a * x));
+    Vector Add add Vector -> Vector: a, b => Vector { x: a.x + b.x, y: a.y + b.y };
+    Vector Sub sub Vector -> Vector: a, b => a + -b;
+    Vector Mul mul Vector -> Vector: a, b => Vector { x: a.x * b.x - a.y * b.y, y: a.x * b.y + a.y * b.x };
+    Jet Mul mul Vector -> Vector: a, b => Vector { x: a * b.x, y: a * b.y };
+    f64 Mul mul Vector -> Vector: a, b => Vector { x: a * b.x, y: a * b.y };
+}
+
+impl Neg for Jet {
     type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y }
+    fn neg(self) -> Self {
+        Self(self.0.map(|x| -x))
     }
 }
 
@@ -176,26 +169,5 @@ impl Neg for Vector {
     type Output = Self;
     fn neg(self) -> Self {
         Self { x: -self.x, y: -self.y }
-    }
-}
-
-impl Sub for Vector {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        self + -other
-    }
-}
-
-impl Mul<Vector> for Jet {
-    type Output = Vector;
-    fn mul(self, vector: Vector) -> Vector {
-        Vector { x: self * vector.x, y: self * vector.y }
-    }
-}
-
-impl Mul<Vector> for f64 {
-    type Output = Vector;
-    fn mul(self, vector: Vector) -> Vector {
-        Vector { x: self * vector.x, y: self * vector.y }
     }
 }

@@ -5,9 +5,10 @@
 //!
 //! In: a sketch. Out: the parameter and its rate in time. It must not know the engine.
 use super::jet::{Jet, Vector};
-use super::sketch::{Miss, Pose, Sketch, Spring, Stops};
+use super::sketch::{Miss, Pose, Sketch, Spring};
+use crate::extrapolation;
 
-/// Steps of the midpoint rule that are extrapolated: each column doubles the order by 2.
+/// Most columns of the extrapolation.
 const COLUMNS: usize = 8;
 /// Relative error of a step.
 const ERROR: f64 = 2e-14;
@@ -54,8 +55,6 @@ pub struct Place {
 }
 
 impl Place {
-    /// # Errors
-    /// The closed form has no value there.
     pub fn of(sketch: &Sketch, s: f64) -> Result<Self, Miss> {
         let places = (sketch.places)(Jet::variable(s))?;
         let poses = sketch.poses(&places);
@@ -102,7 +101,7 @@ impl Place {
 
     /// The coordinate of the sketch.
     pub fn value(&self, sketch: &Sketch) -> Jet {
-        sketch.value(&self.places, &self.poses)
+        sketch.value(sketch.coordinate, &self.places, &self.poses)
     }
 }
 
@@ -120,61 +119,27 @@ impl<'a> Motion<'a> {
     }
 
     fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {
-        if self.sketch.range.is_some_and(|[low, high]| s < low || s > high) {
-            return Err(Miss::Near);
-        }
         let place = Place::of(self.sketch, s)?;
         let [inertia, half] = place.inertia(self.sketch);
         Ok((place.force(self.sketch, rate) - half * rate * rate) / inertia)
     }
 
-    /// The midpoint rule with Gragg's last step.
-    fn midpoint(&self, h: f64, count: usize) -> Result<[f64; 2], Miss> {
-        let (start, h) = (self.state, h / count as f64);
-        let slope = |y: [f64; 2]| self.acceleration(y).map(|a| [y[1], a]);
-        let add = |y: [f64; 2], h: f64, f: [f64; 2]| [y[0] + h * f[0], y[1] + h * f[1]];
-        let (mut before, mut now) = (start, add(start, h, slope(start)?));
-        for _ in 1..count {
-            (before, now) = (now, add(before, 2.0 * h, slope(now)?));
-        }
-        let end = add(before, h, slope(now)?);
-        Ok([0, 1].map(|k| 0.5 * (now[k] + end[k])))
-    }
-
     /// A step; None if it is too long for its error.
     fn step(&self, h: f64) -> Result<Option<[f64; 2]>, Miss> {
-        let mut last = [[0.0; 2]; COLUMNS];
         let scales = [1.0 + self.state[0].abs() * 0.01, self.fastest.max(1e-3)];
-        for k in 0..COLUMNS {
-            let count = |k: usize| 2.0 * (k + 1) as f64;
-            let mut row = [[0.0; 2]; COLUMNS];
-            row[0] = self.midpoint(h, 2 * (k + 1))?;
-            for j in 1..=k {
-                let ratio = (count(k) / count(k - j)).powi(2);
-                row[j] = [0, 1].map(|n| row[j - 1][n] + (row[j - 1][n] - last[j - 1][n]) / (ratio - 1.0));
-            }
-            if k > 1 && (0..2).all(|n| (row[k][n] - row[k - 1][n]).abs() <= ERROR * scales[n]) {
-                return Ok(Some(row[k]));
-            }
-            last = row;
-        }
-        Ok(None)
+        let mut f = |_: f64, y: &[f64; 2]| self.acceleration(*y).map(|a| [y[1], a]);
+        let agree = |a: &[f64; 2], b: &[f64; 2]| (0..2).all(|n| (a[n] - b[n]).abs() <= ERROR * scales[n]);
+        let (end, is_met) = extrapolation::step(&mut f, 0.0, &self.state, h, COLUMNS, agree)?;
+        Ok(is_met.then_some(end))
     }
 
-    /// How far the coordinate is beyond a stop.
+    /// How far the coordinate is beyond a stop; an angle has no jumps of a whole turn, within half a turn of the middle
+    /// of the stops.
     fn beyond(&self, s: f64) -> Result<f64, Miss> {
-        let Some(Stops { values: [low, high], .. }) = self.sketch.stops else { return Ok(-1.0) };
-        let value = self.near(Place::of(self.sketch, s)?.value(self.sketch).value());
-        Ok((low - value).max(value - high))
-    }
-
-    /// An angle without the jumps of a whole turn: within half a turn of the middle of the stops.
-    fn near(&self, value: f64) -> f64 {
-        let (Some(stops), super::sketch::Coordinate::Angle(_)) = (self.sketch.stops, self.sketch.coordinate) else {
-            return value;
-        };
-        let middle = 0.5 * (stops.values[0] + stops.values[1]);
-        middle + super::angle_apart(value, middle)
+        let [low, high] = &self.sketch.stops[..] else { return Ok(-1.0) };
+        let middle = 0.5 * (low.value + high.value);
+        let value = middle + self.sketch.apart(Place::of(self.sketch, s)?.value(self.sketch).value(), middle);
+        Ok((low.value - value).max(value - high.value))
     }
 
     /// Integrate over a span.
@@ -194,7 +159,7 @@ impl<'a> Motion<'a> {
                 continue;
             };
             // A step may go beyond a stop and come back within itself: it is farthest out where it turns.
-            let turned = self.sketch.stops.is_some() && self.state[1] * end[1] < 0.0;
+            let turned = !self.sketch.stops.is_empty() && self.state[1] * end[1] < 0.0;
             let (out, farthest) = match turned.then(|| self.turn(h)) {
                 None => (h, end),
                 Some(Some(turn)) => turn,
@@ -262,7 +227,7 @@ impl<'a> Motion<'a> {
             }
             at = next;
         }
-        let restitution = self.sketch.stops?.restitution;
+        let restitution = self.sketch.stops.first()?.rigid?;
         let rate = end[1];
         if restitution == 0.0 && rate.abs() < GRAZE * self.fastest {
             return None;

@@ -4,50 +4,48 @@
 //! In: usual lengths or random ones. Out: definitions, and how far the engine is off. It must not know how the engine
 //! closes loops, nor how it integrates.
 mod check;
+mod closed;
+mod definition;
 mod dyads;
-mod engines;
-mod fourbars;
-mod jet;
+mod expression;
+pub(crate) mod jet;
 mod lagrange;
-mod legs;
-mod machines;
-mod sixbars;
-mod sketch;
-mod sliders;
-mod straight;
-mod travel;
-mod vary;
+mod serial;
+pub(crate) mod sketch;
 mod wild;
 
 pub use check::{Off, open, run};
-pub use sketch::{Coordinate, Miss, Sketch};
-pub use vary::Vary;
-pub use wild::{Draw, wild};
+pub use closed::Kind;
+pub use sketch::Sketch;
+pub use wild::{Draw, Vary, wild};
 
 use crate::attack::random::Random;
 use std::f64::consts::{PI, TAU};
-
-/// A kind: its name, and a mechanism of that kind.
-pub type Kind = (&'static str, fn(&mut Vary) -> Sketch);
+use std::sync::OnceLock;
 
 /// All kinds.
-pub fn all() -> Vec<Kind> {
-    [fourbars::KINDS, straight::KINDS, sliders::KINDS, engines::KINDS, sixbars::KINDS, legs::KINDS, machines::KINDS]
-        .concat()
+pub fn all() -> &'static [Kind] {
+    static ALL: OnceLock<Vec<Kind>> = OnceLock::new();
+    ALL.get_or_init(|| {
+        closed::read().unwrap_or_else(|why| {
+            eprintln!("scenes/kinds.json: {why}");
+            Vec::new()
+        })
+    })
 }
 
 /// A way of the parameter that is a whole travel: a turn [rad, m].
 const ROUND: f64 = TAU;
 
 /// A kind with usual lengths under gravity, pushed at the start; with stops where its travel is not a whole turn.
-pub fn usual(place: usize, kind: Kind) -> Sketch {
-    let mut sketch = kind.1(&mut Vary::none());
+pub fn usual(place: usize, kind: &'static Kind) -> Sketch {
+    let mut sketch = kind.sketch(&mut Vary::none());
     let mut random = Random::new(place as u64);
     sketch.weigh(&mut random, [0.2, 5.0]);
     sketch.start[1] = 2.0 * sketch.own_motion();
-    let reach = travel::reach(&sketch, ROUND);
+    let reach = wild::reach(&sketch, ROUND);
     if reach.iter().any(|end| (end - sketch.start[0]).abs() < ROUND) {
-        sketch.stops = travel::stops(&sketch, reach, [0.8, 0.8], 0.5);
+        sketch.stops = wild::stops(&sketch, reach, [0.8, 0.8], 0.5);
     }
     sketch.loads.gravity = [9.81, PI / 2.0];
     sketch.tolerance = 1e-10;

@@ -2,8 +2,6 @@
 //!
 //! In: lengths, a closed form. Out: places of all bodies with their derivatives by the closed form's parameter, joints.
 //! It must not know how the engine closes loops.
-mod definition;
-
 use super::jet::{Jet, Vector};
 use crate::attack::random::Random;
 
@@ -49,13 +47,15 @@ pub struct Slide {
     pub block: usize,
 }
 
-/// A coordinate of the mechanism by which its motion is stated and judged.
-#[derive(Clone, Copy, Debug)]
+/// A coordinate of the mechanism by which its motion is stated and judged, that a stop limits or a drive works on.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coordinate {
     /// Angle of a body.
     Angle(usize),
     /// Position in a slide.
     Position(usize),
+    /// Distance of a place of the ground and a point.
+    Distance([f64; 2], usize),
 }
 
 /// Spring and damper from a place of the ground to a point.
@@ -68,7 +68,7 @@ pub struct Spring {
     pub free: f64,
 }
 
-/// What acts on a mechanism. All is constant.
+/// What acts on a mechanism.
 #[derive(Clone, Debug, Default)]
 pub struct Loads {
     /// Acceleration [m/s2] and upward direction [rad].
@@ -76,13 +76,25 @@ pub struct Loads {
     /// Body and torque on it [N.m].
     pub torques: Vec<(usize, f64)>,
     pub springs: Vec<Spring>,
+    /// Friction in all joints: mu_S, mu_d, V_S, V_d.
+    pub friction: Option<[f64; 4]>,
+    /// Radii of the pins with friction, in the order of the joints [m].
+    pub radii: Vec<f64>,
+    /// What a drive works on, and its efficiency.
+    pub drive: Option<(Coordinate, f64)>,
 }
 
-/// Rigid stops: lower and upper value of the coordinate, restitution.
+/// A stop, or a bumper.
 #[derive(Clone, Copy, Debug)]
-pub struct Stops {
-    pub values: [f64; 2],
-    pub restitution: f64,
+pub struct Stop {
+    pub on: Coordinate,
+    /// 1 for an upper stop, -1 for a lower one.
+    pub sign: f64,
+    pub value: f64,
+    /// Restitution of a rigid stop; None for a bumper.
+    pub rigid: Option<f64>,
+    pub stiffness: f64,
+    pub damping: f64,
 }
 
 /// Places of all points, one after the other, for a value of the parameter.
@@ -109,12 +121,12 @@ pub struct Sketch {
     pub coordinate: Coordinate,
     /// Where the motion starts: the parameter [rad or m] and its rate.
     pub start: [f64; 2],
-    /// Span of the parameter over which the mechanism is judged; None if it goes round for ever.
-    pub range: Option<[f64; 2]>,
     /// What acts on it.
     pub loads: Loads,
-    /// Stops of its coordinate.
-    pub stops: Option<Stops>,
+    /// Stops; of a closed form none, or a lower and an upper one of its coordinate.
+    pub stops: Vec<Stop>,
+    /// The stop with a lock.
+    pub lock: Option<usize>,
     /// Tolerance of the engine's integration.
     pub tolerance: f64,
     /// How far each number of the guess is from the assembled position, at most [rad or parts of the size].
@@ -142,9 +154,9 @@ impl Sketch {
             slides: Vec::new(),
             coordinate: Coordinate::Angle(0),
             start: [start, 0.0],
-            range: None,
             loads: Loads::default(),
-            stops: None,
+            stops: Vec::new(),
+            lock: None,
             tolerance: 1e-9,
             rough: 0.0,
             places: Box::new(places),
@@ -158,38 +170,21 @@ impl Sketch {
     }
 
     fn with(mut self, name: &str, origin: usize, frame: Frame, points: &[(usize, [f64; 2])]) -> Self {
-        self.bodies.push(Body {
-            name: name.into(),
-            origin,
-            frame,
-            points: points.to_vec(),
-            mass: 0.0,
-            center: [0.0; 2],
-            inertia: 0.0,
-        });
+        let (name, points, mass, center, inertia) = (name.into(), points.to_vec(), 0.0, [0.0; 2], 0.0);
+        self.bodies.push(Body { name, origin, frame, points, mass, center, inertia });
         self
     }
 
-    /// With a rod from a point to another.
-    pub fn rod(self, name: &str, from: usize, to: usize, length: f64) -> Self {
-        self.plate(name, from, to, length, &[])
-    }
-
-    /// With a body from a point to another, which has further points.
+    /// With a body from a point to another, which may have further points.
     pub fn plate(self, name: &str, from: usize, to: usize, length: f64, points: &[(usize, [f64; 2])]) -> Self {
         self.with(name, from, Frame::To(to, length), points)
     }
 
-    /// With a body in a guide on the ground, along a line through a point of the ground.
-    pub fn slider(self, name: &str, at: usize, from: usize, axis: f64) -> Self {
+    /// With a body in a guide along a line through a point of the ground (None), or of another body.
+    pub fn slider(self, name: &str, at: usize, on: Option<usize>, from: usize, axis: f64) -> Self {
         let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
-        self.with(name, at, Frame::Fixed(axis), &[]).guided(&guide, None, from, axis, block)
-    }
-
-    /// With a block on a body, along a line through a point of that body.
-    pub fn block(self, name: &str, at: usize, on: usize, from: usize, axis: f64) -> Self {
-        let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
-        self.with(name, at, Frame::With(on, axis), &[]).guided(&guide, Some(on), from, axis, block)
+        let frame = on.map_or(Frame::Fixed(axis), |body| Frame::With(body, axis));
+        self.with(name, at, frame, &[]).guided(&guide, on, from, axis, block)
     }
 
     /// With a guide between bodies that are there.
@@ -200,23 +195,9 @@ impl Sketch {
         self
     }
 
-    /// With further points on the last body.
-    pub fn points(mut self, points: &[(usize, [f64; 2])]) -> Self {
-        if let Some(body) = self.bodies.last_mut() {
-            body.points.extend_from_slice(points);
-        }
-        self
-    }
-
     /// With the motion judged by this coordinate.
     pub fn by(mut self, coordinate: Coordinate) -> Self {
         self.coordinate = coordinate;
-        self
-    }
-
-    /// Judged while the parameter is in this range.
-    pub fn within(mut self, low: f64, high: f64) -> Self {
-        self.range = Some([low, high]);
         self
     }
 
@@ -224,15 +205,7 @@ impl Sketch {
     pub fn weigh(&mut self, random: &mut Random, [low, high]: [f64; 2]) {
         let size = self.size();
         for body in &mut self.bodies {
-            body.mass = random.decades(low, high);
-            let length = match body.frame {
-                Frame::To(_, length) => {
-                    body.center = [length * random.within(0.2, 0.8), length * random.within(-0.1, 0.1)];
-                    length
-                }
-                _ => 0.2 * size,
-            };
-            body.inertia = body.mass * length * length * random.within(0.05, 0.15);
+            body.weigh(random.decades(low, high), 0.2 * size, random);
         }
     }
 
@@ -251,6 +224,16 @@ impl Sketch {
         lengths.chain(ground).fold(0.0, f64::max)
     }
 
+    /// What its coordinate is measured by: a radian, or the size [m].
+    pub fn scale(&self) -> f64 {
+        if let Coordinate::Angle(_) = self.coordinate { 1.0 } else { self.size() }
+    }
+
+    /// The difference of two values of its coordinate, whole turns left out.
+    pub fn apart(&self, a: f64, b: f64) -> f64 {
+        if let Coordinate::Angle(_) = self.coordinate { super::angle_apart(a, b) } else { a - b }
+    }
+
     /// Where every body is, from the places of the points.
     pub fn poses(&self, places: &[Vector]) -> Vec<Pose> {
         let mut out: Vec<Pose> = Vec::new();
@@ -267,7 +250,7 @@ impl Sketch {
 
     /// A point of a body's frame.
     pub fn at(pose: &Pose, local: [f64; 2]) -> Vector {
-        pose.origin + Vector::unit(pose.angle).frame(local)
+        pose.origin + Vector::fixed(local) * Vector::unit(pose.angle)
     }
 
     /// Where a point stands in the frame of a body; None if the body has no such point.
@@ -286,25 +269,20 @@ impl Sketch {
     pub fn gap(&self, parameter: f64) -> Option<f64> {
         let places = (self.places)(Jet::variable(parameter)).ok()?;
         let poses = self.poses(&places);
+        let length = |[x, y]: [f64; 2]| x.hypot(y);
         let mut gap = 0.0_f64;
-        for (k, pose) in poses.iter().enumerate() {
-            for (point, place) in places.iter().enumerate() {
-                if let Some(local) = self.local(Some(k), point) {
-                    let off = Self::at(pose, local) - *place;
-                    gap = gap.max(off.x.value().hypot(off.y.value()));
-                }
-            }
+        for (point, place) in places.iter().enumerate() {
+            let on_bodies = poses.iter().enumerate();
+            let ends = on_bodies.filter_map(|(k, pose)| Some(Self::at(pose, self.local(Some(k), point)?)));
+            let ends = ends.chain(self.local(None, point).map(Vector::fixed));
+            gap = ends.map(|end| length((end - *place).place())).fold(gap, f64::max);
         }
         for Slide { on, from, axis, block, .. } in &self.slides {
             let angle = on.map_or(Jet::default(), |body| poses[body].angle) + (*axis).into();
             let off = Vector::unit(angle).left().dot(poses[*block].origin - places[*from]);
             gap = gap.max(off.value().abs());
         }
-        let fixed = self
-            .ground
-            .iter()
-            .map(|(point, [x, y])| (places[*point].x.value() - x).hypot(places[*point].y.value() - y));
-        Some(fixed.fold(gap, f64::max) / self.size())
+        Some(gap / self.size())
     }
 
     /// Bodies that have a point; the ground first.
@@ -342,18 +320,17 @@ impl Sketch {
         out
     }
 
-    /// Position in a slide: of the block's origin along the axis, from the point of the guide.
-    pub fn position(&self, slide: usize, places: &[Vector], poses: &[Pose]) -> Jet {
-        let Slide { on, from, axis, block, .. } = self.slides[slide];
-        let angle = on.map_or(Jet::default(), |body| poses[body].angle) + axis.into();
-        Vector::unit(angle).dot(poses[block].origin - places[from])
-    }
-
-    /// Value of the coordinate.
-    pub fn value(&self, places: &[Vector], poses: &[Pose]) -> Jet {
-        match self.coordinate {
+    /// Value of a coordinate; of a slide the position of the block's origin along the axis, from the point of the
+    /// guide.
+    pub fn value(&self, coordinate: Coordinate, places: &[Vector], poses: &[Pose]) -> Jet {
+        match coordinate {
             Coordinate::Angle(body) => poses[body].angle,
-            Coordinate::Position(slide) => self.position(slide, places, poses),
+            Coordinate::Position(slide) => {
+                let Slide { on, from, axis, block, .. } = self.slides[slide];
+                let angle = on.map_or(Jet::default(), |body| poses[body].angle) + axis.into();
+                Vector::unit(angle).dot(poses[block].origin - places[from])
+            }
+            Coordinate::Distance(place, point) => (places[point] - Vector::fixed(place)).norm(),
         }
     }
 
@@ -375,5 +352,20 @@ impl Sketch {
             }
         }
         group.contains(&Some(self.slides[slide].block))
+    }
+}
+
+impl Body {
+    /// Give it a mass, a centre and a moment of inertia; a body without an end has this length.
+    pub fn weigh(&mut self, mass: f64, length: f64, random: &mut Random) {
+        self.mass = mass;
+        let length = match self.frame {
+            Frame::To(_, length) => {
+                self.center = [length * random.within(0.2, 0.8), length * random.within(-0.1, 0.1)];
+                length
+            }
+            _ => length,
+        };
+        self.inertia = mass * length * length * random.within(0.05, 0.15);
     }
 }

@@ -1,10 +1,88 @@
-//! Random mechanisms of the kinds: lengths, masses, loads, stops, starts.
+//! Random mechanisms of the kinds: lengths as usual or random ones about them, masses, loads, starts, and stops within
+//! the travel as the closed form has it.
 use super::lagrange::Place;
-use super::sketch::{Frame, Miss, Sketch, Spring};
-use super::vary::Vary;
-use super::{ROUND, all, travel};
+use super::sketch::{Frame, Miss, Sketch, Spring, Stop};
+use super::{ROUND, all};
 use crate::attack::random::Random;
 use std::f64::consts::PI;
+
+/// Where the lengths of a mechanism come from.
+pub struct Vary {
+    random: Option<Random>,
+    spread: f64,
+}
+
+impl Vary {
+    /// Usual lengths.
+    pub fn none() -> Self {
+        Self { random: None, spread: 0.0 }
+    }
+
+    /// Random lengths, each up to the part `spread` longer or shorter than usual.
+    pub fn random(random: Random, spread: f64) -> Self {
+        Self { random: Some(random), spread }
+    }
+
+    /// A length [m].
+    pub fn length(&mut self, usual: f64) -> f64 {
+        let spread = self.spread;
+        self.random.as_mut().map_or(usual, |random| usual * (1.0 + spread * random.within(-1.0, 1.0)))
+    }
+
+    /// An angle, up to `most` more or less [rad].
+    pub fn angle(&mut self, usual: f64, most: f64) -> f64 {
+        self.random.as_mut().map_or(usual, |random| usual + most * random.within(-1.0, 1.0))
+    }
+
+    /// A number of equal parts.
+    pub fn count(&mut self, usual: usize, least: usize, most: usize) -> usize {
+        self.random.as_mut().map_or(usual, |random| least + random.below(most - least + 1))
+    }
+}
+
+/// Step of the search, as a part of the farthest place.
+const STEP: f64 = 0.005;
+
+/// The span of the parameter about the start, at most `most` to each side, in which the closed form has values and the
+/// coordinate changes with the parameter at a tenth of its rate at the start or more.
+pub fn reach(sketch: &Sketch, most: f64) -> [f64; 2] {
+    let slope = |s: f64| Place::of(sketch, s).map(|place| place.value(sketch).slope());
+    let start = sketch.start[0];
+    let Ok(usual) = slope(start) else { return [start; 2] };
+    [-1.0, 1.0].map(|side| {
+        let mut at = start;
+        for k in 1..=(1.0 / STEP) as u32 {
+            let next = start + side * most * STEP * f64::from(k);
+            if !slope(next).is_ok_and(|slope| slope * usual > 0.1 * usual * usual) {
+                break;
+            }
+            at = next;
+        }
+        at
+    })
+}
+
+/// Rigid stops at these parts of the way from the start to the ends of a reach; none if a way is too short.
+pub fn stops(sketch: &Sketch, reach: [f64; 2], parts: [f64; 2], restitution: f64) -> Vec<Stop> {
+    let value = |s: f64| Some(Place::of(sketch, s).ok()?.value(sketch).value());
+    let start = sketch.start[0];
+    let Some(from) = value(start) else { return Vec::new() };
+    let places = reach.into_iter().zip(parts).filter_map(|(end, part)| value(start + part * (end - start)));
+    let mut values: Vec<f64> = places.map(|there| from + sketch.apart(there, from)).collect();
+    values.sort_by(f64::total_cmp);
+    if values.len() < 2 || values.iter().any(|value| (value - from).abs() < 0.002 * sketch.scale()) {
+        return Vec::new();
+    }
+    let stop = |(value, sign)| Stop {
+        on: sketch.coordinate,
+        sign,
+        value,
+        rigid: Some(restitution),
+        stiffness: 0.0,
+        damping: 0.0,
+    };
+    values.into_iter().zip([-1.0, 1.0]).map(stop).collect()
+}
 
 /// Masses of the bodies [kg].
 const MASSES: [f64; 2] = [0.02, 20.0];
@@ -21,10 +99,10 @@ pub enum Draw {
 
 /// A random mechanism of a random kind.
 pub fn wild(random: &mut Random) -> (&'static str, Draw) {
-    let kinds = all();
-    let (name, make) = kinds[random.below(kinds.len())];
+    let kind = &all()[random.below(all().len())];
+    let name = kind.name.as_str();
     let spread = random.pick(&[0.02, 0.1, 0.25]);
-    let mut sketch = make(&mut Vary::random(Random::new(random.word()), spread));
+    let mut sketch = kind.sketch(&mut Vary::random(Random::new(random.word()), spread));
     sketch.weigh(random, MASSES);
     sketch.tolerance = random.decades(1e-11, 1e-6);
     sketch.loads.gravity = [if random.chance(0.7) { 9.81 } else { 0.0 }, random.within(-PI, PI)];
@@ -36,7 +114,7 @@ pub fn wild(random: &mut Random) -> (&'static str, Draw) {
         Ok(place) => place,
         Err(Miss::Near) => return (name, Draw::Near),
         Err(Miss::Apart) => {
-            let usual = make(&mut Vary::none());
+            let usual = kind.sketch(&mut Vary::none());
             return (
                 name,
                 match Place::of(&usual, usual.start[0]) {
@@ -51,15 +129,14 @@ pub fn wild(random: &mut Random) -> (&'static str, Draw) {
         }
     };
     // Where the coordinate stands still a speed of it says nothing.
-    let scale = if matches!(sketch.coordinate, super::Coordinate::Angle(_)) { 1.0 } else { sketch.size() };
-    if place.value(&sketch).slope().abs() < 0.02 * scale {
+    if place.value(&sketch).slope().abs() < 0.02 * sketch.scale() {
         return (name, Draw::Near);
     }
     load(&mut sketch, random);
     if random.chance(0.5) {
         let parts = [random.within(0.3, 0.95), random.within(0.3, 0.95)];
         let restitution = if random.chance(0.3) { 0.0 } else { random.within(0.1, 0.8) };
-        sketch.stops = travel::stops(&sketch, travel::reach(&sketch, 0.3 * ROUND), parts, restitution);
+        sketch.stops = stops(&sketch, reach(&sketch, 0.3 * ROUND), parts, restitution);
     }
     let text = sketch.definition_at(&place.places);
     (name, Draw::Possible(Box::new(sketch), text))

@@ -33,12 +33,6 @@ pub struct Mechanism {
     pub known: &'static [Known],
 }
 
-macro_rules! file {
-    ($name:literal) => {
-        include_str!(concat!("../../../modelDescription/", $name, "/resources/mechanism.json"))
-    };
-}
-
 /// What most rows of the table have, and those with a jib under a cylinder.
 const PLAIN: Mechanism = Mechanism {
     name: "",
@@ -56,7 +50,7 @@ const JIB_LIKE: Mechanism = Mechanism { body: "jib", input: "cylinder.force", ..
 pub static MECHANISMS: [Mechanism; 8] = [
     Mechanism {
         name: "LandingGearRetraction",
-        text: file!("LandingGearRetraction"),
+        text: example!("LandingGearRetraction"),
         span: 0.13,
         steps: 130,
         input: "actuator.force",
@@ -71,18 +65,18 @@ pub static MECHANISMS: [Mechanism; 8] = [
     },
     Mechanism {
         name: "AndrewsSqueezer",
-        text: file!("AndrewsSqueezer"),
+        text: example!("AndrewsSqueezer"),
         body: "K1",
         span: 0.03,
         steps: 300,
         known: &[Known { time: 0.03, value: 15.810_771_195_153_797, within: 4e-15 }],
         ..PLAIN
     },
-    Mechanism { name: "CraneJib", text: file!("CraneJib"), span: 5.0, steps: 500, ..JIB_LIKE },
-    Mechanism { name: "FourBar", text: file!("FourBar"), ..PLAIN },
+    Mechanism { name: "CraneJib", text: example!("CraneJib"), span: 5.0, steps: 500, ..JIB_LIKE },
+    Mechanism { name: "FourBar", text: example!("FourBar"), ..PLAIN },
     Mechanism {
         name: "FourBarChain",
-        text: file!("FourBarChain"),
+        text: example!("FourBarChain"),
         body: "bar0",
         span: 10.0,
         input: "load_factor",
@@ -90,10 +84,10 @@ pub static MECHANISMS: [Mechanism; 8] = [
         known: &[Known { time: 10.0, value: -30.179_800_860_191_205, within: 1e-14 }],
         ..PLAIN
     },
-    Mechanism { name: "Jib", text: file!("Jib"), span: 3.0, steps: 300, ..JIB_LIKE },
+    Mechanism { name: "Jib", text: example!("Jib"), span: 3.0, steps: 300, ..JIB_LIKE },
     Mechanism {
         name: "SlCrank",
-        text: file!("SlCrank"),
+        text: example!("SlCrank"),
         span: 10.0,
         input: "push.force_x",
         slide: Some("slide"),
@@ -102,7 +96,7 @@ pub static MECHANISMS: [Mechanism; 8] = [
     },
     Mechanism {
         name: "SliderCrank",
-        text: file!("SliderCrank"),
+        text: example!("SliderCrank"),
         span: 0.2,
         steps: 400,
         slide: Some("cylinder"),
@@ -197,9 +191,6 @@ impl Case {
     }
 
     /// The model, at its start.
-    ///
-    /// # Errors
-    /// What it says.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
         let told = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
@@ -273,47 +264,18 @@ fn stretched(text: &str, length: f64) -> String {
 }
 
 /// Reference of a variable.
-///
-/// # Errors
-/// There is none of this name.
 pub fn find(model: &Model, name: &str) -> Result<Reference, String> {
     model.variables().find(name).ok_or_else(|| format!("no variable {name}"))
 }
 
 /// Value of a Real.
-///
-/// # Errors
-/// It does not exist in the present state.
 pub fn get(model: &mut Model, name: &str) -> Result<f64, String> {
     let reference = find(model, name)?;
     let value = model.real(reference).map_err(|e| e.to_string())?;
     if value.is_nan() { Err(model.undefined(reference).unwrap_or_default()) } else { Ok(value) }
 }
 
-/// Read every output, as a host that records all of them does.
-///
-/// # Errors
-/// An output that is neither finite nor NaN for a reason.
-pub fn read_all(model: &mut Model) -> Result<(), String> {
-    let list = model.variables().list().to_vec();
-    for (variable, reference) in list.iter().zip(0..).filter(|(v, _)| v.causality == Causality::Output) {
-        if variable.kind == Kind::Boolean {
-            model.boolean(reference).map_err(|e| e.to_string())?;
-            continue;
-        }
-        let value = model.real(reference).map_err(|e| e.to_string())?;
-        let reason = model.undefined(reference);
-        if value.is_infinite() || value.is_nan() != reason.is_some() {
-            return Err(format!("{} = {value}: {reason:?}", variable.name));
-        }
-    }
-    Ok(())
-}
-
 /// Set a Real.
-///
-/// # Errors
-/// It is refused.
 pub fn set(model: &mut Model, name: &str, value: f64) -> Result<(), String> {
     let reference = find(model, name)?;
     model.set_real(reference, value).map_err(|e| e.to_string())

@@ -28,9 +28,6 @@ pub struct Run {
 
 /// Run a model from its start through a plan, and read a variable at the end. Calls between the steps are few and
 /// counted with them.
-///
-/// # Errors
-/// What the model says.
 pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result<Run, String> {
     let mut found = Run::default();
     look(case, model, 0, &mut found)?;
@@ -52,9 +49,6 @@ pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result
 }
 
 /// Step `k` of a plan.
-///
-/// # Errors
-/// What the model says.
 pub fn step(case: &Case, model: &mut Model, plan: &Plan, k: u64, stated: f64) -> Result<(), String> {
     if plan.force != Force::Stated {
         set(model, case.mechanism.input, plan.input(k, stated))?;
@@ -95,9 +89,6 @@ fn force(case: &Case, model: &mut Model, kinetic: f64) -> Result<f64, String> {
 }
 
 /// The length L of sigma that the tolerance refers to: that of about a radian.
-///
-/// # Errors
-/// The parameters give no mechanism.
 pub fn scale(model: &mut Model) -> Result<f64, String> {
     Ok(model.reduced().map_err(|e| e.to_string())?.scale())
 }

@@ -36,9 +36,6 @@ pub struct Reference {
 impl Reference {
     /// For an unscaled case. The value at the end is the known one, if there is one, else the engine's at a
     /// thousandth of the tolerance.
-    ///
-    /// # Errors
-    /// What the model says.
     pub fn of(case: &Case, plan: &Plan, tolerance: f64) -> Result<Self, String> {
         let tight = (1e-3 * tolerance).max(1e-14);
         let start = case.model(tight)?;
@@ -90,9 +87,6 @@ pub fn energy_bound(energy: f64, lengths: f64, tolerance: f64, steps: u64, made:
 
 /// What the end of a case's motion owes to its start: change of the angle at the end for each radian that `body` starts
 /// elsewhere, and for each V / L that it starts faster.
-///
-/// # Errors
-/// What the model says.
 pub fn amplification(case: &Case, body: &str, plan: &Plan, tolerance: f64, energy: f64) -> Result<f64, String> {
     let mut start = case.model(tolerance)?;
     let rate = energy.sqrt() / scale(&mut start)?;

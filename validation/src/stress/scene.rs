@@ -3,7 +3,7 @@ use super::case::{Case, Scaling, get};
 use super::motion::{Run, run, scale, step};
 use super::plan::Plan;
 use super::reference::{Reference, TABLE, amplification, energy_bound};
-use linkage_fmu::mechanism::Statistics;
+use super::{Outcome, Row, Verdict};
 
 /// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an
 /// error of a radian is as large as the motion itself [rad].
@@ -43,6 +43,11 @@ pub enum Expected {
 }
 
 impl Expected {
+    /// This value of a variable at the end, with a bound and why.
+    pub fn closed(reading: &str, value: f64, within: f64, each: f64, why: impl Into<String>) -> Self {
+        Self::Closed { reading: reading.into(), value, within, each, why: why.into() }
+    }
+
     /// A refusal with these fragments.
     pub fn refusal(fragments: &[&str]) -> Self {
         Self::Refusal(fragments.iter().map(|&f| f.into()).collect())
@@ -65,78 +70,17 @@ pub struct Scene {
     pub expected: Expected,
 }
 
-/// Whether a row is as it must be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// Within its bounds.
-    Holds,
-    /// Refused with the message that it must be refused with.
-    Refused,
-    /// Neither.
-    Fails,
-}
-
-impl Verdict {
-    /// As it is written.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Refused => "refused as expected",
-            Self::Fails => "FAILS",
-        }
-    }
-}
-
-/// What came out.
-pub struct Outcome {
-    /// Error of what is read, and its bound.
-    pub error: Option<(f64, f64)>,
-    /// Largest energy.drift and its bound [J].
-    pub drift: Option<(f64, f64)>,
-    /// Work of the integration.
-    pub work: Statistics,
-    /// Time of the steps on a processor [s].
-    pub cpu: f64,
-    /// Why the bounds are what they are, or the message.
-    pub why: String,
-    /// Whether it is as it must be.
-    pub verdict: Verdict,
-}
-
-impl super::Row for Scene {
-    fn group(&self) -> &str {
-        self.group
-    }
-
-    fn model(&self) -> &str {
-        self.case.mechanism.name
-    }
-
-    fn what(&self) -> &str {
-        &self.what
-    }
-
-    fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    fn steps(&self) -> u64 {
-        self.plan.steps()
-    }
-
-    fn judge(&self) -> Outcome {
-        match (self.expected(), &self.expected) {
-            (Ok(outcome), _) => outcome,
-            (Err(message), Expected::Refusal(fragments)) if fragments.iter().all(|f| message.contains(f.as_str())) => {
-                Outcome::told(message, Verdict::Refused)
-            }
-            (Err(message), _) => Outcome::told(message, Verdict::Fails),
-        }
+impl From<Scene> for Row {
+    fn from(scene: Scene) -> Self {
+        let refusal = if let Expected::Refusal(words) = &scene.expected { Some(words.clone()) } else { None };
+        let Scene { group, tolerance, .. } = scene;
+        let (model, what, steps) = (scene.case.mechanism.name, scene.what.clone(), scene.plan.steps());
+        Self { group, model, what, tolerance, steps, refusal, run: Box::new(move || scene.run()) }
     }
 }
 
 impl Scene {
-    fn expected(&self) -> Result<Outcome, String> {
+    fn run(&self) -> Result<Outcome, String> {
         let mut model = self.case.model(self.tolerance)?;
         let reading = match &self.expected {
             Expected::Closed { reading, .. } => reading.clone(),
@@ -147,7 +91,6 @@ impl Scene {
             for k in 0..self.plan.steps() {
                 step(&self.case, &mut model, &self.plan, k, stated)?;
             }
-            return Ok(Outcome::told("no call was refused".into(), Verdict::Fails));
         }
         let found = run(&self.case, &mut model, &self.plan, &reading)?;
         let made = found.work.accepted + self.plan.steps();
@@ -186,12 +129,11 @@ impl Scene {
                 let drift = own_energy(&found)?;
                 Ok(found.judged(Some(((found.value - other.value).abs(), bound)), drift, why))
             }
-            Expected::Energy => {
+            Expected::Energy | Expected::Refusal(_) => {
                 let drift = own_energy(&found)?;
                 let why = format!("N = {}, V^2 = {:.1e} J", found.work.accepted, found.energy);
                 Ok(found.judged(None, drift, why))
             }
-            Expected::Refusal(_) => Ok(Outcome::told("no call was refused".into(), Verdict::Fails)),
         }
     }
 }
@@ -208,11 +150,5 @@ impl Run {
         let verdict =
             if (!foretold || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
         Outcome { error, drift: Some(drift), work: self.work, cpu: self.cpu, why, verdict }
-    }
-}
-
-impl Outcome {
-    fn told(message: String, verdict: Verdict) -> Self {
-        Self { error: None, drift: None, work: Statistics::default(), cpu: 0.0, why: message, verdict }
     }
 }

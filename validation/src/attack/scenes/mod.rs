@@ -10,9 +10,11 @@ mod newton;
 mod oracle;
 
 use super::probe::Probe;
+use crate::kinds::jet::Jet;
+use crate::kinds::sketch::Coordinate;
 use linkage_fmu::mechanism::ModelError;
 use linkage_fmu::simulation::{Simulation, SimulationError};
-use machine::{Machine, Quantity};
+use machine::Machine;
 use oracle::{Held, Oracle};
 
 /// Largest ratio of an error to the tolerance or to what the scene makes of it.
@@ -27,8 +29,8 @@ const SUSPECT: f64 = 10.0;
 const PARTS: usize = 4;
 
 /// A part of a phase, and the integration at its beginning.
-struct Part {
-    from: Oracle,
+struct Part<'a> {
+    from: Oracle<'a>,
     /// The lock that is engaged at its beginning, if that changes then.
     lock: Option<Option<usize>>,
     load: f64,
@@ -36,14 +38,14 @@ struct Part {
 }
 
 /// Distance of two integrations at one time: of the coordinate and its speed over the fastest.
-fn between(one: &Oracle, other: &Oracle) -> f64 {
+fn between(one: &Oracle<'_>, other: &Oracle<'_>) -> f64 {
     let ([y, v], [z, w]) = (one.coordinate(), other.coordinate());
     (y - z).abs().max((v - w).abs() / one.fastest.max(0.1))
 }
 
 /// The farthest that a state moved by the tolerance at the beginning of one of the parts leads from the end of the
 /// last.
-fn moved_on_the_way(parts: &[Part], end: &Oracle, tolerance: f64) -> f64 {
+fn moved_on_the_way(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64 {
     let mut farthest = 0.0_f64;
     for (k, part) in parts.iter().enumerate() {
         let Some(mut moved) = part.from.nudged(tolerance) else { continue };
@@ -61,13 +63,12 @@ fn moved_on_the_way(parts: &[Part], end: &Oracle, tolerance: f64) -> f64 {
 }
 
 /// A part's case: one scene.
-///
-/// # Errors
-/// The engine is too far off, or refuses a step.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let machine = Machine::random(&mut random);
-    let text = machine.definition();
+    let sketch = &machine.sketch;
+    let places = (sketch.places)(Jet::default()).unwrap_or_default();
+    let text = sketch.definition_with(&places, sketch.start[1]);
     if probe.verbose {
         println!("{text}");
     }
@@ -85,24 +86,24 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             return Ok(());
         }
     };
-    let tolerance = machine.tolerance;
-    let oracles = [(1e-3, 1e-12), (1.7e-3, 3e-12)].map(|(most, error)| Oracle::new(&machine, most, error));
+    let tolerance = sketch.tolerance;
+    let oracles = [(1e-3, 1e-12), (1.7e-3, 3e-12)].map(|(most, error)| Oracle::new(sketch, most, error));
     let [Some(mut one), Some(other)] = oracles else {
         probe.count("scenes refused");
         return Ok(());
     };
     let Some(mut other) = other.nudged(tolerance) else { return Ok(()) };
     let mut parts = Vec::new();
-    let [position, speed, input] = machine.names;
+    let [position, speed, input] = &machine.names();
     let (mut engaged, mut met, mut judged) = (false, 0, 0);
     for phase in 0..1 + random.below(5) {
         let load = if random.chance(0.2) { 0.0 } else { machine.load * random.within(-1.0, 1.0) };
         let (span, steps) = (random.decades(0.02, 0.4), 1 + random.below(10));
         engaged ^= random.chance(0.4);
-        let lock = machine.lock.filter(|_| engaged);
+        let lock = sketch.lock.filter(|_| engaged);
         let set = |e: SimulationError| format!("an input is refused: {e}");
         run.set(input, load).map_err(set)?;
-        if machine.lock.is_some() {
+        if sketch.lock.is_some() {
             run.set("latch.engage", engaged).map_err(set)?;
         }
         if probe.verbose {
@@ -155,7 +156,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         }
         probe.count("phases judged");
         judged += 1;
-        for k in 0..machine.stops.len() {
+        for k in 0..sketch.stops.len() {
             let beyond = one.beyond(k, &one.state)[0];
             let clear = beyond.abs() > 1e-9 + 2.0 * MOST * (tolerance + doubt) || one.held == Some(Held::Stop(k));
             let flag = run.boolean(&format!("s{k}.reached")).map_err(|e| e.to_string())?;
@@ -166,9 +167,9 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         }
     }
     if judged > 0 {
-        probe.count(match machine.coordinate {
-            Quantity::Slide(_) => "blocks judged",
-            _ if machine.bodies[2].length > 0.0 => "four-bar linkages judged",
+        probe.count(match (sketch.coordinate, sketch.slides.len()) {
+            (Coordinate::Position(_), _) => "blocks judged",
+            (_, 0) => "four-bar linkages judged",
             _ => "slider-cranks judged",
         });
         if met.count_ones() > 1 {

@@ -2,8 +2,8 @@
 //!
 //! In: a machine, loads, spans. Out: places and speeds. It knows quantities and their stops only, no places on a curve,
 //! and nothing of the engine.
-use super::machine::{Machine, Quantity, Stop};
 use super::newton::{Coordinates, Newton};
+use crate::kinds::sketch::{Coordinate, Sketch, Stop};
 
 /// Depth at which a stop counts as met [m or rad]: rounding of the constraints is less.
 const DEPTH: f64 = 1e-11;
@@ -52,9 +52,11 @@ pub struct State {
 }
 
 /// A machine in motion.
-#[derive(Clone, Debug)]
-pub struct Oracle {
-    newton: Newton,
+#[derive(Clone)]
+pub struct Oracle<'a> {
+    newton: Newton<'a>,
+    /// What the drive works on, and its efficiency.
+    drive: (Coordinate, f64),
     pub state: State,
     touching: Vec<bool>,
     pub held: Option<Held>,
@@ -75,28 +77,17 @@ fn axpy(sum: &mut Coordinates, factor: f64, x: &Coordinates) {
     sum.iter_mut().zip(x).for_each(|(sum, x)| *sum += factor * x);
 }
 
-impl Oracle {
+impl<'a> Oracle<'a> {
     /// At the start.
-    pub fn new(machine: &Machine, most: f64, error: f64) -> Option<Self> {
-        let mut newton = Newton::new(machine);
-        let mut state = State { q: newton.start(), v: [0.0; 9] };
+    pub fn new(sketch: &'a Sketch, most: f64, error: f64) -> Option<Self> {
+        let newton = Newton::new(sketch)?;
+        let mut state = State { q: newton.start, v: [0.0; 9] };
         newton.project(&mut state.q, &mut state.v);
-        state.v = newton.free_motion(machine.coordinate, &state.q)?.map(|x| x * machine.speed);
-        let touching = vec![false; machine.stops.len()];
-        let (next, fastest) = (1e-5, machine.speed.abs());
-        Some(Self {
-            newton,
-            state,
-            touching,
-            held: None,
-            lock: None,
-            forward: true,
-            load: 0.0,
-            most,
-            error,
-            next,
-            fastest,
-        })
+        let [_, speed] = sketch.start;
+        state.v = newton.free_motion(sketch.coordinate, &state.q)?.map(|x| x * speed);
+        let (touching, drive) = (vec![false; sketch.stops.len()], sketch.loads.drive?);
+        let (held, lock, forward, load, next, fastest) = (None, None, true, 0.0, 1e-5, speed.abs());
+        Some(Self { newton, drive, state, touching, held, lock, forward, load, most, error, next, fastest })
     }
 
     /// This state with the coordinate moved by `nudge` and its speed by that part. None of a machine that is held, or
@@ -105,7 +96,7 @@ impl Oracle {
         /// Largest change of another coordinate for that of the machine's.
         const LEVER: f64 = 1e3;
         let mut moved = self.clone();
-        let coordinate = self.machine().coordinate;
+        let coordinate = self.sketch().coordinate;
         let motion = moved.newton.free_motion(coordinate, &self.state.q)?;
         if self.held.is_some() || motion.iter().any(|part| part.is_nan() || part.abs() > LEVER) {
             return None;
@@ -123,13 +114,13 @@ impl Oracle {
         self.newton.failed
     }
 
-    fn machine(&self) -> &Machine {
-        &self.newton.machine
+    fn sketch(&self) -> &'a Sketch {
+        self.newton.sketch
     }
 
     /// Value and speed of the coordinate.
     pub fn coordinate(&self) -> [f64; 2] {
-        self.value(self.machine().coordinate, &self.state)
+        self.value(self.sketch().coordinate, &self.state)
     }
 
     /// Largest speed of a body: at a dead centre of the coordinate it is not 0.
@@ -137,38 +128,38 @@ impl Oracle {
         self.state.v.iter().fold(0.0, |speed, v| speed.max(v.abs()))
     }
 
-    fn value(&self, quantity: Quantity, state: &State) -> [f64; 2] {
+    fn value(&self, quantity: Coordinate, state: &State) -> [f64; 2] {
         [self.newton.quantity(quantity, &state.q).0, self.newton.rate(quantity, &state.q, &state.v)]
     }
 
     /// Depth beyond a stop and its rate.
     pub fn beyond(&self, k: usize, state: &State) -> [f64; 2] {
-        let Stop { quantity, sign, value, .. } = self.machine().stops[k];
-        let [s, rate] = self.value(quantity, state);
+        let Stop { on, sign, value, .. } = self.sketch().stops[k];
+        let [s, rate] = self.value(on, state);
         [sign * (s - value), sign * rate]
     }
 
     /// Depth, rate and push of a bumper.
     fn push(&self, k: usize, state: &State) -> [f64; 3] {
         let [beyond, rate] = self.beyond(k, state);
-        let stop = &self.machine().stops[k];
+        let stop = &self.sketch().stops[k];
         [beyond, rate, stop.stiffness * beyond + stop.damping * rate]
     }
 
     /// Force of the drive on the mechanism.
     fn driven(&self, forward: bool) -> f64 {
-        let efficiency = self.machine().efficiency;
+        let efficiency = self.drive.1;
         if forward { self.load * efficiency } else { self.load / efficiency }
     }
 
     fn acceleration(&mut self, state: &State, forward: bool) -> Coordinates {
         let (q, v) = (&state.q, &state.v);
         let mut forces = [0.0; 9];
-        axpy(&mut forces, self.driven(forward), &self.newton.quantity(self.machine().drive, q).1);
+        axpy(&mut forces, self.driven(forward), &self.newton.quantity(self.drive.0, q).1);
         for k in 0..self.touching.len() {
             if self.touching[k] {
-                let Stop { quantity, sign, .. } = self.machine().stops[k];
-                axpy(&mut forces, -sign * self.push(k, state)[2], &self.newton.quantity(quantity, q).1);
+                let Stop { on, sign, .. } = self.sketch().stops[k];
+                axpy(&mut forces, -sign * self.push(k, state)[2], &self.newton.quantity(on, q).1);
             }
         }
         self.newton.acceleration(q, v, &forces)
@@ -201,9 +192,9 @@ impl Oracle {
     /// Branch of the law of friction in each joint.
     fn branches(&self, state: &State) -> [i8; 4] {
         let mut out = [0; 4];
-        let Some([_, _, slow, fast]) = self.machine().friction else { return out };
-        for (j, joint) in self.machine().joints.iter().enumerate() {
-            if let Some(slip) = self.newton.slip(joint, &state.q, &state.v) {
+        let Some([_, _, slow, fast]) = self.sketch().loads.friction else { return out };
+        for (j, link) in self.newton.links.iter().enumerate() {
+            if let Some(slip) = self.newton.slip(link, &state.q, &state.v) {
                 let branch = i8::from(slip.abs() > slow) + i8::from(slip.abs() >= fast);
                 out[j] = if slip < 0.0 { -branch } else { branch };
             }
@@ -213,7 +204,7 @@ impl Oracle {
 
     /// Power of the drive over its force's size.
     fn power(&self, state: &State) -> f64 {
-        self.load.signum() * self.value(self.machine().drive, state)[1]
+        self.load.signum() * self.value(self.drive.0, state)[1]
     }
 
     /// What changes before this state.
@@ -226,7 +217,7 @@ impl Oracle {
         }
         for k in 0..self.touching.len() {
             let [beyond, rate, push] = self.push(k, end);
-            let stop = &self.machine().stops[k];
+            let stop = &self.sketch().stops[k];
             let small = DEPTH * (stop.stiffness + stop.damping);
             let met = match stop.rigid {
                 Some(_) => beyond > DEPTH && rate > 0.0,
@@ -237,7 +228,7 @@ impl Oracle {
                 return Some(Event::Stop(k));
             }
         }
-        if self.machine().efficiency < 1.0 && self.load != 0.0 {
+        if self.drive.1 < 1.0 && self.load != 0.0 {
             let power = self.power(end);
             if if self.forward { power < -1e-10 } else { power > 1e-10 } {
                 return Some(Event::Drive);
@@ -250,13 +241,13 @@ impl Oracle {
     fn press(&mut self) {
         for k in 0..self.touching.len() {
             let [beyond, _, push] = self.push(k, &self.state);
-            self.touching[k] = self.machine().stops[k].rigid.is_none() && beyond > DEPTH && push > 0.0;
+            self.touching[k] = self.sketch().stops[k].rigid.is_none() && beyond > DEPTH && push > 0.0;
         }
     }
 
     /// Whether the loads move the machine, at rest, so that a quantity changes with this sign; the drive's power then
     /// has the direction that it has in that motion.
-    fn sets_off(&mut self, quantity: Quantity, sign: f64) -> bool {
+    fn sets_off(&mut self, quantity: Coordinate, sign: f64) -> bool {
         let state = State { v: [0.0; 9], ..self.state };
         let Some(motion) = self.newton.free_motion(quantity, &state.q) else { return false };
         let moving = State { v: motion.map(|x| sign * x), ..state };
@@ -271,8 +262,8 @@ impl Oracle {
 
     /// Whether the machine, at rest, stays so against a stop.
     fn is_pressed(&mut self, k: usize) -> bool {
-        let Stop { quantity, sign, .. } = self.machine().stops[k];
-        !self.sets_off(quantity, -sign)
+        let Stop { on, sign, .. } = self.sketch().stops[k];
+        !self.sets_off(on, -sign)
     }
 
     /// The lock of a stop is engaged, or none is.
@@ -282,7 +273,7 @@ impl Oracle {
                 return;
             }
             let stop = self.lock.map_or(0, |(stop, _)| stop);
-            self.held = self.machine().stops[stop].rigid.map(|_| Held::Stop(stop));
+            self.held = self.sketch().stops[stop].rigid.map(|_| Held::Stop(stop));
         }
         if let Some(stop) = lock
             && self.held == Some(Held::Stop(stop))
@@ -295,7 +286,7 @@ impl Oracle {
     /// Integrate over a span under a load; whether that was possible.
     pub fn advance(&mut self, load: f64, span: f64) -> bool {
         self.load = load;
-        let (coordinate, efficient) = (self.machine().coordinate, self.machine().efficiency >= 1.0);
+        let (coordinate, efficient) = (self.sketch().coordinate, self.drive.1 >= 1.0);
         if self.held.is_none() && !efficient {
             if self.speed() < 1e-9 {
                 self.state.v = [0.0; 9];
@@ -372,7 +363,7 @@ impl Oracle {
                     self.press();
                 }
             }
-            Event::Stop(k) => match self.machine().stops[k].rigid {
+            Event::Stop(k) => match self.sketch().stops[k].rigid {
                 None => self.touching[k] = !self.touching[k],
                 Some(restitution) => {
                     let rate = self.beyond(k, &self.state)[1];

@@ -19,6 +19,13 @@ pub enum Drive {
     Element([f64; 2], [f64; 4]),
 }
 
+impl Drive {
+    /// As `scenes/hydraulics.json` has it.
+    pub fn word(&self) -> &'static str {
+        if let Self::Motion(_) = self { "motion" } else { "element" }
+    }
+}
+
 /// One run.
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -53,65 +60,13 @@ pub struct Run {
 }
 
 impl Case {
-    /// Value of a parameter.
-    fn value(&self, name: &str, default: f64) -> f64 {
-        self.set.iter().rev().find(|(own, _)| *own == name).map_or(default, |(_, value)| *value)
-    }
-
     /// The circuit in plain numbers.
     pub fn circuit(&self) -> Circuit {
-        let (c, _) = Circuit::h1();
-        let of = |name: &str, default: f64| self.value(name, default);
-        Circuit {
-            supply_pressure: of("supply.pressure", c.supply_pressure),
-            tank_pressure: of("tank.pressure", c.tank_pressure),
-            ambient_pressure: of("fluid.ambient_pressure", c.ambient_pressure),
-            bulk_modulus: of("fluid.bulk_modulus", c.bulk_modulus),
-            air_fraction: of("fluid.air_fraction", c.air_fraction),
-            polytropic_exponent: of("fluid.polytropic_exponent", c.polytropic_exponent),
-            bore: of("cylinder.bore", c.bore),
-            rod: of("cylinder.rod", c.rod),
-            stroke: of("cylinder.stroke", c.stroke),
-            closed_length: of("cylinder.closed_length", c.closed_length),
-            dead_volumes: [
-                of("chamber_a.dead_volume", c.dead_volumes[0]),
-                of("chamber_b.dead_volume", c.dead_volumes[1]),
-            ],
-            rated_flow: of("valve.rated_flow", c.rated_flow),
-            rated_pressure_drop: of("valve.rated_pressure_drop", c.rated_pressure_drop),
-            transition_pressure: of("valve.transition_pressure", c.transition_pressure),
-            clearance: of("valve.clearance", c.clearance),
-            overlap: of("valve.overlap", c.overlap),
-            frequency: of("valve.frequency", c.frequency),
-            damping_ratio: of("valve.damping_ratio", c.damping_ratio),
-            restrictors: [
-                of("restrictor_a.rated_flow", c.restrictors[0]),
-                of("restrictor_b.rated_flow", c.restrictors[1]),
-            ],
-            check_pressure: of("check.pressure", c.check_pressure),
-            cushion_lengths: [
-                of("cushion_a.length", c.cushion_lengths[0]),
-                of("cushion_b.length", c.cushion_lengths[1]),
-            ],
-            cushions: [of("cushion_a.rated_flow", c.cushions[0]), of("cushion_b.rated_flow", c.cushions[1])],
-            relief_pressure: of("relief.pressure", c.relief_pressure),
-            relief_width: of("relief.width", c.relief_width),
-            relief_conductance: of("relief.conductance", c.relief_conductance),
-            anticavitation_conductance: of("anticavitation.conductance", c.anticavitation_conductance),
-            leakage_internal: of("leakage.internal", c.leakage_internal),
-            leakage_external: [
-                of("leakage.external_a", c.leakage_external[0]),
-                of("leakage.external_b", c.leakage_external[1]),
-            ],
-            coulomb: of("seal.coulomb", c.coulomb),
-            static_friction: of("seal.static", c.static_friction),
-            stribeck_speed: of("seal.stribeck_speed", c.stribeck_speed),
-            transition_speed: of("seal.transition_speed", c.transition_speed),
-            viscous: of("seal.viscous", c.viscous),
-            command: 0.0,
-            ramp: [0.0, 0.0],
-            sine: [0.0; 2],
+        let mut circuit = Circuit::standard();
+        for (name, value) in &self.set {
+            circuit.parameter(name).into_iter().for_each(|own| *own = *value);
         }
+        circuit
     }
 
     /// Command in step `k`.
@@ -120,9 +75,6 @@ impl Case {
     }
 
     /// The engine's run.
-    ///
-    /// # Errors
-    /// What it refuses.
     pub fn run(&self, tolerance: f64) -> Result<Run, String> {
         let words = |e: linkage_fmu::hydraulics::HydraulicsError| e.to_string();
         let mut model = Model::from_json(ACTUATOR).map_err(words)?;
@@ -206,9 +158,6 @@ impl Case {
 
     /// The circuit in plain numbers from the state `y` before step `from` to the end, each step to a tolerance. `look`
     /// sees the state before each step.
-    ///
-    /// # Errors
-    /// The integration does not come to its end.
     pub fn exact(
         &self,
         mut y: End,

@@ -1,16 +1,15 @@
 //! The landing gear with a circuit: its own motion drives the circuit in plain numbers, whose pressures must be those
 //! of the engine; and the energy that the mechanism gains must be the work of the force, by a quadrature of its own. A
 //! mechanism of one degree of freedom that gains it at every instant moves by its equation of motion.
+use super::EACH;
 use super::case::{Case, Drive};
-use super::{EACH, told};
 use crate::cosim::circuit::State;
-use crate::stress::Row;
 use crate::stress::hydraulic::implicit::integrate;
-use crate::stress::scene::{Outcome, Verdict};
+use crate::stress::{Outcome, Row, Verdict};
 use linkage_fmu::integrator::Method;
 use linkage_fmu::mechanism::Model;
 
-const GEAR: &str = include_str!("../../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+const GEAR: &str = example!("LandingGearRetractionHydraulic");
 /// Tolerance of the second integration.
 const TIGHT: f64 = 1e-10;
 /// Force times this length [m] is energy at play: the travel of the actuator.
@@ -25,29 +24,11 @@ pub struct Scene {
     pub tolerance: f64,
 }
 
-impl Row for Scene {
-    fn group(&self) -> &str {
-        "Hydraulics: gear with a circuit"
-    }
-
-    fn model(&self) -> &str {
-        "LandingGearRetractionHydraulic"
-    }
-
-    fn what(&self) -> &str {
-        &self.what
-    }
-
-    fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    fn steps(&self) -> u64 {
-        self.case.steps as u64
-    }
-
-    fn judge(&self) -> Outcome {
-        self.judged().unwrap_or_else(|message| told(message, Verdict::Fails))
+impl From<Scene> for Row {
+    fn from(scene: Scene) -> Self {
+        let (what, steps, tolerance) = (scene.what.clone(), scene.case.steps as u64, scene.tolerance);
+        let (group, model) = ("Hydraulics: gear with a circuit", "LandingGearRetractionHydraulic");
+        Self { group, model, what, tolerance, steps, refusal: None, run: Box::new(move || scene.judged()) }
     }
 }
 

@@ -3,15 +3,14 @@
 //!
 //! In: y' = f(t, y), a span, a tolerance. Out: y at its end. It must not know what y means.
 
+use crate::linear::Factors;
+
 /// Columns of the extrapolation, by 1, 2, 3 and so on substeps: the order.
 const COLUMNS: usize = 7;
 /// Most steps of one call.
 const MOST: usize = 2_000_000;
 
 /// y at `t + span`, each step to `tolerance` of `scale(y)`. Components from `driving` on do not occur in f.
-///
-/// # Errors
-/// Too many steps.
 pub fn integrate<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
     scale: &impl Fn(&[f64; N]) -> [f64; N],
@@ -101,13 +100,13 @@ fn euler<const N: usize>(
     n: usize,
 ) -> [f64; N] {
     let d = h / n as f64;
-    let mut matrix: [[f64; N]; N] =
+    let matrix: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j)) - d * jacobian[i][j]));
-    let order = decompose(&mut matrix, driving);
+    let factors = Factors::of(matrix, driving);
     let mut y = *y;
     for k in 1..=n {
         let slope = f(t + d * k as f64, &y);
-        let change = solve(&matrix, &order, driving, &slope.map(|slope| d * slope));
+        let change = factors.solve(&slope.map(|slope| d * slope));
         let mut rest = change;
         // Components that do not drive follow from those that do.
         for i in driving..N {
@@ -116,34 +115,6 @@ fn euler<const N: usize>(
         (0..N).for_each(|i| y[i] += rest[i]);
     }
     y
-}
-
-/// LU factors of the leading rows and columns, with their order after pivoting.
-fn decompose<const N: usize>(a: &mut [[f64; N]; N], size: usize) -> [usize; N] {
-    let mut order: [usize; N] = std::array::from_fn(|i| i);
-    for k in 0..size {
-        let pivot = (k..size).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
-        a.swap(k, pivot);
-        order.swap(k, pivot);
-        for i in k + 1..size {
-            a[i][k] /= a[k][k];
-            for j in k + 1..size {
-                a[i][j] -= a[i][k] * a[k][j];
-            }
-        }
-    }
-    order
-}
-
-fn solve<const N: usize>(lu: &[[f64; N]; N], order: &[usize; N], size: usize, right: &[f64; N]) -> [f64; N] {
-    let mut x = [0.0; N];
-    for i in 0..size {
-        x[i] = right[order[i]] - (0..i).map(|j| lu[i][j] * x[j]).sum::<f64>();
-    }
-    for i in (0..size).rev() {
-        x[i] = (x[i] - (i + 1..size).map(|j| lu[i][j] * x[j]).sum::<f64>()) / lu[i][i];
-    }
-    x
 }
 
 #[cfg(test)]

@@ -9,10 +9,8 @@ mod table;
 
 pub use table::all;
 
-use super::Row;
-use super::scene::{Outcome, Verdict};
+use super::{Outcome, Row, Verdict};
 use case::{Case, Drive, End};
-use linkage_fmu::integrator::Statistics;
 
 /// Relative errors by which the sensitivity to an error on the way is found.
 const NUDGE: f64 = 1e-5;
@@ -25,63 +23,27 @@ const EACH: f64 = 3.88;
 /// Bound of the relative error above which the end cannot be foretold.
 const FORETOLD: f64 = 1.0;
 
-/// What must come out.
+/// One row: a case, its tolerance, and the words of the refusal that must come, if one must.
 #[derive(Clone, Debug)]
-enum Expected {
-    /// The circuit in plain numbers.
-    Circuit,
-    /// A refusal with these words.
-    Refusal(&'static [&'static str]),
-}
-
-/// One row.
-#[derive(Clone, Debug)]
-pub struct Scene {
+struct Scene {
     group: &'static str,
     what: String,
     case: Case,
     tolerance: f64,
-    expected: Expected,
+    refusal: Option<Vec<&'static str>>,
 }
 
-impl Row for Scene {
-    fn group(&self) -> &str {
-        self.group
-    }
-
-    fn model(&self) -> &str {
-        match self.case.drive {
+impl From<Scene> for Row {
+    fn from(scene: Scene) -> Self {
+        let (what, steps) = (scene.what.clone(), scene.case.steps as u64);
+        let Scene { group, tolerance, .. } = scene;
+        let model = match scene.case.drive {
             Drive::Motion(_) => "HydraulicActuator, follow",
             Drive::Element(..) => "HydraulicActuator, preview",
-        }
+        };
+        let refusal = scene.refusal.as_ref().map(|words| words.iter().map(|&word| word.into()).collect());
+        Self { group, model, what, tolerance, steps, refusal, run: Box::new(move || scene.judged()) }
     }
-
-    fn what(&self) -> &str {
-        &self.what
-    }
-
-    fn tolerance(&self) -> f64 {
-        self.tolerance
-    }
-
-    fn steps(&self) -> u64 {
-        self.case.steps as u64
-    }
-
-    fn judge(&self) -> Outcome {
-        match (self.judged(), &self.expected) {
-            (Ok(_), Expected::Refusal(_)) => told("no call was refused".into(), Verdict::Fails),
-            (Ok(outcome), Expected::Circuit) => outcome,
-            (Err(message), Expected::Refusal(words)) if words.iter().all(|word| message.contains(word)) => {
-                told(message, Verdict::Refused)
-            }
-            (Err(message), _) => told(message, Verdict::Fails),
-        }
-    }
-}
-
-fn told(why: String, verdict: Verdict) -> Outcome {
-    Outcome { error: None, drift: None, work: Statistics::default(), cpu: 0.0, why, verdict }
 }
 
 impl Scene {

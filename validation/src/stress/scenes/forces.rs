@@ -1,10 +1,9 @@
 //! Inputs that change in every step, and huge ones; friction: a border to rest that is almost a jump, and coefficients
 //! next to self-locking.
-use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, JIB, MECHANISMS, Mechanism};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
-use crate::stress::scene::Expected;
+use crate::stress::scene::{Expected, Scene};
 use linkage_fmu::variables::Value;
 
 /// A mechanism; the gear without its stops.
@@ -56,13 +55,7 @@ pub fn huge() -> Vec<Scene> {
         }
         add(format!("{} = 1e308", m.input), 1e308, 1e-3, 1, Expected::refusal(&["inputs", "sizes"]));
     }
-    let held = Expected::Closed {
-        reading: "crank.angle".into(),
-        value: -1.3,
-        within: 1e-13,
-        each: 0.0,
-        why: "caught by the upstop: table".into(),
-    };
+    let held = Expected::closed("crank.angle", -1.3, 1e-13, 0.0, "caught by the upstop: table");
     let plan = Plan::steady(2e-3, 200);
     let case = Case::of(GEAR).with(GEAR.input, 1e9);
     let what = "actuator.force = 1e9 against the upstop".into();
@@ -108,13 +101,13 @@ pub fn self_locking() -> Vec<Scene> {
                 // An error e L of the angle stays; one of e V of the speed, V = w max(1, sqrt(q)), moves the end by at
                 // most e V / (q w).
                 let gain = 1.0 + q.max(q.sqrt()).max(1.0) / q;
-                Expected::Closed {
-                    reading: "jib.angle".into(),
-                    value: (q * SPEED * SPAN).ln_1p() / q,
-                    within: TABLE * (1.0 + gain / (1.0 - k * k)),
-                    each: 2f64.sqrt() * tolerance * gain,
-                    why: format!("sqrt(2) N tol {gain:.1}, rounding / (1 - k^2)"),
-                }
+                Expected::closed(
+                    "jib.angle",
+                    (q * SPEED * SPAN).ln_1p() / q,
+                    TABLE * (1.0 + gain / (1.0 - k * k)),
+                    2f64.sqrt() * tolerance * gain,
+                    format!("sqrt(2) N tol {gain:.1}, rounding / (1 - k^2)"),
+                )
             } else {
                 Expected::refusal(&[
                     "friction locks the mechanism near jib",

@@ -1,10 +1,9 @@
 //! Long runs: slow motion, toggles passed ten thousand times, ten million short steps.
 use super::starts::toggle;
-use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
-use crate::stress::scene::Expected;
+use crate::stress::scene::{Expected, Scene};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Every mechanism so slow that its scene takes 1e6 s, in one step and in steps of 1 s.
@@ -65,13 +64,13 @@ pub fn toggles() -> Vec<Scene> {
         let period = round_trip(0.8, omega);
         // The curve's length is known to the table's accuracy by either way; each turn adds that.
         let turn = period * omega.abs();
-        let back = Expected::Closed {
-            reading: "crank.angle".into(),
-            value: 0.8,
-            within: TABLE * (1.0 + 2.0 * TURNS * turn),
-            each: f64::EPSILON * TURNS * turn,
-            why: format!("no load: after 5000 turns of {turn:.3} rad it is back; table each turn, rounding each step"),
-        };
+        let back = Expected::closed(
+            "crank.angle",
+            0.8,
+            TABLE * (1.0 + 2.0 * TURNS * turn),
+            f64::EPSILON * TURNS * turn,
+            format!("no load: after 5000 turns of {turn:.3} rad it is back; table each turn, rounding each step"),
+        );
         let plan = Plan::new(TURNS * period, cut, Force::Stated);
         add(format!("coasting at {omega} rad/s, in {}", super::count(plan.steps())), case, plan, 1e-9, back);
     }

@@ -5,10 +5,10 @@ mod sizes;
 mod starts;
 mod together;
 
-use super::Scene;
+use super::Row;
 
 /// All, group by group.
-pub fn all() -> Vec<Scene> {
+pub fn all() -> Vec<Row> {
     let groups = [
         sizes::tolerances(),
         sizes::communication(),
@@ -26,7 +26,7 @@ pub fn all() -> Vec<Scene> {
         long::toggles(),
         long::short_steps(),
     ];
-    groups.into_iter().flatten().collect()
+    groups.into_iter().flatten().map(Row::from).collect()
 }
 
 /// So many steps, in words.

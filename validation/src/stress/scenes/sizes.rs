@@ -1,9 +1,8 @@
 //! Tolerances and communication steps; masses, lengths and forces from a millionth to a million times their size, and
 //! bodies of very unlike masses.
-use crate::stress::Scene;
 use crate::stress::case::{Case, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
-use crate::stress::scene::Expected;
+use crate::stress::scene::{Expected, Scene};
 use linkage_fmu::variables::{Unit, Value};
 
 /// Every mechanism at every power of ten, in one step and in those of its default experiment.

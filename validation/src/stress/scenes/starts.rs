@@ -1,9 +1,8 @@
 //! Starts at places that are no place for a start: toggles, stops, positions where branches cross.
-use crate::stress::Scene;
 use crate::stress::case::{CHAIN, Case, GEAR, MECHANISMS, Mechanism};
 use crate::stress::plan::Plan;
 use crate::stress::reference::TABLE;
-use crate::stress::scene::Expected;
+use crate::stress::scene::{Expected, Scene};
 use std::f64::consts::PI;
 
 const GROUND: f64 = 0.5729;
@@ -112,13 +111,13 @@ pub fn stops() -> Vec<Scene> {
             Case::of(GEAR).with("crank.start_angle", angle + inward * by).with("actuator.force", force)
         };
         for by in [0.0, 1e-15, 1e-12, -1e-15, -1e-12] {
-            let rests = Expected::Closed {
-                reading: "crank.angle".into(),
-                value: angle,
-                within: f64::abs(by) + 4.0 * f64::EPSILON * angle.abs() + TABLE,
-                each: 0.0,
-                why: "a start within 1e-10 rad of a stop is at it, and pressed on it stays; rounding and table".into(),
-            };
+            let rests = Expected::closed(
+                "crank.angle",
+                angle,
+                f64::abs(by) + 4.0 * f64::EPSILON * angle.abs() + TABLE,
+                0.0,
+                "a start within 1e-10 rad of a stop is at it, and pressed on it stays; rounding and table",
+            );
             let what = format!("{by:e} rad within the {stop}, pressed on");
             scenes.push(scene(GROUP, what, at(by, press), (1.0, 100), rests));
             let free = Expected::Same {
@@ -175,13 +174,13 @@ pub fn crossings() -> Vec<Scene> {
             scenes.push(scene(GROUP, what, case, (10.0, 1000), Expected::Angle));
             for speed in [5.0, -1e-6] {
                 let turn = speed * FLAT.span;
-                let uniform = Expected::Closed {
-                    reading: "left.angle".into(),
-                    value: flat + by + turn,
-                    within: TABLE * (2.0 + turn.abs()),
-                    each: f64::EPSILON * (1.0 + turn.abs()),
-                    why: "no load, constant inertia: it turns evenly; table and rounding".into(),
-                };
+                let uniform = Expected::closed(
+                    "left.angle",
+                    flat + by + turn,
+                    TABLE * (2.0 + turn.abs()),
+                    f64::EPSILON * (1.0 + turn.abs()),
+                    "no load, constant inertia: it turns evenly; table and rounding",
+                );
                 let case = Case::of(&FLAT).with("left.start_angle", flat + by).with("left.start_speed", speed);
                 let what = format!("parallelogram {by:e} rad from flat at {flat:.2} rad, {speed} rad/s");
                 scenes.push(scene(GROUP, what, case, (FLAT.span, FLAT.steps), uniform));

@@ -1,8 +1,7 @@
 //! Friction, drag, stops, bumpers and drives with losses together.
-use crate::stress::Scene;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling, get};
 use crate::stress::plan::{Cut, Force, Plan};
-use crate::stress::scene::Expected;
+use crate::stress::scene::{Expected, Scene};
 
 const GROUP: &str = "Everything at once";
 

@@ -2,9 +2,9 @@
 //!
 //! In: a sketch, places of its points. Out: the text of a definition with a guess from them. It must not know the
 //! engine.
-use super::{Coordinate, Frame, Miss, Sketch, Slide};
+use super::jet::{Jet, Vector};
+use super::sketch::{Body, Coordinate, Frame, Miss, Sketch, Slide, Stop};
 use crate::attack::random::Random;
-use crate::kinds::jet::{Jet, Vector};
 use serde_json::{Map, Value, json};
 
 impl Sketch {
@@ -19,16 +19,18 @@ impl Sketch {
     }
 
     /// The text of its definition. The guess is off by `rough`, differently for each number.
-    ///
-    /// # Errors
-    /// The closed form has no value at the start.
     pub fn definition(&self) -> Result<String, Miss> {
-        let places = (self.places)(Jet::variable(self.start[0]))?;
-        Ok(self.definition_at(&places))
+        Ok(self.definition_at(&(self.places)(Jet::variable(self.start[0]))?))
     }
 
-    /// The definition with a guess from these places.
+    /// The definition with a guess from these places, and the speed that follows from the rate at the start.
     pub fn definition_at(&self, places: &[Vector]) -> String {
+        let slope = self.value(self.coordinate, places, &self.poses(places)).slope();
+        self.definition_with(places, slope * self.start[1])
+    }
+
+    /// The definition with a guess from these places, and a speed of the coordinate.
+    pub fn definition_with(&self, places: &[Vector], speed: f64) -> String {
         let poses = self.poses(places);
         let mut random = Random::new(self.bodies.len() as u64);
         let mut near = |value: f64, scale: f64| {
@@ -51,33 +53,47 @@ impl Sketch {
             let last = body.points.last().map_or(body.origin, |(point, _)| *point);
             markers.insert(format!("{}_mark", body.name), json!({ "at": self.point_name((Some(k), last)) }));
         }
-        for joint in self.joints() {
+        for (k, joint) in self.joints().into_iter().enumerate() {
             let [first, second] = joint.ends.map(|end| self.point_name(end));
             let mut out = json!({ "type": "revolute", "first": first, "second": second });
+            // Without friction a radius does nothing, and is refused.
+            if let (None, Some(radius), Some(_)) = (joint.slide, self.loads.radii.get(k), self.loads.friction) {
+                out["pin_radius"] = json!(radius);
+            }
             if let Some(slide) = joint.slide {
                 let Slide { on, axis, block, .. } = self.slides[slide];
                 let turned = poses[block].angle - on.map_or(Jet::default(), |body| poses[body].angle);
                 (out["type"], out["axis_angle"], out["angle"]) =
                     (json!("prismatic"), json!(axis), json!(turned.value()));
                 if !self.follows(slide) {
-                    guess.insert(joint.name.clone(), near(self.position(slide, places, &poses).value(), self.size()));
+                    let position = self.value(Coordinate::Position(slide), places, &poses);
+                    guess.insert(joint.name.clone(), near(position.value(), self.size()));
                 }
             }
             joints.insert(joint.name, out);
         }
-        let value = self.value(places, &poses);
-        let (at, key) = (value.value(), value.slope() * self.start[1]);
-        let start = match self.coordinate {
-            Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": at, "speed": key }),
-            Coordinate::Position(slide) => json!({ "joint": self.slides[slide].name, "position": at, "speed": key }),
-        };
+        let mut start = self.named(self.coordinate, self.value(self.coordinate, places, &poses).value());
+        start["speed"] = json!(speed);
         let mut out = json!({
             "name": self.name, "bodies": bodies, "joints": joints, "guess": guess, "markers": markers, "start": start,
             "gravity": { "acceleration": self.loads.gravity[0], "up_angle": self.loads.gravity[1] },
             "solver": { "tolerance": self.tolerance },
         });
         self.add_loads(&mut out);
+        self.add_stops(&mut out);
         out.to_string()
+    }
+
+    /// A coordinate with a value.
+    fn named(&self, coordinate: Coordinate, value: f64) -> Value {
+        match coordinate {
+            Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": value }),
+            Coordinate::Position(slide) => json!({ "joint": self.slides[slide].name, "position": value }),
+            Coordinate::Distance(_, point) => {
+                let second = self.point_name((self.owner(point), point));
+                json!({ "first": "ground.post", "second": second, "length": value })
+            }
+        }
     }
 
     fn add_loads(&self, out: &mut Value) {
@@ -93,13 +109,39 @@ impl Sketch {
                 "free_length": spring.free,
             });
         }
-        for (name, value) in self.stops.iter().flat_map(|stops| ["lower", "upper"].into_iter().zip(stops.values)) {
-            let mut stop = match self.coordinate {
-                Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": value }),
-                Coordinate::Position(slide) => json!({ "joint": self.slides[slide].name, "position": value }),
-            };
-            (stop["limit"], stop["restitution"]) = (json!(name), json!(self.stops.map_or(0.0, |s| s.restitution)));
-            out["stops"][format!("{name}_stop")] = stop;
+        if let Some([static_coefficient, kinetic_coefficient, static_speed, kinetic_speed]) = self.loads.friction {
+            out["friction"] = json!({
+                "enabled": true, "static_coefficient": static_coefficient, "kinetic_coefficient": kinetic_coefficient,
+                "static_speed": static_speed, "kinetic_speed": kinetic_speed,
+            });
+        }
+        if let Some((on, efficiency)) = self.loads.drive {
+            // That of a slide, or the bearing of the first body.
+            let joint = if let Coordinate::Position(slide) = on { self.slides[slide].name.as_str() } else { "pin0" };
+            out["actuators"]["load"] = json!({ "joint": joint, "efficiency": efficiency });
+        }
+    }
+
+    fn add_stops(&self, out: &mut Value) {
+        for (k, Stop { on, sign, value, rigid, stiffness, damping }) in self.stops.iter().enumerate() {
+            let mut stop = self.named(*on, *value);
+            if let Coordinate::Distance(place, _) = on {
+                out["bodies"]["ground"]["points"]["post"] = json!(place);
+            }
+            stop["limit"] = json!(if *sign > 0.0 { "upper" } else { "lower" });
+            match rigid {
+                Some(restitution) => stop["restitution"] = json!(restitution),
+                None => {
+                    stop["rigid"] = json!(false);
+                    (stop["stiffness"], stop["damping"]) = (json!(stiffness), json!(damping));
+                }
+            }
+            out["stops"][format!("s{k}")] = stop;
+        }
+        if let Some(stop) = self.lock {
+            let Body { origin, frame, .. } = &self.bodies[0];
+            let at = if let Frame::To(end, _) = frame { end } else { origin };
+            out["locks"]["latch"] = json!({ "stop": format!("s{stop}"), "at": self.point_name((Some(0), *at)) });
         }
     }
 }

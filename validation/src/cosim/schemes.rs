@@ -1,0 +1,317 @@
+//! Coupling schemes: one communication step each, by the calls of the two sides alone.
+//!
+//! In: a pair, a communication step. Out: the pair at the end of the step. They must not know what the sides are.
+//! Sources: Benedikt et al. 2013 (correction by the mean error, NEPCE); Sicklinger et al. 2014 (interface Jacobian).
+use super::pair::{Motion, Pair, Point, Preview, Refused, hermite};
+
+/// How a signal goes on within a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extrapolation {
+    /// By the polynomial of this degree, at most 2, through the past values.
+    Past(usize),
+    /// By Taylor's series with the rates that the sides tell.
+    Rates,
+}
+
+/// What a scheme does in a communication step.
+#[derive(Clone, Copy, Debug)]
+pub enum Plan {
+    /// Both sides step at once, with extrapolated inputs; with `corrects` the inputs are held and have the mean over
+    /// the last step, by the trapezoidal rule, less what was given there: NEPCE.
+    #[expect(missing_docs, reason = "said above")]
+    Jacobi { extrapolation: Extrapolation, corrects: bool },
+    /// The mechanism first, with the force extrapolated so; then the actuator knows how that went.
+    GaussSeidel(Extrapolation),
+    /// The actuator first, with the speed extrapolated by its rates; the mechanism has the parabola through the force
+    /// and its rate at the start and the new force.
+    HydraulicsFirst,
+    /// Both sides repeat the step until the force at its end is the one that was assumed, a polynomial of this degree,
+    /// 1 or 2. The end value is the one found (waveform relaxation), or follows from Newton's method with stiffness,
+    /// damping and reduced mass, then the secant method (interface Jacobian). Needs saved states.
+    #[expect(missing_docs, reason = "said above")]
+    Iterated { degree: usize, newton: bool },
+    /// Preview: the actuator knows the mechanism as one element, foresees the motion of both over the next step, and
+    /// hands over a force of the right impulse, as a line or its mean. In two passes the mechanism steps first and the
+    /// actuator follows it; else the actuator keeps the motion foreseen. Without the slope dW/ds the actuator takes
+    /// differences of W in time.
+    #[expect(missing_docs, reason = "said above")]
+    Foreseen { linear: bool, two_passes: bool, with_slope: bool },
+    /// Preview in one pass in a host that passes every output on one step late, whatever feeds through: both sides
+    /// step, then all outputs are read, then all inputs are set. The force is foreseen from the motion foreseen before
+    /// and the element of the step before.
+    #[expect(missing_docs, reason = "said above")]
+    Late { linear: bool },
+}
+
+const fn jacobi(extrapolation: Extrapolation) -> Plan {
+    Plan::Jacobi { extrapolation, corrects: false }
+}
+
+const fn one_pass(linear: bool) -> Plan {
+    Plan::Foreseen { linear, two_passes: false, with_slope: true }
+}
+
+const fn two_passes(with_slope: bool) -> Plan {
+    Plan::Foreseen { linear: true, two_passes: true, with_slope }
+}
+
+/// Every scheme by its name on the page.
+pub const ALL: [(&str, Plan); 21] = [
+    ("Jacobi 0", jacobi(Extrapolation::Past(0))),
+    ("NEPCE on it", Plan::Jacobi { extrapolation: Extrapolation::Past(0), corrects: true }),
+    ("Jacobi 1", jacobi(Extrapolation::Past(1))),
+    ("Jacobi 2", jacobi(Extrapolation::Past(2))),
+    ("Jacobi rates", jacobi(Extrapolation::Rates)),
+    ("Gauss-Seidel 0", Plan::GaussSeidel(Extrapolation::Past(0))),
+    ("Gauss-Seidel 1", Plan::GaussSeidel(Extrapolation::Past(1))),
+    ("Gauss-Seidel rates", Plan::GaussSeidel(Extrapolation::Rates)),
+    ("hydraulics first, rates", Plan::HydraulicsFirst),
+    ("waveform, linear F", Plan::Iterated { degree: 1, newton: false }),
+    ("waveform, quadratic F", Plan::Iterated { degree: 2, newton: false }),
+    ("interface Jacobian, linear F", Plan::Iterated { degree: 1, newton: true }),
+    ("interface Jacobian, quadratic F", Plan::Iterated { degree: 2, newton: true }),
+    ("preview, one pass, held", one_pass(false)),
+    ("preview, one pass, linear", one_pass(true)),
+    ("preview, one pass, held, one step late", Plan::Late { linear: false }),
+    ("preview, one pass, linear, one step late", Plan::Late { linear: true }),
+    ("preview, delayed, held, one step late", Plan::Late { linear: false }),
+    ("preview, delayed, linear, one step late", Plan::Late { linear: true }),
+    ("preview, two passes, by difference", two_passes(false)),
+    ("preview, two passes, with dW/ds", two_passes(true)),
+];
+
+/// Past values of a signal at equal steps, the last one first.
+#[derive(Clone, Copy, Debug, Default)]
+struct History {
+    values: [f64; 3],
+    known: usize,
+}
+
+impl History {
+    fn push(&mut self, value: f64) {
+        self.values = [value, self.values[0], self.values[1]];
+        self.known = (self.known + 1).min(3);
+    }
+
+    /// Value and derivatives at the last value of the polynomial of this degree, or of as many values as are known.
+    fn series(&self, degree: usize, h: f64) -> [f64; 3] {
+        let [now, before, first] = self.values;
+        match degree.min(self.known - 1) {
+            0 => [now, 0.0, 0.0],
+            1 => [now, (now - before) / h, 0.0],
+            _ => [now, (1.5 * now - 2.0 * before + 0.5 * first) / h, ((now - before) - (before - first)) / (h * h)],
+        }
+    }
+}
+
+/// Rate of the force, and the difference of it from one step to the next over the step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rates(Option<f64>);
+
+impl Rates {
+    /// The force and its first and second derivative at a point.
+    fn force(&mut self, pair: &mut Pair, point: &Point, h: f64) -> Result<[f64; 3], Refused> {
+        let rate = pair.actuator.force_rate(point.motion.acceleration)?;
+        let second = self.0.map_or(0.0, |before| (rate - before) / h);
+        self.0 = Some(rate);
+        Ok([point.force, rate, second])
+    }
+
+    /// The speed with acceleration and jerk under the force with this rate.
+    fn speed(pair: &mut Pair, point: &Point, rate: f64) -> Result<[f64; 5], Refused> {
+        let [jerk, mobility] = pair.mechanism.jerk()?;
+        Ok([point.motion.speed, point.motion.acceleration, jerk + rate * mobility, 0.0, 0.0])
+    }
+}
+
+/// Difference of the assumed force from the one found that ends the iteration [N].
+const AGREED: f64 = 1e-3;
+/// Most repetitions of a step.
+const MOST: usize = 30;
+
+/// A scheme with its memory of the past.
+#[derive(Clone, Debug)]
+pub struct Scheme {
+    plan: Plan,
+    force: History,
+    speed: History,
+    rates: Rates,
+    /// Inputs of the last step, force and speed, where the next step corrects them.
+    given: Option<[f64; 2]>,
+    /// What the actuator has told since its last step.
+    told: Option<Preview>,
+}
+
+impl Scheme {
+    /// From the communication point `t` to `t + h` [s], both sides having the state at `t`.
+    ///
+    /// # Errors
+    /// A side refuses a call; an iteration does not converge.
+    pub fn step(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        match self.plan {
+            Plan::Jacobi { extrapolation, corrects } => self.jacobi(extrapolation, corrects, pair, t, h),
+            Plan::GaussSeidel(extrapolation) => self.gauss_seidel(extrapolation, pair, t, h),
+            Plan::HydraulicsFirst => self.hydraulics_first(pair, t, h),
+            Plan::Iterated { degree, newton } => self.iterated(degree, newton, pair, t, h),
+            Plan::Foreseen { linear, two_passes, with_slope } => foreseen(linear, two_passes, with_slope, pair, t, h),
+            Plan::Late { linear } => self.late(linear, pair, t, h),
+        }
+    }
+
+    fn jacobi(
+        &mut self,
+        extrapolation: Extrapolation,
+        corrects: bool,
+        pair: &mut Pair,
+        t: f64,
+        h: f64,
+    ) -> Result<(), Refused> {
+        let point = pair.exchange()?;
+        let Point { motion, force } = point;
+        let before = (self.force.known > 0).then_some([self.force.values[0], self.speed.values[0]]);
+        self.force.push(force);
+        self.speed.push(motion.speed);
+        let (force, speed) = match extrapolation {
+            Extrapolation::Past(degree) => {
+                let [v, a, j] = self.speed.series(degree, h);
+                (self.force.series(degree, h), [v, a, j, 0.0, 0.0])
+            }
+            Extrapolation::Rates => {
+                let force = self.rates.force(pair, &point, h)?;
+                (force, Rates::speed(pair, &point, force[1])?)
+            }
+        };
+        let (mut force, mut speed) = (force, speed);
+        if corrects {
+            let now = [force[0], speed[0]];
+            let given = match before.zip(self.given) {
+                Some((before, given)) => [0, 1].map(|k: usize| now[k] + 0.5 * (now[k] + before[k]) - given[k]),
+                None => now,
+            };
+            (force[0], speed[0], self.given) = (given[0], given[1], Some(given));
+        }
+        pair.mechanism.set_force(force)?;
+        pair.actuator.set_motion(motion.length, speed)?;
+        pair.step_mechanism(t, h)?;
+        pair.step_actuator(t, h)
+    }
+
+    fn gauss_seidel(&mut self, extrapolation: Extrapolation, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        let point = pair.exchange()?;
+        self.force.push(point.force);
+        let force = match extrapolation {
+            Extrapolation::Past(degree) => self.force.series(degree, h),
+            Extrapolation::Rates => self.rates.force(pair, &point, h)?,
+        };
+        pair.mechanism.set_force(force)?;
+        pair.step_mechanism(t, h)?;
+        let end = pair.mechanism.motion()?;
+        pair.actuator.set_motion(point.motion.length, hermite(point.motion, end, h))?;
+        pair.step_actuator(t, h)
+    }
+
+    fn hydraulics_first(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        let point = pair.exchange()?;
+        let [force, rate, _] = self.rates.force(pair, &point, h)?;
+        let speed = Rates::speed(pair, &point, rate)?;
+        pair.actuator.set_motion(point.motion.length, speed)?;
+        pair.step_actuator(t, h)?;
+        let end = pair.actuator.force()?;
+        pair.mechanism.set_force(parabola(force, rate, end, h))?;
+        pair.step_mechanism(t, h)
+    }
+
+    fn iterated(&mut self, degree: usize, newton: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        let point = pair.exchange()?;
+        let [force, rate, _] = self.rates.force(pair, &point, h)?;
+        // d(found force)/d(assumed force) = -kappa: the mechanism goes by h^2/6m or h^2/12m further, by h/2m or h/3m
+        // faster for each newton at the end of the line or of the parabola.
+        let [stiffness, damping] = pair.actuator.compliance()?;
+        let mass = pair.mechanism.element()?.mass;
+        let [way, gain] = if degree == 1 { [6.0, 2.0] } else { [12.0, 3.0] };
+        let kappa = stiffness * h * h / (way * mass) + damping * h / (gain * mass);
+        let mut slope = -(1.0 + kappa);
+        pair.mechanism.save()?;
+        pair.actuator.save()?;
+        let mut end = force + rate * h;
+        let mut last: Option<[f64; 2]> = None;
+        for _ in 0..MOST {
+            let line = [force, (end - force) / h, 0.0];
+            pair.mechanism.set_force(if degree == 1 { line } else { parabola(force, rate, end, h) })?;
+            pair.step_mechanism(t, h)?;
+            let motion = pair.mechanism.motion()?;
+            pair.actuator.set_motion(point.motion.length, hermite(point.motion, motion, h))?;
+            pair.step_actuator(t, h)?;
+            pair.actuator.set_motion(motion.length, [motion.speed, 0.0, 0.0, 0.0, 0.0])?;
+            let residual = pair.actuator.force()? - end;
+            if residual.abs() < AGREED {
+                return Ok(());
+            }
+            if let Some([before, of_before]) = last
+                && end != before
+            {
+                slope = (residual - of_before) / (end - before);
+            }
+            last = Some([end, residual]);
+            end += if newton { -residual / slope } else { residual };
+            pair.mechanism.restore()?;
+            pair.actuator.restore()?;
+        }
+        Err(format!("the force at {t} s + {h} s does not converge in {MOST} repetitions"))
+    }
+
+    fn late(&mut self, linear: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+        let Motion { length, speed, .. } = pair.mechanism.motion()?;
+        let now = pair.mechanism.element()?;
+        // At the start no host knows anything but the start values: both sides tell them before the first step.
+        pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
+        let present = pair.actuator.preview(now, h, true)?;
+        let foreseen = self.told.unwrap_or(present);
+        let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+        pair.mechanism.set_force([force, rate, 0.0])?;
+        pair.step_mechanism(t, h)?;
+        pair.step_actuator(t, h)?;
+        // The inputs of the actuator are still those of the step: its own motion, and the element at the beginning.
+        self.told = Some(pair.actuator.preview(now, h, true)?);
+        Ok(())
+    }
+}
+
+fn foreseen(linear: bool, two_passes: bool, with_slope: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+    let Motion { length, speed, .. } = pair.mechanism.motion()?;
+    let mut element = pair.mechanism.element()?;
+    if !with_slope {
+        element.holding_derivative = 0.0;
+    }
+    pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
+    let foreseen = pair.actuator.preview(element, h, !two_passes)?;
+    let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+    pair.mechanism.set_force([force, rate, 0.0])?;
+    pair.step_mechanism(t, h)?;
+    if two_passes {
+        let end = pair.mechanism.motion()?;
+        let [from, to] = foreseen.accelerations;
+        let from = Motion { length, speed, acceleration: from };
+        let to = Motion { acceleration: to, ..end };
+        pair.actuator.set_motion(length, hermite(from, to, h))?;
+    }
+    pair.step_actuator(t, h)
+}
+
+/// Value and derivatives at the start of the parabola with this value and rate there and this value after `h`.
+fn parabola(value: f64, rate: f64, end: f64, h: f64) -> [f64; 3] {
+    [value, rate, 2.0 * (end - value - rate * h) / (h * h)]
+}
+
+/// Value of `coupling.mode` of the actuator that a scheme needs.
+pub fn mode(name: &str) -> &'static str {
+    let words = [("preview, one pass", "preview"), ("preview, delayed", "delayed")];
+    words.into_iter().find(|(start, _)| name.starts_with(start)).map_or("follow", |(_, mode)| mode)
+}
+
+/// A scheme by its name in [`ALL`].
+pub fn by_name(name: &str) -> Option<Scheme> {
+    let (_, plan) = *ALL.iter().find(|(own, _)| *own == name)?;
+    let (force, speed, rates) = Default::default();
+    Some(Scheme { plan, force, speed, rates, given: None, told: None })
+}
