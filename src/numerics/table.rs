@@ -6,6 +6,7 @@ pub use super::chebyshev::polynomial;
 
 use super::chebyshev::{NODES, Series, Transform, monomials, polynomial_and_slope, slopes_of, tail};
 use super::dual::Number;
+use super::order;
 use std::fmt;
 use std::ops::Range;
 
@@ -54,7 +55,7 @@ impl Grid {
             last = &table.borders;
         }
         if borders.len() > self.borders.len() {
-            borders.sort_by(f64::total_cmp);
+            order::sort(&mut borders);
         }
         borders.dedup();
         Self { borders, centers: self.centers.clone(), noise: self.noise }

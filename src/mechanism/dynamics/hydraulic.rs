@@ -11,6 +11,7 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
 use crate::mechanism::loads::resolved::HydraulicDrive;
+use crate::numerics::order;
 use crate::numerics::table::Table;
 
 /// Components of the state of a motion: sigma, sigma_dot, energy lost.
@@ -77,7 +78,7 @@ impl<'a> Ports<'a> {
                 count += 1;
             }
         });
-        kinks.sort_unstable_by(f64::total_cmp);
+        order::sort(&mut kinks);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
         Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
