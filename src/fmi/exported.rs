@@ -5,9 +5,9 @@
 //! function whose arguments or meaning differ between versions.
 
 /// Exported functions that take an instance: name, further arguments, phases in which the call is legal, and the work
-/// on the instance `i`, with `often` before it where hosts call the function in each step. The work is done in an unsafe
-/// block: a comment states what it relies on beyond a valid instance. The types `Component` and `Status` are those of the
-/// version in scope.
+/// on the instance `i`, with `often` before it where hosts call the function in each step. The work is done in an
+/// unsafe block: a comment states what it relies on beyond a valid instance. The types `Component` and `Status` are
+/// those of the version in scope.
 macro_rules! exported {
     (@call $c:ident, $work:expr, often) => { handle::call($c, &FUNCTION, $work) };
     (@call $c:ident, $work:expr,) => { handle::call_seldom($c, &FUNCTION, &mut $work) };
@@ -56,7 +56,8 @@ macro_rules! exported_exchange {
             };
 
             /// The time at which values are asked for [s].
-            fn $time(time: f64) in $crate::fmi::phase::EVENT | $crate::fmi::phase::CONTINUOUS => often |i| i.set_time(time);
+            fn $time(time: f64) in $crate::fmi::phase::EVENT | $crate::fmi::phase::CONTINUOUS => often |i|
+                i.set_time(time);
 
             /// Take the states that the solver tries. Discarded where the mechanism has no such position: a shorter
             /// step avoids it; nothing has changed.

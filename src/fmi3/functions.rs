@@ -168,7 +168,8 @@ exported! {
 
     /// Set Float64 inputs and parameters, all or none.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize) in SETTABLE => often |i| {
+    fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize)
+    in SETTABLE => often |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
         if i.are_scalars(vr, values) {
             return i.set_real(vr, value);

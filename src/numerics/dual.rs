@@ -170,8 +170,8 @@ impl<const N: usize> Number for Dual<N> {
     }
 }
 
-/// A value with its derivative along sigma, both with derivatives along a direction of state and inputs. Such numbers are
-/// seldom asked for: their operations are calls, in a third of the code.
+/// A value with its derivative along sigma, both with derivatives along a direction of state and inputs. Such numbers
+/// are seldom asked for: their operations are calls, not copies of their code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nested {
     /// Value.

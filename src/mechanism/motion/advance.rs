@@ -109,8 +109,8 @@ enum Instant {
     Moves,
 }
 
-// What each step does, with the modules below, is inlined into `run`, so that the fields of the advance stay in registers;
-// what happens at an event is not, as it stands at several places.
+// What each step does, with the modules below, is inlined into `run`, so that the fields of the advance stay in
+// registers; what happens at an event is not, as it stands at several places.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in
     /// impacts [J].
