@@ -99,6 +99,7 @@ impl<const N: usize> Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: std::array::from_fn(|i| self.slope[i] + other.slope[i]) }
     }
@@ -106,6 +107,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -115,6 +117,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     // The product rule has a sum.
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let slope = std::array::from_fn(|i| self.value * other.slope[i] + self.slope[i] * other.value);
         Self { value: self.value * other.value, slope }
@@ -123,6 +126,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         self.chain(self.value * factor, factor)
     }
@@ -132,6 +136,7 @@ impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     // The quotient rule has a difference.
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         Self { value, slope: std::array::from_fn(|i| (self.slope[i] - value * other.slope[i]) / other.value) }
@@ -140,6 +145,7 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: self.slope.map(|s| -s) }
     }
@@ -182,6 +188,7 @@ pub struct Nested {
 
 impl Add for Nested {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: self.slope + other.slope }
     }
@@ -189,6 +196,7 @@ impl Add for Nested {
 
 impl Sub for Nested {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self { value: self.value - other.value, slope: self.slope - other.slope }
     }
@@ -204,6 +212,7 @@ impl Mul for Nested {
 
 impl Mul<f64> for Nested {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         Self { value: self.value * factor, slope: self.slope * factor }
     }
@@ -220,6 +229,7 @@ impl Div for Nested {
 
 impl Neg for Nested {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: -self.slope }
     }

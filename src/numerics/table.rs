@@ -241,6 +241,7 @@ impl Table {
     }
 
     /// Whether a panel is a gap: some component is not resolved there.
+    #[inline]
     pub fn is_gap(&self, panel: usize) -> bool {
         self.gaps.binary_search(&panel).is_ok()
     }
@@ -251,11 +252,13 @@ impl Table {
     }
 
     /// First and last sigma of a panel.
+    #[inline]
     pub fn borders(&self, panel: usize) -> (f64, f64) {
         (self.borders[panel], self.borders[panel + 1])
     }
 
     /// The panel at sigma; the first or the last one outside.
+    #[inline]
     pub fn panel(&self, sigma: f64) -> usize {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
@@ -276,6 +279,7 @@ impl Table {
     }
 
     /// Position of sigma.
+    #[inline]
     pub fn position(&self, sigma: f64) -> TablePosition {
         self.position_in(sigma, self.panel(sigma))
     }
@@ -286,17 +290,20 @@ impl Table {
         self.position_in(sigma, self.panel_near(sigma, panel))
     }
 
+    #[inline]
     fn position_in(&self, sigma: f64, panel: usize) -> TablePosition {
         let (a, b) = self.borders(panel);
         TablePosition { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
     }
 
     /// Monomial coefficients of one component on one panel.
+    #[inline]
     pub fn series(&self, panel: usize, component: usize) -> &Series {
         &self.coefficients[panel * self.components + component]
     }
 
     /// Value of a component at a position.
+    #[inline]
     pub fn value(&self, at: TablePosition, component: usize) -> f64 {
         polynomial(self.series(at.panel, component), at.x)
     }

@@ -429,6 +429,7 @@ where
         self.scratch.evaluator.regimes[joint]
     }
 
+    #[inline]
     fn slip_range(&self, joint: usize) -> (f64, f64) {
         let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
         self.deciding::<N>().map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))

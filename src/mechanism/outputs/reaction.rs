@@ -89,6 +89,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// What causes reactions in this state.
+    #[inline]
     fn causes(&self) -> Causes<'a> {
         Causes { reduced: self.reduced, sigma: self.state.sigma, state_loads: self.state_loads() }
     }
@@ -101,7 +102,8 @@ impl<'a, N: Reading> View<'a, N> {
         let (forces, sigma_dot) = (self.forces()?, self.sigma_dot());
         let mut given = std::mem::take(&mut self.cache.shares.given);
         given.clear();
-        given.extend([forces.acceleration, sigma_dot * sigma_dot]);
+        given.push(forces.acceleration);
+        given.push(sigma_dot * sigma_dot);
         given.extend(self.causes().decided().iter().map(|&load| self.delivered(load)));
         let loading = self.reduced.loading();
         for spring in 0..loading.springs.len() {
