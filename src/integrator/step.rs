@@ -115,8 +115,8 @@ impl<const N: usize> Step<N> {
             Stages::Rk4(stages) => stages.dense(system, t, h, ends),
             Stages::Dopri5(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
             Stages::Dop853(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
-            Stages::Rkn86(stages) if S::SECOND_ORDER => stages.dense(system, t, h, ends),
-            Stages::Radau(stages) if S::CAN_BE_STIFF => stages.dense(system, t, h, ends),
+            Stages::Rkn86(stages) if N == 2 => stages.dense(system, t, h, ends),
+            Stages::Radau(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
             _ => unreachable!("{FOREIGN}"),
         }
     }

@@ -141,8 +141,8 @@ impl<const N: usize> Integrator<N> {
             Stages::Rk4(_) => self.repeat::<Rk4<N>, S>(system, step, h),
             Stages::Dopri5(_) if !S::SECOND_ORDER => self.repeat::<Dopri5<N>, S>(system, step, h),
             Stages::Dop853(_) if !S::SECOND_ORDER => self.repeat::<Dop853<N>, S>(system, step, h),
-            Stages::Rkn86(_) if S::SECOND_ORDER => self.repeat::<Rkn86, S>(system, step, h),
-            Stages::Radau(stages) if S::CAN_BE_STIFF => {
+            Stages::Rkn86(_) if N == 2 => self.repeat::<Rkn86, S>(system, step, h),
+            Stages::Radau(stages) if !S::SECOND_ORDER => {
                 let (start, whole) = (step.begin(), stages.collocation(step.h, [&step.start, &step.end]));
                 let outcome = stages.shorten(system, &start, &whole, h, &mut self.statistics);
                 self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
