@@ -107,8 +107,8 @@ fn factor<T: Scalar>(a: &mut [T], pivots: &mut [usize], leading: usize) -> bool 
 #[inline(always)]
 fn solve<T: Scalar>(lu: &[T], pivots: &[usize], leading: usize, b: &mut [T]) {
     let n = pivots.len();
-    for k in 0..leading {
-        b.swap(k, pivots[k]);
+    for (k, pivot) in pivots.iter().enumerate().take(leading) {
+        b.swap(k, *pivot);
     }
     for k in 0..leading {
         for i in k + 1..n {
