@@ -60,8 +60,15 @@ impl Finding {
     }
 
     /// A warning about the value at this path.
-    pub fn warning(path: impl fmt::Display, message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let (path, message, remedy) = (path.to_string(), on_one_line(&message.into()), on_one_line(&remedy.into()));
+    pub fn warning(path: impl fmt::Display, message: impl AsRef<str>, remedy: impl AsRef<str>) -> Self {
+        Self::of_warning(&path, message.as_ref(), remedy.as_ref())
+    }
+
+    // One copy of the code for all types of texts.
+    #[cold]
+    #[inline(never)]
+    fn of_warning(path: &dyn fmt::Display, message: &str, remedy: &str) -> Self {
+        let (path, message, remedy) = (path.to_string(), on_one_line(message), on_one_line(remedy));
         Self { severity: Severity::Warning, path, message, remedy, bytes: None }
     }
 }

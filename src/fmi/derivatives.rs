@@ -14,6 +14,7 @@ use std::mem::MaybeUninit;
 impl Instance {
     /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives
     /// the component tells why.
+    #[inline]
     fn must_exist<'a>(&self, mut references: impl Iterator<Item = &'a Reference>) -> Result<(), Refusal> {
         let interface = self.component.interface();
         let missing = references.find(|&&reference| interface.get(reference).is_none());

@@ -5,10 +5,16 @@
 //! function whose arguments or meaning differ between versions.
 
 /// Exported functions that take an instance: name, further arguments, phases in which the call is legal, and the work
-/// on the instance `i`. The work is done in an unsafe block: a comment states what it relies on beyond a valid
-/// instance. The types `Component` and `Status` are those of the version in scope.
+/// on the instance `i`, with `often` before it where hosts call the function in each step. The work is done in an
+/// unsafe block: a comment states what it relies on beyond a valid instance. The types `Component` and `Status` are
+/// those of the version in scope.
 macro_rules! exported {
-    ($($(#[$doc:meta])* fn $name:ident($($argument:ident: $type:ty),*) in $legal:expr => |$i:ident| $work:expr;)*) => {
+    (@call $c:ident, $work:expr, often) => { handle::call($c, &FUNCTION, $work) };
+    (@call $c:ident, $work:expr,) => { handle::call_seldom($c, &FUNCTION, &mut $work) };
+    ($(
+        $(#[$doc:meta])*
+        fn $name:ident($($argument:ident: $type:ty),*) in $legal:expr => $($often:ident)? |$i:ident| $work:expr;
+    )*) => {
         $(
             $(#[$doc])*
             #[unsafe(no_mangle)]
@@ -17,7 +23,7 @@ macro_rules! exported {
                 const FUNCTION: Function = Function::new(stringify!($name), $legal);
                 // SAFETY: the instance is valid (FMI 2.0.5, 2.1.5; FMI 3.0.2, 2.2.1); for the other arguments see the
                 // function.
-                unsafe { handle::call(c, &FUNCTION, |$i| $work) }.into()
+                unsafe { $crate::fmi::exported!(@call c, |$i| $work, $($often)?) }.into()
             }
         )*
         /// The functions, for the tests of the phases.
@@ -41,7 +47,7 @@ macro_rules! exported_exchange {
             // SAFETY: both pointers lead to memory for one value (3.2.2).
             fn $completed(
                 _no_set_state_prior: Boolean, enter_event_mode: *mut Boolean, terminate: *mut Boolean
-            ) in $crate::fmi::phase::CONTINUOUS => |i| {
+            ) in $crate::fmi::phase::CONTINUOUS => often |i| {
                 let enter = output("enterEventMode", enter_event_mode, 1)?;
                 let terminate = output("terminateSimulation", terminate, 1)?;
                 enter[0].write(i.completed_integrator_step()?.into());
@@ -50,27 +56,28 @@ macro_rules! exported_exchange {
             };
 
             /// The time at which values are asked for [s].
-            fn $time(time: f64) in $crate::fmi::phase::EVENT | $crate::fmi::phase::CONTINUOUS => |i| i.set_time(time);
+            fn $time(time: f64) in $crate::fmi::phase::EVENT | $crate::fmi::phase::CONTINUOUS => often |i|
+                i.set_time(time);
 
             /// Take the states that the solver tries. Discarded where the mechanism has no such position: a shorter
             /// step avoids it; nothing has changed.
             // SAFETY: the array has `count` elements (3.2.1).
-            fn $set(states: *const f64, count: usize) in $crate::fmi::phase::CONTINUOUS => |i|
+            fn $set(states: *const f64, count: usize) in $crate::fmi::phase::CONTINUOUS => often |i|
                 i.set_continuous_states(input("continuousStates", states, count)?);
 
             /// Time derivatives of the states. Discarded where there are none.
             // SAFETY: the array has `count` elements (3.2.2).
-            fn $derivatives(derivatives: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => |i|
+            fn $derivatives(derivatives: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => often |i|
                 i.derivatives(output("derivatives", derivatives, count)?);
 
             /// Event indicators. Discarded where one has no value.
             // SAFETY: the array has `count` elements (3.2.2).
-            fn $indicators(indicators: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => |i|
+            fn $indicators(indicators: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => often |i|
                 i.event_indicators(output("eventIndicators", indicators, count)?);
 
             /// The continuous states.
             // SAFETY: the array has `count` elements (3.2.2).
-            fn $states(states: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => |i|
+            fn $states(states: *mut f64, count: usize) in $crate::fmi::phase::SOLVABLE => often |i|
                 i.continuous_states(output("continuousStates", states, count)?);
 
             /// Scales of the continuous states.

@@ -90,6 +90,20 @@ pub unsafe fn call(
     verdict
 }
 
+/// [`call`] of a function that is called seldom: its work is not compiled into the call.
+///
+/// # Safety
+/// As for [`call`].
+#[inline(never)]
+pub unsafe fn call_seldom(
+    pointer: *mut c_void,
+    function: &Function,
+    work: &mut dyn FnMut(&mut Instance) -> Result<(), Refusal>,
+) -> Verdict {
+    // SAFETY: the caller's promise.
+    unsafe { call(pointer, function, work) }
+}
+
 /// Call the host back between two calls of one step, so that it can read the instance.
 ///
 /// # Safety

@@ -210,6 +210,7 @@ impl Instance {
     }
 
     /// What the component warns of after a step, if anything.
+    #[inline]
     pub fn warning(&mut self) -> Result<(), Refusal> {
         self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))
     }

@@ -129,7 +129,7 @@ exported! {
     /// Read Reals. An output that does not exist in this state is NaN, all others are told, and the answer is
     /// `fmi2Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have `count` elements (2.1.7).
-    fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => |i|
+    fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => often |i|
         i.get_real(input("vr", vr, count)?, output("value", value, count)?);
 
     /// Read Enumerations, each as the number of its item; there are no Integers. On an error the array may be filled in
@@ -152,7 +152,7 @@ exported! {
 
     /// Set Real inputs and parameters, all or none.
     // SAFETY: both arrays have `count` elements (2.1.7).
-    fn fmi2SetReal(vr: *const ValueReference, count: usize, value: *const Real) in SETTABLE => |i|
+    fn fmi2SetReal(vr: *const ValueReference, count: usize, value: *const Real) in SETTABLE => often |i|
         i.set_real(input("vr", vr, count)?, input("value", value, count)?);
 
     /// Set Enumerations by the numbers of their items, all or none.
@@ -234,7 +234,7 @@ exported! {
     // SAFETY: all arrays have `count` elements (4.2.1).
     fn fmi2SetRealInputDerivatives(
         vr: *const ValueReference, count: usize, order: *const Integer, value: *const Real
-    ) in SETTABLE => |i| {
+    ) in SETTABLE => often |i| {
         let (vr, order) = (input("vr", vr, count)?, input("order", order, count)?);
         i.set_input_derivatives(vr, order, input("value", value, count)?)
     };
@@ -262,7 +262,7 @@ exported! {
     /// `fmi2Discard`: the step met `solver.max_steps` after a part of it (4.2.2). The state is that at the time of
     /// `fmi2LastSuccessfulTime`, where values can be read; to go on, a state saved before is restored or the instance
     /// reset.
-    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => |i| i.do_step(point, h, &mut 0);
+    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => often |i| i.do_step(point, h, &mut 0);
 
     /// Always an error: no step is asynchronous, so that there is none to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|

@@ -130,7 +130,7 @@ exported! {
     /// state is NaN, all others are told, and the answer is `fmi3Warning`. On an error the array may be filled in part.
     // SAFETY: both arrays have as many elements as said (2.2.6).
     fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64,
-        values: usize) in ALIVE | INTERMEDIATE => |i| {
+        values: usize) in ALIVE | INTERMEDIATE => often |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
         if i.are_scalars(vr, values) {
             return i.get_real(vr, value);
@@ -168,7 +168,8 @@ exported! {
 
     /// Set Float64 inputs and parameters, all or none.
     // SAFETY: both arrays have as many elements as said (2.2.6).
-    fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize) in SETTABLE => |i| {
+    fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize)
+    in SETTABLE => often |i| {
         let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
         if i.are_scalars(vr, values) {
             return i.set_real(vr, value);

@@ -72,17 +72,30 @@ impl DefinitionError {
 
     /// A key that excludes another, or any other fault in words.
     pub fn key(key: impl Display, message: impl Display) -> Self {
+        Self::other(&key, &message)
+    }
+
+    // One copy of the code for all types of texts, here and below.
+    #[cold]
+    #[inline(never)]
+    fn other(key: &dyn Display, message: &dyn Display) -> Self {
         Self::new(key.to_string(), Fault::Other(message.to_string()))
     }
 
     /// A number or text out of its range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
-        Self::new(key.to_string(), Fault::Value(value.to_string(), format!("must be {allowed}")))
+        Self::refused(&key, &value, &format_args!("must be {allowed}"))
     }
 
     /// A name that no element has.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
-        Self::new(key.to_string(), Fault::Value(format!("\"{name}\""), format!("no element has this name; {allowed}")))
+        Self::refused(&key, &format_args!("\"{name}\""), &format_args!("no element has this name; {allowed}"))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refused(key: &dyn Display, value: &dyn Display, allowed: &dyn Display) -> Self {
+        Self::new(key.to_string(), Fault::Value(value.to_string(), allowed.to_string()))
     }
 
     /// The fault with its place.
@@ -220,7 +233,13 @@ impl Faults {
 
     /// The value that was checked; None if it is at fault, which is kept.
     pub fn keep<T>(&mut self, checked: Result<T, DefinitionError>) -> Option<T> {
-        checked.map_err(|fault| self.0.push(fault)).ok()
+        checked.map_err(|fault| self.add(fault)).ok()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn add(&mut self, fault: DefinitionError) {
+        self.0.push(fault);
     }
 
     /// These faults, and those of another reading of the same text that are not among them.

@@ -114,10 +114,13 @@ impl Range {
     /// # Errors
     /// The value is out of the range.
     pub fn check_in(self, unit: Unit, key: impl fmt::Display, value: f64) -> Result<(), DefinitionError> {
-        match self.contains(value) {
-            true => Ok(()),
-            false => Err(DefinitionError::new(key.to_string(), Fault::Range(value, unit, self))),
-        }
+        if self.contains(value) { Ok(()) } else { Err(self.refused(unit, &key, value)) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refused(self, unit: Unit, key: &dyn fmt::Display, value: f64) -> DefinitionError {
+        DefinitionError::new(key.to_string(), Fault::Range(value, unit, self))
     }
 
     /// The range in words.

@@ -254,8 +254,9 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
         quantities.push(Quantity::Input(index));
     }
     for &(name, words, unit, output, inputs) in OUTPUTS {
-        let mut dependencies: Vec<Reference> = inputs.iter().map(|input| *input as Reference).collect();
-        dependencies.sort_unstable();
+        let mut inputs: Vec<usize> = inputs.iter().map(|input| *input as usize).collect();
+        inputs.sort_unstable();
+        let dependencies = inputs.into_iter().map(|input| input as Reference).collect();
         list.push(Variable {
             name: name.to_owned(),
             description: words.to_owned(),

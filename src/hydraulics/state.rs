@@ -69,6 +69,7 @@ pub struct Setting<'a> {
 }
 
 impl Setting<'_> {
+    #[inline]
     fn surroundings(&self, time: f64) -> Surroundings {
         Surroundings {
             supply: self.inputs.polynomial(Input::Supply),
@@ -78,6 +79,7 @@ impl Setting<'_> {
     }
 
     /// The command from the time [s] since the start on.
+    #[inline]
     pub fn command(&self, time: f64) -> CommandSignal {
         CommandSignal::new(self.inputs.polynomial(Input::Command), &self.circuit.command, time)
     }

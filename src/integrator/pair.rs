@@ -104,6 +104,7 @@ pub fn stage<S: System<N>, const N: usize>(y: &[f64; N], increment: impl Fn(usiz
 }
 
 /// y + increment + carry, and the part of that sum lost to rounding: Knuth's two-sum.
+#[inline]
 pub fn add_compensated<const N: usize>(y: &[f64; N], increment: &[f64; N], carry: &[f64; N]) -> ([f64; N], [f64; N]) {
     let (mut end, mut lost) = ([0.0; N], [0.0; N]);
     for n in 0..N {

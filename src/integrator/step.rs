@@ -44,6 +44,9 @@ macro_rules! on_stages {
     };
 }
 
+/// Why a system has no stages but those of the methods that it is given to: nothing is compiled for the others.
+pub(super) const FOREIGN: &str = "a step by a method that suits its system";
+
 macro_rules! into_stages {
     ($($method:ident: $stages:ty),*) => {
         $(impl<const N: usize> From<$stages> for Stages<N> {
@@ -107,6 +110,14 @@ impl<const N: usize> Step<N> {
     /// Interpolant over this step: of order 7 after DOP853, for three evaluations, and after RKN8(6), for four; of
     /// order 4 after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
-        on_stages!(self, stages => stages.dense(system, self.t, self.h, [&self.start, &self.end]))
+        let (t, h, ends) = (self.t, self.h, [&self.start, &self.end]);
+        match &self.stages {
+            Stages::Rk4(stages) => stages.dense(system, t, h, ends),
+            Stages::Dopri5(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
+            Stages::Dop853(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
+            Stages::Rkn86(stages) if N == 2 => stages.dense(system, t, h, ends),
+            Stages::Radau(stages) if !S::SECOND_ORDER => stages.dense(system, t, h, ends),
+            _ => unreachable!("{FOREIGN}"),
+        }
     }
 }

@@ -21,6 +21,7 @@ pub fn bisect(mut is_beyond: impl FnMut(f64) -> bool, mut a: f64, mut b: f64) ->
 ///
 /// Method: false position after Anderson and Bjoerck (BIT 13 (1973), 253). Trial points keep half of `close` off either
 /// end, so that the other side of the root is met too; the bracket is halved where false position is slow.
+#[inline]
 pub fn false_position(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut f_a): (f64, f64),

@@ -20,6 +20,7 @@ impl Row {
     pub const ZERO: Self = Self([[0.0; ROW]; NODES]);
 
     /// Coefficients of these functions.
+    #[inline]
     pub fn of(functions: [&Series; ROW]) -> Self {
         Self(std::array::from_fn(|power| functions.map(|series| series[power])))
     }

@@ -123,6 +123,7 @@ pub fn polynomial_and_slope(c: &Series, x: f64) -> [f64; 2] {
 }
 
 /// Monomial coefficients of the derivative.
+#[inline]
 pub fn slopes_of(c: &Series) -> Series {
     let mut slopes = [0.0; NODES];
     for k in 1..NODES {

@@ -99,6 +99,7 @@ impl<const N: usize> Dual<N> {
 
 impl<const N: usize> Add for Dual<N> {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: std::array::from_fn(|i| self.slope[i] + other.slope[i]) }
     }
@@ -106,6 +107,7 @@ impl<const N: usize> Add for Dual<N> {
 
 impl<const N: usize> Sub for Dual<N> {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -115,6 +117,7 @@ impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
     // The product rule has a sum.
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let slope = std::array::from_fn(|i| self.value * other.slope[i] + self.slope[i] * other.value);
         Self { value: self.value * other.value, slope }
@@ -123,6 +126,7 @@ impl<const N: usize> Mul for Dual<N> {
 
 impl<const N: usize> Mul<f64> for Dual<N> {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         self.chain(self.value * factor, factor)
     }
@@ -132,6 +136,7 @@ impl<const N: usize> Div for Dual<N> {
     type Output = Self;
     // The quotient rule has a difference.
     #[allow(clippy::suspicious_arithmetic_impl)]
+    #[inline]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         Self { value, slope: std::array::from_fn(|i| (self.slope[i] - value * other.slope[i]) / other.value) }
@@ -140,6 +145,7 @@ impl<const N: usize> Div for Dual<N> {
 
 impl<const N: usize> Neg for Dual<N> {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: self.slope.map(|s| -s) }
     }
@@ -170,7 +176,8 @@ impl<const N: usize> Number for Dual<N> {
     }
 }
 
-/// A value with its derivative along sigma, both with derivatives along a direction of state and inputs.
+/// A value with its derivative along sigma, both with derivatives along a direction of state and inputs. Such numbers
+/// are seldom asked for: their operations are calls, not copies of their code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nested {
     /// Value.
@@ -181,6 +188,7 @@ pub struct Nested {
 
 impl Add for Nested {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: self.slope + other.slope }
     }
@@ -188,6 +196,7 @@ impl Add for Nested {
 
 impl Sub for Nested {
     type Output = Self;
+    #[inline]
     fn sub(self, other: Self) -> Self {
         Self { value: self.value - other.value, slope: self.slope - other.slope }
     }
@@ -195,6 +204,7 @@ impl Sub for Nested {
 
 impl Mul for Nested {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         Self { value: self.value * other.value, slope: self.value * other.slope + self.slope * other.value }
     }
@@ -202,6 +212,7 @@ impl Mul for Nested {
 
 impl Mul<f64> for Nested {
     type Output = Self;
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         Self { value: self.value * factor, slope: self.slope * factor }
     }
@@ -209,6 +220,7 @@ impl Mul<f64> for Nested {
 
 impl Div for Nested {
     type Output = Self;
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
         Self { value, slope: (self.slope - value * other.slope) / other.value }
@@ -217,6 +229,7 @@ impl Div for Nested {
 
 impl Neg for Nested {
     type Output = Self;
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: -self.slope }
     }
@@ -238,6 +251,7 @@ impl Number for Nested {
         self.value.is_constant() && self.slope.is_constant() && self.slope.value == 0.0
     }
 
+    #[inline(never)]
     fn sqrt(self) -> Self {
         let value = self.value.sqrt();
         let slope = if value.value > 0.0 { self.slope * 0.5 / value } else { Dual::constant(0.0) };
@@ -248,10 +262,12 @@ impl Number for Nested {
         self.compose([value, derivative, 0.0])
     }
 
+    #[inline(never)]
     fn compose(self, [value, first, second]: [f64; 3]) -> Self {
         Self { value: self.value.chain(value, first), slope: self.slope * self.value.chain(first, second) }
     }
 
+    #[inline(never)]
     fn hypot(self, other: Self) -> Self {
         let value = self.value.hypot(other.value);
         let power = self.value * self.slope + other.value * other.slope;

@@ -27,6 +27,7 @@ pub struct Enclosure {
 
 impl Interval {
     /// No further than `radius` from a middle.
+    #[inline]
     pub fn around(middle: f64, radius: f64) -> Self {
         Self { low: middle - radius, high: middle + radius }
     }
@@ -46,6 +47,7 @@ impl Interval {
     }
 
     /// The smallest interval with both.
+    #[inline]
     pub fn hull(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
@@ -54,6 +56,7 @@ impl Interval {
 impl Add for Interval {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { low: self.low + other.low, high: self.high + other.high }
     }
@@ -62,6 +65,7 @@ impl Add for Interval {
 impl Neg for Interval {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { low: -self.high, high: -self.low }
     }
@@ -70,6 +74,7 @@ impl Neg for Interval {
 impl Mul for Interval {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let Self { low, high } = self;
         Self::of([low * other.low, low * other.high, high * other.low, high * other.high])
@@ -101,6 +106,7 @@ impl Enclosure {
     }
 
     /// A function of this one, where the values of that function and its derivatives have these bounds.
+    #[inline]
     pub fn chain(self, [value, derivative]: [Interval; 2]) -> Self {
         Self { value, slope: derivative * self.slope }
     }
@@ -109,6 +115,7 @@ impl Enclosure {
 impl Add for Enclosure {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         Self { value: self.value + other.value, slope: self.slope + other.slope }
     }
@@ -117,6 +124,7 @@ impl Add for Enclosure {
 impl Neg for Enclosure {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: -self.slope }
     }
@@ -125,6 +133,7 @@ impl Neg for Enclosure {
 impl Mul for Enclosure {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         Self { value: self.value * other.value, slope: self.slope * other.value + self.value * other.slope }
     }
@@ -133,6 +142,7 @@ impl Mul for Enclosure {
 impl Mul<f64> for Enclosure {
     type Output = Self;
 
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         let times = |i: Interval| Interval::of([i.low * factor, i.high * factor]);
         Self { value: times(self.value), slope: times(self.slope) }

@@ -38,58 +38,91 @@ pub struct Factors<T, const N: usize> {
     leading: usize,
 }
 
+/// Largest number of rows for which the elimination is compiled apart, with its loops unrolled.
+const FEW: usize = 4;
+
 impl<T: Scalar, const N: usize> Factors<T, N> {
     /// Of a matrix whose columns after the first `leading` have no entry but that on the diagonal. None if a pivot is 0
     /// or not finite.
     pub fn new(mut a: [[T; N]; N], leading: usize) -> Option<Self> {
         let mut pivots: [usize; N] = std::array::from_fn(|k| k);
-        if a.iter().enumerate().skip(leading).any(|(k, row)| !is_pivot(row[k])) {
-            return None;
-        }
-        for k in 0..leading {
-            let mut pivot = k;
-            for i in k + 1..leading {
-                if a[i][k].size() > a[pivot][k].size() {
-                    pivot = i;
-                }
-            }
-            if !is_pivot(a[pivot][k]) {
-                return None;
-            }
-            pivots[k] = pivot;
-            a.swap(k, pivot);
-            let row = a[k];
-            for below in &mut a[k + 1..] {
-                let factor = below[k].over(row[k]);
-                below[k] = factor;
-                for (entry, above) in below.iter_mut().zip(&row).take(leading).skip(k + 1) {
-                    *entry = *entry - factor * *above;
-                }
-            }
-        }
-        Some(Self { lu: a, pivots, leading })
+        let (rows, places) = (a.as_flattened_mut(), &mut pivots[..]);
+        let factor = if N > FEW { factor_any } else { factor };
+        factor(rows, places, leading).then_some(Self { lu: a, pivots, leading })
     }
 
     /// x with A x = b.
     pub fn solve(&self, mut b: [T; N]) -> [T; N] {
-        for k in 0..self.leading {
-            b.swap(k, self.pivots[k]);
-        }
-        for k in 0..self.leading {
-            for i in k + 1..N {
-                b[i] = b[i] - self.lu[i][k] * b[k];
-            }
-        }
-        for (k, x) in b.iter_mut().enumerate().skip(self.leading) {
-            *x = x.over(self.lu[k][k]);
-        }
-        for k in (0..self.leading).rev() {
-            b[k] = b[k].over(self.lu[k][k]);
-            for i in 0..k {
-                b[i] = b[i] - self.lu[i][k] * b[k];
-            }
-        }
+        let solve = if N > FEW { solve_any } else { solve };
+        solve(self.lu.as_flattened(), &self.pivots, self.leading, &mut b);
         b
+    }
+}
+
+#[inline(never)]
+fn factor_any<T: Scalar>(a: &mut [T], pivots: &mut [usize], leading: usize) -> bool {
+    factor(a, pivots, leading)
+}
+
+#[inline(never)]
+fn solve_any<T: Scalar>(lu: &[T], pivots: &[usize], leading: usize, b: &mut [T]) {
+    solve(lu, pivots, leading, b);
+}
+
+/// Factor a matrix, row by row, in its place; false if a pivot is 0 or not finite.
+#[inline(always)]
+fn factor<T: Scalar>(a: &mut [T], pivots: &mut [usize], leading: usize) -> bool {
+    let n = pivots.len();
+    if (leading..n).any(|k| !is_pivot(a[k * n + k])) {
+        return false;
+    }
+    for k in 0..leading {
+        let mut pivot = k;
+        for i in k + 1..leading {
+            if a[i * n + k].size() > a[pivot * n + k].size() {
+                pivot = i;
+            }
+        }
+        if !is_pivot(a[pivot * n + k]) {
+            return false;
+        }
+        pivots[k] = pivot;
+        if pivot != k {
+            (0..n).for_each(|j| a.swap(k * n + j, pivot * n + j));
+        }
+        let (above, below) = a.split_at_mut((k + 1) * n);
+        let row = &above[k * n..];
+        for below in below.chunks_exact_mut(n) {
+            let factor = below[k].over(row[k]);
+            below[k] = factor;
+            for (entry, above) in below.iter_mut().zip(row).take(leading).skip(k + 1) {
+                *entry = *entry - factor * *above;
+            }
+        }
+    }
+    true
+}
+
+/// Solve a system with these factors in the place of its right-hand side.
+#[inline(always)]
+fn solve<T: Scalar>(lu: &[T], pivots: &[usize], leading: usize, b: &mut [T]) {
+    let n = pivots.len();
+    for (k, pivot) in pivots.iter().enumerate().take(leading) {
+        b.swap(k, *pivot);
+    }
+    for k in 0..leading {
+        for i in k + 1..n {
+            b[i] = b[i] - lu[i * n + k] * b[k];
+        }
+    }
+    for k in leading..n {
+        b[k] = b[k].over(lu[k * n + k]);
+    }
+    for k in (0..leading).rev() {
+        b[k] = b[k].over(lu[k * n + k]);
+        for i in 0..k {
+            b[i] = b[i] - lu[i * n + k] * b[k];
+        }
     }
 }
 

@@ -6,6 +6,7 @@ pub use super::chebyshev::polynomial;
 
 use super::chebyshev::{NODES, Series, Transform, monomials, polynomial_and_slope, slopes_of, tail};
 use super::dual::Number;
+use super::order;
 use std::fmt;
 use std::ops::Range;
 
@@ -54,7 +55,7 @@ impl Grid {
             last = &table.borders;
         }
         if borders.len() > self.borders.len() {
-            borders.sort_by(f64::total_cmp);
+            order::sort(&mut borders);
         }
         borders.dedup();
         Self { borders, centers: self.centers.clone(), noise: self.noise }
@@ -240,6 +241,7 @@ impl Table {
     }
 
     /// Whether a panel is a gap: some component is not resolved there.
+    #[inline]
     pub fn is_gap(&self, panel: usize) -> bool {
         self.gaps.binary_search(&panel).is_ok()
     }
@@ -250,11 +252,13 @@ impl Table {
     }
 
     /// First and last sigma of a panel.
+    #[inline]
     pub fn borders(&self, panel: usize) -> (f64, f64) {
         (self.borders[panel], self.borders[panel + 1])
     }
 
     /// The panel at sigma; the first or the last one outside.
+    #[inline]
     pub fn panel(&self, sigma: f64) -> usize {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
@@ -275,6 +279,7 @@ impl Table {
     }
 
     /// Position of sigma.
+    #[inline]
     pub fn position(&self, sigma: f64) -> TablePosition {
         self.position_in(sigma, self.panel(sigma))
     }
@@ -285,17 +290,20 @@ impl Table {
         self.position_in(sigma, self.panel_near(sigma, panel))
     }
 
+    #[inline]
     fn position_in(&self, sigma: f64, panel: usize) -> TablePosition {
         let (a, b) = self.borders(panel);
         TablePosition { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
     }
 
     /// Monomial coefficients of one component on one panel.
+    #[inline]
     pub fn series(&self, panel: usize, component: usize) -> &Series {
         &self.coefficients[panel * self.components + component]
     }
 
     /// Value of a component at a position.
+    #[inline]
     pub fn value(&self, at: TablePosition, component: usize) -> f64 {
         polynomial(self.series(at.panel, component), at.x)
     }

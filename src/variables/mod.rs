@@ -10,6 +10,7 @@ mod unit;
 mod vector;
 
 use crate::codec::checksum::fnv1a_128;
+use crate::numerics::order::sorted;
 use std::collections::HashSet;
 use std::ops::Deref;
 
@@ -223,8 +224,7 @@ impl Interface {
 
 /// Those of some names that are spelled most like this one, the nearest first.
 pub fn nearest<'a>(names: impl Iterator<Item = &'a str>, name: &str) -> Vec<&'a str> {
-    let mut names: Vec<&str> = names.collect();
-    names.sort_by_cached_key(|other| edits(name, other));
+    let mut names = sorted(names.collect(), |other| edits(name, other) as f64);
     names.truncate(SUGGESTIONS);
     names
 }

@@ -49,6 +49,7 @@ impl Equations {
     }
 
     /// Stiffness of the oil [N/m]: k = E(p_A) A_A^2/V_A + E(p_B) A_B^2/V_B.
+    #[inline]
     pub fn stiffness<T: Number>(&self, pressures: [T; 2], length: T) -> T {
         let [a, b] = self.volumes(length);
         self.chamber_modulus(0, pressures[0], a) / a * (self.areas[0] * self.areas[0])

@@ -9,6 +9,7 @@ use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::systems::LENGTH;
 use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
 use crate::numerics::decimal::Decimal;
+use crate::numerics::order;
 
 /// Most instants within a step at which its integration must stop.
 const INSTANTS: usize = 24;
@@ -35,7 +36,7 @@ impl Instants {
     }
 
     pub fn sort(&mut self) {
-        self.at[..self.count].sort_unstable_by(f64::total_cmp);
+        order::sort(&mut self.at[..self.count]);
     }
 
     /// The instants, then the end of the step.

@@ -69,6 +69,7 @@ impl State {
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
+    #[inline]
     fn element(&self, setting: &Setting<'_>) -> Result<(Element<f64>, f64), Blind> {
         let get = |input| setting.inputs.get(input);
         if get(Input::Mass) == 0.0 {

@@ -3,7 +3,7 @@ use super::memory::{Begin, Integrator};
 use super::sizes::starting_step;
 use crate::integrator::methods::{dop853::Dop853, dopri5::Dopri5, rk4::Rk4, rkn86::Rkn86};
 use crate::integrator::pair::{Pair, Start};
-use crate::integrator::step::{Stages, Step};
+use crate::integrator::step::{FOREIGN, Stages, Step};
 use crate::integrator::{Dense, IntegrationError, Method, System};
 
 impl<const N: usize> Integrator<N> {
@@ -139,16 +139,17 @@ impl<const N: usize> Integrator<N> {
     pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {
         match &step.stages {
             Stages::Rk4(_) => self.repeat::<Rk4<N>, S>(system, step, h),
-            Stages::Dopri5(_) => self.repeat::<Dopri5<N>, S>(system, step, h),
-            Stages::Dop853(_) => self.repeat::<Dop853<N>, S>(system, step, h),
-            Stages::Rkn86(_) => self.repeat::<Rkn86, S>(system, step, h),
-            Stages::Radau(stages) => {
+            Stages::Dopri5(_) if !S::SECOND_ORDER => self.repeat::<Dopri5<N>, S>(system, step, h),
+            Stages::Dop853(_) if !S::SECOND_ORDER => self.repeat::<Dop853<N>, S>(system, step, h),
+            Stages::Rkn86(_) if N == 2 => self.repeat::<Rkn86, S>(system, step, h),
+            Stages::Radau(stages) if !S::SECOND_ORDER => {
                 let (start, whole) = (step.begin(), stages.collocation(step.h, [&step.start, &step.end]));
                 let outcome = stages.shorten(system, &start, &whole, h, &mut self.statistics);
                 self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
                 self.arrive(&outcome);
                 Step::new(&start, h, false, outcome)
             }
+            _ => unreachable!("{FOREIGN}"),
         }
     }
 

@@ -84,6 +84,7 @@ impl<const N: usize> Integrator<N> {
 
     /// Growth at which the next step would just be good, after one of size h that could have grown by `growth`. Where
     /// the error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
+    #[inline]
     fn foreseen(&mut self, h: f64, growth: f64) -> f64 {
         let growth = growth.min(LARGEST_GROWTH);
         let last = self.last.replace((h, growth));
@@ -179,6 +180,7 @@ pub fn starting_step<S: System<N>, const N: usize>(
 }
 
 /// Factor on the size of a step with this error, more than the tolerance, for the next attempt; at least `least`.
+#[inline]
 fn shrink(error: f64, power: f64, least: f64) -> f64 {
     if error.is_finite() { (SAFETY * inverse_root(error, power)).max(least) } else { SHRINK_INFINITE }
 }

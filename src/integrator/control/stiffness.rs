@@ -107,18 +107,21 @@ impl Stiffness {
 /// depend on their units. Too small where the largest are a complex pair whose eighth powers are nearly imaginary:
 /// oscillation, which is not stiffness.
 pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N], leading: usize) -> f64 {
-    let square = |m: &[[f64; N]; N]| -> [[f64; N]; N] {
-        let mut square = [[0.0; N]; N];
-        for (i, row) in square.iter_mut().enumerate().take(leading) {
-            for (j, entry) in row.iter_mut().enumerate().take(leading) {
-                *entry = (0..leading).map(|k| m[i][k] * m[k][j]).sum();
-            }
-        }
-        square
-    };
-    let fourth = square(&square(a));
+    let fourth = square(&square(a, leading), leading);
     let trace: f64 = (0..leading).map(|i| (0..leading).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
     trace.abs().sqrt().sqrt().sqrt()
+}
+
+/// Square of the leading part of a matrix.
+#[inline]
+fn square<const N: usize>(m: &[[f64; N]; N], leading: usize) -> [[f64; N]; N] {
+    let mut square = [[0.0; N]; N];
+    for (i, row) in square.iter_mut().enumerate().take(leading) {
+        for (j, entry) in row.iter_mut().enumerate().take(leading) {
+            *entry = (0..leading).map(|k| m[i][k] * m[k][j]).sum();
+        }
+    }
+    square
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::format::words;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::monotone::monotone;
+use crate::numerics::order;
 use crate::numerics::periodic::Periodic;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::spline::spline;
@@ -118,7 +119,7 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     let largest =
         points.iter().map(|point| point[0]).chain(middles).fold(0.0, |most: f64, x| most.max(second(x).abs()));
     let mut widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
-    widths.sort_by(f64::total_cmp);
+    order::sort(&mut widths);
     let rounded = SHARPNESS * unit / widths[widths.len() / 2].powi(2);
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);

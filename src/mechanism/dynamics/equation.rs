@@ -112,6 +112,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// One component of the table of the loads that the state decides, at any sigma, without leaving the present panel.
+    #[inline]
     pub fn component(&self, component: usize, sigma: f64) -> f64 {
         let (reduced, Some(state_loads)) = self.stretch_at(sigma) else { return 0.0 };
         self.scratch.panel_force.value((reduced, &state_loads.table), component, sigma)
@@ -197,6 +198,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
 
     /// Acceleration at any state, with the delivered force of every drive. The mode's direction becomes that of the
     /// drives, 0 where they hold the mechanism at rest.
+    #[inline]
     pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
@@ -271,6 +273,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
+    #[inline]
     pub fn set_regime(&mut self, friction_joint: usize, regime: Option<Regime>) {
         if let Some(state_loads) = self.state_loads {
             self.scratch.evaluator.set_regime(state_loads, friction_joint, regime);
@@ -295,6 +298,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Let the laws follow from the present signs of the switching quantities.
+    #[inline]
     pub fn clear_signs(&mut self) {
         if let Some(state_loads) = self.state_loads.filter(|s| s.switches() > 0) {
             self.scratch.evaluator.clear_signs(state_loads);
@@ -308,6 +312,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Let the regimes and signs follow from the state in each evaluation.
+    #[inline]
     pub fn clear_regimes(&mut self) {
         self.clear_signs();
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {

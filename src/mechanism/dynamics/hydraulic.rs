@@ -11,6 +11,7 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
 use crate::mechanism::loads::resolved::HydraulicDrive;
+use crate::numerics::order;
 use crate::numerics::table::Table;
 
 /// Components of the state of a motion: sigma, sigma_dot, energy lost.
@@ -55,12 +56,14 @@ pub struct Ports<'a> {
 }
 
 /// An input over a step.
+#[inline]
 fn polynomial(inputs: &Inputs, input: usize) -> Polynomial {
     let rates = if inputs.signal.ahead { [inputs.signal.first[input], inputs.signal.second[input]] } else { [0.0; 2] };
     Polynomial([inputs.reals[input], rates[0], 0.5 * rates[1], 0.0, 0.0, 0.0])
 }
 
 /// Command of the valve over a step that begins `time` [s] after the start.
+#[inline]
 pub fn command(drive: &HydraulicDrive, inputs: &Inputs, time: f64) -> CommandSignal {
     CommandSignal::new(polynomial(inputs, drive.first_input), &drive.command, time)
 }
@@ -77,7 +80,7 @@ impl<'a> Ports<'a> {
                 count += 1;
             }
         });
-        kinks.sort_unstable_by(f64::total_cmp);
+        order::sort(&mut kinks[..count]);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
         Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
@@ -93,6 +96,7 @@ impl<'a> Ports<'a> {
 /// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of
 /// the chambers A and B begin [m], two pressures between which the pump reduces its flow [Pa], two positions of the
 /// spool at which an edge opens. None where there is no such border.
+#[inline]
 pub fn border_of(laws: &Equations, border: usize) -> Option<f64> {
     match border {
         0 | 1 => laws.borders()[border],

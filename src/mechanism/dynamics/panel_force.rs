@@ -320,6 +320,7 @@ fn loads<'a>(state_loads: Option<&'a StateLoads>, sizes: &'a [f64]) -> impl Iter
 }
 
 /// Length of the whole revolutions before sigma, and their number.
+#[inline]
 fn around(reduced: &Reduced, sigma: f64) -> (f64, f64) {
     let first = reduced.curve().range.0;
     reduced.period().map_or((0.0, 0.0), |period| {

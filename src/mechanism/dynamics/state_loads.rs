@@ -93,6 +93,7 @@ impl<T: Number> StateLoadEvaluator<T> {
     }
 
     /// State the regime of a friction joint; with none, it follows from the slip speed in each evaluation.
+    #[inline]
     pub fn set_regime(&mut self, state_loads: &StateLoads, friction_joint: usize, regime: Option<Regime>) {
         self.regimes[friction_joint] = regime;
         if let Some(regime) = regime {

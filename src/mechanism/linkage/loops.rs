@@ -6,6 +6,7 @@
 //! must not know Newton's method.
 use super::motion::{Positions, Rates};
 use super::structure::{Freedom, Linkage, Loop, Point, Step};
+use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, perp, turned};
 use nalgebra::DMatrix;
 use std::collections::HashMap;
@@ -124,14 +125,14 @@ impl Linkage {
                 }
                 _ => return None,
             };
-            let mut others: Vec<(usize, f64)> = sides
+            let others: Vec<(usize, f64)> = sides
                 .iter()
                 .filter_map(|&(length, other)| match other {
                     Side::Body(body) if other != side => Some((body, length)),
                     _ => None,
                 })
                 .collect();
-            others.sort_unstable_by_key(|(body, _)| *body);
+            let others = order::sorted(others, |(body, _)| *body as f64);
             let reach: f64 = others.iter().map(|(_, length)| length).sum();
             // Two bodies with two joints are one, whatever the direction.
             let slack = if others.len() > 1 { -slack } else { slack };

@@ -120,6 +120,7 @@ impl<T: Number> FrictionLoop<T> {
     }
 
     /// Friction M_j of the last solution.
+    #[inline]
     pub fn friction(&self, j: usize) -> T {
         -(self.arm[j] * self.size[j])
     }
@@ -181,6 +182,7 @@ pub(super) fn greater(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }
 
+#[inline]
 pub(super) fn norm<T: Number>(r: [T; 2]) -> T {
     (r[0] * r[0] + r[1] * r[1]).sqrt()
 }

@@ -195,6 +195,7 @@ impl Model {
     }
 
     /// Refuse the finite elements, and put the mechanism at its start if it has no state yet.
+    #[inline]
     fn reducible(&mut self, capability: &str) -> Result<(), ModelError> {
         self.not_rigid_fem(capability)?;
         self.state().map(|_| ())

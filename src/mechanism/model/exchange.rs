@@ -353,6 +353,7 @@ impl Model {
     }
 
     /// Which of the states has this reference, if a host's solver integrates them.
+    #[inline]
     pub(super) fn known_state(&self, reference: Reference) -> Option<usize> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::State(order @ 0..=1)) if self.exchange.is_some() => Some(order),

@@ -12,6 +12,7 @@ use crate::mechanism::motion::travel::pressed_bumpers;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::order;
 use crate::variables::{Causality, Kind, Reference};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -98,8 +99,7 @@ impl Model {
             let pressed = end.and_then(|end| at_rest.pressed(place, end.position));
             all.extend(pressed);
         }
-        all.sort_by(|a, b| a.position.total_cmp(&b.position));
-        Ok(all)
+        Ok(order::sorted(all, |equilibrium| equilibrium.position))
     }
 
     /// Linearise at rest at `count` + 1 positions of the travel, in equal parts of the curve, under the present inputs

@@ -109,8 +109,8 @@ enum Instant {
     Moves,
 }
 
-// All, with the modules below, is inlined into `run`, so that no reference to the advance escapes and its fields stay
-// in registers.
+// What each step does, with the modules below, is inlined into `run`, so that the fields of the advance stay in
+// registers; what happens at an event is not, as it stands at several places.
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in
     /// impacts [J].
@@ -351,7 +351,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     }
 
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
-    #[inline(always)]
+    #[inline(never)]
     fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
         match event {
             Event::Undefined => self.integrator.refresh(),

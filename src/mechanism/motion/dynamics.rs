@@ -208,6 +208,15 @@ pub trait Dynamics<const N: usize>: System<N> {
     fn change_regime(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) {}
 }
 
+impl<'a> EquationOfMotion<'a> {
+    /// The loads that the state decides. A state of two components has no energy lost, so that there are none, and
+    /// nothing of them is compiled for it.
+    #[inline(always)]
+    fn deciding<const N: usize>(&self) -> Option<&'a StateLoads> {
+        if N < MOTION { None } else { self.state_loads }
+    }
+}
+
 impl<const N: usize> Dynamics<N> for EquationOfMotion<'_>
 where
     Self: System<N>,
@@ -256,22 +265,22 @@ where
 
     #[inline(always)]
     fn borders(&self) -> usize {
-        let own = self.state_loads.map_or(0, StateLoads::borders);
+        let own = self.deciding::<N>().map_or(0, StateLoads::borders);
         if N == DRIVEN { own + BORDERS } else { own }
     }
 
     fn is_kink(&self, border: usize) -> bool {
-        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
-        self.state_loads.is_some_and(|state_loads| (gaps..gaps + state_loads.kinks.len()).contains(&border))
+        let gaps = self.deciding::<N>().map_or(0, StateLoads::gap_borders);
+        self.deciding::<N>().is_some_and(|state_loads| (gaps..gaps + state_loads.kinks.len()).contains(&border))
     }
 
     fn beyond_border(&mut self, border: usize, t: f64, z: &[f64; N]) -> f64 {
-        let gaps = self.state_loads.map_or(0, StateLoads::gap_borders);
+        let gaps = self.deciding::<N>().map_or(0, StateLoads::gap_borders);
         let Some(border) = border.checked_sub(gaps) else {
             let (reduced, state_loads) = self.stretch_at(z[0]);
             return state_loads.map_or(0.0, |state_loads| state_loads.beyond_gap(border, z[0], reduced.period()));
         };
-        let kinks = self.state_loads.map_or(&[][..], |state_loads| &state_loads.kinks);
+        let kinks = self.deciding::<N>().map_or(&[][..], |state_loads| &state_loads.kinks);
         if let Some(kink) = kinks.get(border) {
             return self.beyond_kink(kink, [t, z[0], z[1]]);
         }
@@ -285,7 +294,7 @@ where
     }
 
     fn free_acceleration(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
-        if sigma_dot == 0.0 && EquationOfMotion::sticks(self) && self.start_direction(sigma, sigma_dot)? == 0.0 {
+        if sigma_dot == 0.0 && Dynamics::<N>::sticks(self) && self.start_direction(sigma, sigma_dot)? == 0.0 {
             // Even where friction has no solution with the reactions that cause it.
             return Ok(0.0);
         }
@@ -307,7 +316,7 @@ where
 
     fn bumper_push(&mut self, bumper: usize, sigma: f64, sigma_dot: f64) -> (f64, f64) {
         let x = self.locate(sigma);
-        let Some(state_loads) = self.state_loads else { return (0.0, 0.0) };
+        let Some(state_loads) = self.deciding::<N>() else { return (0.0, 0.0) };
         let (panel_force, loading) = (&self.scratch.panel_force, self.reduced.loading());
         let at = |component: usize| polynomial(panel_force.series(&state_loads.table, component), x);
         let stop = &loading.stops[state_loads.bumpers[bumper]];
@@ -319,7 +328,7 @@ where
     }
 
     fn bumper_bounds(&mut self, bumper: usize, sigma: Enclosure, sigma_dot: Enclosure) -> [Enclosure; 2] {
-        let Some(state_loads) = self.state_loads else { return [Enclosure::constant(0.0); 2] };
+        let Some(state_loads) = self.deciding::<N>() else { return [Enclosure::constant(0.0); 2] };
         let loading = self.reduced.loading();
         let stop = &loading.stops[state_loads.bumpers[bumper]];
         let growth = self.reduced.load_growth(stop.load);
@@ -332,7 +341,7 @@ where
     }
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
-        let drives = self.state_loads.map_or(&[][..], |s| &s.drives[..s.efficient]);
+        let drives = self.deciding::<N>().map_or(&[][..], |s| &s.drives[..s.efficient]);
         let change = self.applied.change.as_ref()?;
         let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
         match drives.get(index) {
@@ -352,12 +361,12 @@ where
 
     #[inline]
     fn has_reversals(&self) -> bool {
-        self.reverses()
+        self.deciding::<N>().is_some_and(|state_loads| state_loads.reverses)
     }
 
     #[inline]
     fn sticks(&self) -> bool {
-        EquationOfMotion::sticks(self)
+        self.deciding::<N>().is_some_and(|state_loads| state_loads.sticks)
     }
 
     #[inline]
@@ -380,13 +389,13 @@ where
 
     #[inline]
     fn friction_joints(&self) -> usize {
-        self.state_loads.map_or(0, |s| s.friction_joints.len())
+        self.deciding::<N>().map_or(0, |s| s.friction_joints.len())
     }
 
     fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         // Needed at the ends of steps and between them, it leaves the present panel as it is.
         let x = if self.reduced.exact { Some(self.locate(sigma)) } else { None };
-        let Some(state_loads) = self.state_loads else { return 0.0 };
+        let Some(state_loads) = self.deciding::<N>() else { return 0.0 };
         let component = state_loads.free() + joint;
         let influence = if let Some(x) = x {
             polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
@@ -397,7 +406,7 @@ where
     }
 
     fn slip_bounds(&mut self, joint: usize, sigma: Enclosure, sigma_dot: Enclosure) -> Enclosure {
-        let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
+        let Some(state_loads) = self.deciding::<N>() else { return Enclosure::constant(0.0) };
         let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
         influence * sigma_dot * state_loads.friction_joints[joint].radius
     }
@@ -420,14 +429,15 @@ where
         self.scratch.evaluator.regimes[joint]
     }
 
+    #[inline]
     fn slip_range(&self, joint: usize) -> (f64, f64) {
         let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
-        self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
+        self.deciding::<N>().map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
     }
 
     #[inline]
     fn set_regimes(&mut self, sigma: f64, sigma_dot: f64) {
-        let Some(state_loads) = self.state_loads else { return };
+        let Some(state_loads) = self.deciding::<N>() else { return };
         self.clear_signs();
         for (joint, friction_joint) in state_loads.friction_joints.iter().enumerate() {
             let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
@@ -441,7 +451,7 @@ where
 
     #[inline]
     fn switches(&self) -> usize {
-        self.state_loads.map_or(0, StateLoads::switches)
+        self.deciding::<N>().map_or(0, StateLoads::switches)
     }
 
     fn find_signs(&mut self, t: f64, z: &[f64; N]) -> Result<(), Locked> {
@@ -469,7 +479,7 @@ where
 
     fn switch_effect(&self, switch: usize) -> f64 {
         let of = |state_loads| self.scratch.evaluator.switch_effect((self.reduced, state_loads), switch);
-        self.state_loads.map_or(0.0, of)
+        self.deciding::<N>().map_or(0.0, of)
     }
 
     fn flip_sign(&mut self, switch: usize) {
@@ -477,7 +487,7 @@ where
     }
 
     fn change_regime(&mut self, joint: usize, sigma: f64, sigma_dot: f64) {
-        let Some(state_loads) = self.state_loads else { return };
+        let Some(state_loads) = self.deciding::<N>() else { return };
         let regime = self.scratch.evaluator.regimes[joint].unwrap_or(Regime::Viscous);
         let slip = Dynamics::<N>::slip(self, joint, sigma, sigma_dot);
         let next = state_loads.friction_joints[joint].law.next(regime, slip);

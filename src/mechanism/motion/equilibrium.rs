@@ -14,6 +14,7 @@ use crate::mechanism::dynamics::state_loads::{Evaluation, Mode};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
+use crate::numerics::order;
 
 /// Most whole revolutions on each side of the start in which a mechanism with a wound spring is searched.
 const REVOLUTIONS: usize = 64;
@@ -99,7 +100,7 @@ impl<'a> AtRest<'a> {
         // The force of a bumper begins with a kink.
         let begins = self.travel.bumpers.iter().flat_map(|bumper| bumper.positions).flatten();
         all.extend(begins.filter(|at| (ends[0]..=ends[1]).contains(at)));
-        all.sort_by(f64::total_cmp);
+        order::sort(&mut all);
         for position in all {
             let here = self.gradient(position);
             if let Some((before, [a, slope, _])) = last {

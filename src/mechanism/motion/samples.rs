@@ -5,6 +5,7 @@
 use super::contact::Travel;
 use crate::mechanism::curve::Ends;
 use crate::mechanism::reduced::Reduced;
+use crate::numerics::order;
 
 /// Samples in each panel of the grid of tables.
 const SAMPLES: usize = 8;
@@ -59,7 +60,7 @@ pub fn positions(reduced: &Reduced, [low, high]: [f64; 2]) -> Vec<f64> {
             all.extend(inner.filter(|sigma| (low..=high).contains(sigma)));
         }
     }
-    all.sort_by(f64::total_cmp);
+    order::sort(&mut all);
     all.dedup();
     all
 }

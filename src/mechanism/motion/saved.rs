@@ -75,6 +75,7 @@ impl SavedState {
     }
 
     /// The loads that the state decides, as in the last step.
+    #[inline]
     pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
         state_loads(reduced.at(self.sigma), self.air, self.revolutions)
     }

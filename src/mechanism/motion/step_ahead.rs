@@ -43,6 +43,7 @@ impl<const N: usize> StepAhead<N> {
     }
 
     /// Go on to the time `after` from now, 0 < after < rest; returns the state there.
+    #[inline]
     pub fn read(&mut self, after: f64) -> [f64; N] {
         // The sum may be beyond the end by rounding.
         self.now = (self.now + after).min(self.end);

@@ -145,6 +145,7 @@ impl<N: Number> Direction<N> {
     }
 
     /// Change of the inputs that size loads and of the airspeed; the airspeed is the last input.
+    #[inline]
     pub fn change(&self, loading: &Loading) -> Option<Change<'_>> {
         let loads = loading.inputs.len();
         let air = self.rates.last().filter(|_| loading.air.is_some()).copied().unwrap_or(0.0);

@@ -9,6 +9,7 @@ mod hydraulic;
 mod one_element;
 mod reaction;
 mod reduced_motion;
+mod terms;
 mod view;
 
 pub use cache::Computed;

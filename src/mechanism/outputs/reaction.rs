@@ -2,22 +2,17 @@
 //!
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
-use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, GroupValues, OutputCache, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, GroupValues, OutputCache, PARTS};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
+use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::PanelTable;
-use crate::numerics::bundle::{ROW, Row, each_at};
-use crate::numerics::chebyshev::{NODES, Series};
-use crate::numerics::table::Unresolved;
-use std::ops::Range;
+use crate::numerics::bundle::{ROW, each_at};
 
 /// Force x, force y, moment.
 type Parts<N> = [N; PARTS];
-/// A function that vanishes.
-const ZERO: &Series = &[0.0; NODES];
 
 impl<'a, N: Reading> View<'a, N> {
     /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it
@@ -50,7 +45,7 @@ impl<'a, N: Reading> View<'a, N> {
         self.cache.transmitted[mesh] = Some(transmitted);
         self.cache.has_reactions = true;
         let (size, load) = if transmitted.value() < 0.0 { (-transmitted, loads[0]) } else { (transmitted, loads[1]) };
-        let parts = self.parts(joint);
+        let parts = parts_of(self.reduced, joint);
         self.add_column(joint, 2 + load, size * tangent, &mut value[..parts])
     }
 
@@ -61,7 +56,7 @@ impl<'a, N: Reading> View<'a, N> {
         let (reduced, sigma, at) = (self.reduced, self.sigma(), self.state.sigma);
         let GroupReactions { given, state, .. } = &self.loads.reactions[group];
         let is_sized = !self.cache.shares.acts || state.is_resolved[own];
-        let (is_given, parts) = (given.is_resolved[own], self.parts(joint));
+        let (is_given, parts) = (given.is_resolved[own], parts_of(self.reduced, joint));
         let mut value = [N::constant(0.0); PARTS];
         match if is_given { Ok(()) } else { reduced.reaction(joint, at).map(|_| ()) } {
             Ok(()) => {
@@ -80,10 +75,10 @@ impl<'a, N: Reading> View<'a, N> {
             Err(at) if !sigma.is_constant() => return Err(at.into()),
             Err(_) => {
                 let units = reduced.exact_reaction(joint, at);
-                let applied = (0..reduced.components().sized).filter(|load| !self.decided().contains(load));
+                let applied = (0..reduced.components().sized).filter(|load| !self.causes().decided().contains(load));
                 let applied = applied.map(|load| (2 + load, self.size(load)));
-                let given = self.given_columns().zip(self.cache.shares.given.iter().copied());
-                let state = self.state_columns().zip(self.cache.shares.state.iter().copied());
+                let given = self.causes().given_columns().zip(self.cache.shares.given.iter().copied());
+                let state = self.causes().state_columns().zip(self.cache.shares.state.iter().copied());
                 for (column, size) in applied.chain(given).chain(state) {
                     add(&units[column], size, &mut value[..parts]);
                 }
@@ -93,30 +88,10 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(value)
     }
 
-    /// Number of parts of a joint's reaction that may be other than 0.
-    fn parts(&self, joint: usize) -> usize {
-        if self.reduced.linkage().joints[joint].freedom == Freedom::Revolute { PARTS - 1 } else { PARTS }
-    }
-
-    /// The joints of a group.
-    fn joints(&self, group: usize) -> Range<usize> {
-        ROW * group..self.reduced.linkage().joints.len().min(ROW * (group + 1))
-    }
-
-    /// The loads whose delivered force the state decides: drives with an efficiency or a circuit.
-    fn decided(&self) -> &'a [usize] {
-        self.state_loads().map_or(&[], |s| &s.drives)
-    }
-
-    /// Columns of a joint's reactions for [`Shares::given`](super::cache::Shares::given).
-    fn given_columns(&self) -> impl Iterator<Item = usize> + Clone + use<'a, N> {
-        let springs = self.reduced.loading().springs.iter().map(|spring| spring.load);
-        [0, 1].into_iter().chain(self.decided().iter().copied().chain(springs).map(|load| 2 + load))
-    }
-
-    /// Columns of a joint's reactions for [`Shares::state`](super::cache::Shares::state).
-    fn state_columns(&self) -> impl Iterator<Item = usize> + Clone + use<'a, N> {
-        self.state_loads().map_or(&[][..], |s| &s.loads).iter().map(|load| 2 + load)
+    /// What causes reactions in this state.
+    #[inline]
+    fn causes(&self) -> Causes<'a> {
+        Causes { reduced: self.reduced, sigma: self.state.sigma, state_loads: self.state_loads() }
     }
 
     /// Sizes of what causes reactions, evaluated once for a state.
@@ -127,8 +102,9 @@ impl<'a, N: Reading> View<'a, N> {
         let (forces, sigma_dot) = (self.forces()?, self.sigma_dot());
         let mut given = std::mem::take(&mut self.cache.shares.given);
         given.clear();
-        given.extend([forces.acceleration, sigma_dot * sigma_dot]);
-        given.extend(self.decided().iter().map(|&load| self.delivered(load)));
+        given.push(forces.acceleration);
+        given.push(sigma_dot * sigma_dot);
+        given.extend(self.causes().decided().iter().map(|&load| self.delivered(load)));
         let loading = self.reduced.loading();
         for spring in 0..loading.springs.len() {
             given.push(-spring_force(self, loading, spring)?);
@@ -165,7 +141,7 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// The reactions of the joints of a group that have tables, where nothing but the sums makes them.
     fn finish(&mut self, group: usize) {
-        let (joints, acts) = (self.joints(group), self.cache.shares.acts);
+        let (joints, acts) = (joints_of(self.reduced, group), self.cache.shares.acts);
         let GroupReactions { given: with, state: with_state, .. } = &self.loads.reactions[group];
         let OutputCache { groups, reactions, .. } = &mut *self.cache;
         let GroupValues { given, state, .. } = &groups[group];
@@ -181,12 +157,12 @@ impl<'a, N: Reading> View<'a, N> {
     fn find_group(&mut self, group: usize) {
         let GroupReactions { given, has_applied, .. } = &self.loads.reactions[group];
         if !(*has_applied && given.holds(self.state.sigma)) {
-            self.enter_given(group);
+            self.causes().enter_given(self.loads, group);
         }
         let acts = self.cache.shares.acts;
         let GroupReactions { state, air, .. } = &self.loads.reactions[group];
         if acts && !(*air == self.cache.scratch.air && state.holds(self.state.sigma)) {
-            self.enter_state(group);
+            self.causes().enter_state(self.loads, group, self.cache.scratch.air);
         }
         let sigma = self.sigma();
         let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
@@ -201,86 +177,11 @@ impl<'a, N: Reading> View<'a, N> {
         *has_reactions = true;
     }
 
-    /// The tables at sigma of the joints of a group, as `of` a joint gives them.
-    fn tables(
-        &self,
-        group: usize,
-        of: impl Fn(usize) -> Result<PanelTable<'a>, &'a Unresolved>,
-    ) -> [Option<PanelTable<'a>>; ROW] {
-        let joints = self.joints(group);
-        std::array::from_fn(|k| joints.clone().nth(k).and_then(|joint| of(joint).ok()))
-    }
-
-    /// Take the polynomials of a group of joints at sigma for all but the loads that the state sizes, under the present
-    /// sizes of the applied loads.
-    #[cold]
-    fn enter_given(&mut self, group: usize) {
-        let (reduced, sigma, joints) = (self.reduced, self.state.sigma, self.joints(group));
-        let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
-        let most = joints.clone().map(|joint| self.parts(joint)).max().unwrap_or(0);
-        let lengths: [usize; ROW] = std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| self.parts(joint)));
-        let (decided, others, columns) = (self.decided(), self.given_columns(), 2 + reduced.loading().base());
-        let PresentLoads { sizes, reactions, .. } = &mut *self.loads;
-        let GroupReactions { parts, given, has_applied, .. } = &mut reactions[group];
-        let series = |panels: &[usize; ROW], k: usize, part: usize, column: usize| match tables[k] {
-            Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
-            _ => ZERO,
-        };
-        *parts = most;
-        if !given.holds(sigma) {
-            given.enter(&tables[..joints.len()], sigma);
-            given.rows.resize(most, Row::ZERO);
-            for column in others {
-                let row = |part| Row::of(std::array::from_fn(|k| series(&given.panels, k, part, column)));
-                given.rows.extend((0..most).map(row));
-            }
-        }
-        let sized = sizes[..reduced.components().sized].iter().enumerate();
-        let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
-        let (rows, panels) = (&mut given.rows, &given.panels);
-        for (part, row) in rows[..most].iter_mut().enumerate() {
-            let mut applied = [[0.0; NODES]; ROW];
-            for (load, size) in acting.clone() {
-                for (k, sums) in applied.iter_mut().enumerate() {
-                    let series = series(panels, k, part, 2 + load);
-                    sums.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
-                }
-            }
-            *row = Row::of(applied.each_ref());
-        }
-        *has_applied = true;
-    }
-
-    /// Take the polynomials of a group of joints at sigma for the loads that the state sizes: their tables, made when
-    /// one of these loads acts, are tables of their own.
-    #[cold]
-    fn enter_state(&mut self, group: usize) {
-        let (reduced, sigma, joints) = (self.reduced, self.state.sigma, self.joints(group));
-        let tables = self.tables(group, |joint| reduced.state_reaction(joint, sigma));
-        let lengths: [usize; ROW] = std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| self.parts(joint)));
-        let (base, own) = (reduced.loading().base(), self.state_columns());
-        let (columns, first) = (reduced.loading().loads.len() - base, 2 + base);
-        let GroupReactions { parts, state, air, .. } = &mut self.loads.reactions[group];
-        state.enter(&tables[..joints.len()], sigma);
-        for column in own {
-            for part in 0..*parts {
-                let series = |k: usize| match tables[k] {
-                    Some(PanelTable { table, .. }) if part < lengths[k] => {
-                        table.series(state.panels[k], part * columns + column - first)
-                    }
-                    _ => ZERO,
-                };
-                state.rows.push(Row::of(std::array::from_fn(series)));
-            }
-        }
-        *air = self.cache.scratch.air;
-    }
-
     /// Add to a joint's reaction its change with the inputs along the direction: the polynomials have the values of the
     /// inputs, without their derivatives.
     fn add_changes(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
         if N::CARRIES {
-            let decided = self.decided();
+            let decided = self.causes().decided();
             for load in (0..self.reduced.loading().inputs.len()).filter(|load| !decided.contains(load)) {
                 let change = self.size(load) - N::constant(self.loads.sizes[load]);
                 self.add_column(joint, 2 + load, change, value)?;
@@ -321,7 +222,7 @@ impl<'a, N: Reading> View<'a, N> {
             Err(at) if !self.sigma().is_constant() => Err(at.into()),
             _ => {
                 let units = reduced.exact_reaction(joint, sigma);
-                for (column, size) in self.state_columns().zip(&self.cache.shares.state) {
+                for (column, size) in self.causes().state_columns().zip(&self.cache.shares.state) {
                     add(&units[column], *size, value);
                 }
                 Ok(())

@@ -266,6 +266,7 @@ impl ReducedMotion {
 /// held.
 impl ReducedMotion {
     /// Head in a direction in which sigma and sigma_dot change by `along` and the inputs by `seeds`.
+    #[inline]
     pub fn head_for(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2], seeds: &dyn Fn(usize) -> f64) {
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
@@ -331,6 +332,7 @@ impl ReducedMotion {
         Ok([speed, forces.acceleration.slope[0]])
     }
 
+    #[inline]
     pub(super) fn sensitive_view<'a>(
         &'a mut self,
         reduced: &'a Reduced,

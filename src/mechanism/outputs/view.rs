@@ -187,6 +187,7 @@ impl<'a, N: Reading> View<'a, N> {
         }
     }
 
+    #[inline]
     fn find_forces(&mut self) -> Result<Forces<N>, OutputError> {
         self.loads.check_driven()?;
         let forces = N::forces(self)?;
@@ -211,6 +212,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// State loads of the last evaluation.
+    #[inline]
     pub fn state_loads(&self) -> Option<&'a StateLoads> {
         self.reduced.state_loads(self.cache.scratch.air).ok().flatten()
     }

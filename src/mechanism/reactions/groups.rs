@@ -3,6 +3,7 @@
 //! In: a linkage. Out: the group of each joint, and how its reaction follows from two numbers of the group. It must not
 //! know loads.
 use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage};
+use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, turned};
 
 /// Groups of some joints of a linkage, which are numbered here in their order.
@@ -121,8 +122,8 @@ fn hinges(linkage: &Linkage, groups: &mut [Member]) {
     };
     let bodies = |j: usize| (on(j).0.body, on(j).1);
     let is_hinge = |j: &usize| linkage.joints[*j].freedom == Freedom::Revolute;
-    let mut hinges: Vec<usize> = (0..groups.len()).filter(is_hinge).collect();
-    hinges.sort_by_key(|j| bodies(*j));
+    let hinges: Vec<usize> = (0..groups.len()).filter(is_hinge).collect();
+    let hinges = order::sorted_by_pair(hinges, |j| bodies(*j));
     for of_two in hinges.chunk_by(|a, b| bodies(*a) == bodies(*b)) {
         for (k, &j) in of_two.iter().enumerate() {
             let (at, _) = on(j);
@@ -144,8 +145,8 @@ fn slides(linkage: &Linkage, groups: &mut [Member]) {
         _ => None,
     };
     let bodies = |j: usize| (linkage.joints[j].first.body, linkage.joints[j].second.body);
-    let mut slides: Vec<(usize, Vec2)> = (0..groups.len()).filter_map(|j| Some((j, axis(j)?))).collect();
-    slides.sort_by_key(|(j, _)| bodies(*j));
+    let slides: Vec<(usize, Vec2)> = (0..groups.len()).filter_map(|j| Some((j, axis(j)?))).collect();
+    let slides = order::sorted_by_pair(slides, |(j, _)| bodies(*j));
     for of_two in slides.chunk_by(|a, b| bodies(a.0) == bodies(b.0)) {
         let (leader, along) = of_two[0];
         let (first, second) = bodies(leader);

@@ -8,6 +8,7 @@ use super::{Demand, Reaction, Terms};
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::{Freedom, Linkage, Positions};
+use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, perp};
 use nalgebra::{Cholesky, DMatrix, Dyn, Vector3};
 
@@ -139,9 +140,8 @@ fn between_same_bodies(linkage: &Linkage) -> Vec<Vec<usize>> {
         (a.min(b), a.max(b))
     };
     let is_joint = |j: &usize| !matches!(linkage.joints[*j].freedom, Freedom::Coupling(_));
-    let mut order: Vec<usize> = (0..linkage.joints.len()).filter(is_joint).collect();
-    order.sort_by_key(|j| bodies(*j));
-    let of_two = order.chunk_by(|a, b| bodies(*a) == bodies(*b));
+    let joints = order::sorted_by_pair((0..linkage.joints.len()).filter(is_joint).collect(), |j| bodies(*j));
+    let of_two = joints.chunk_by(|a, b| bodies(*a) == bodies(*b));
     of_two.filter(|joints| joints.len() > 1).map(<[usize]>::to_vec).collect()
 }
 

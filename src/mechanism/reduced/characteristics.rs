@@ -8,6 +8,7 @@ use crate::mechanism::loads::laws::spring::{Characteristic, Spring};
 use crate::mechanism::loads::resolved::Loading;
 use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::{Interval, polynomial_bounds};
+use crate::numerics::order;
 use crate::numerics::table::{ACCURACY, Table};
 
 /// Parts of a panel of the grid in which a displacement is searched for the points of a spring's curve.
@@ -88,7 +89,7 @@ fn passages(curve: &Curve, loading: &Loading, spring: &Spring, borders: &[f64], 
             before = after;
         }
     }
-    found_at.sort_by(f64::total_cmp);
+    order::sort(&mut found_at);
     out.extend(found_at.iter().enumerate().map(|(k, &at)| {
         let before = k.checked_sub(1).map_or(f64::INFINITY, |before| at - found_at[before]);
         let after = found_at.get(k + 1).map_or(f64::INFINITY, |after| after - at);

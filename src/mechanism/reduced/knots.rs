@@ -7,6 +7,7 @@ use super::model::Reduced;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::loads::laws::spring::Spring;
 use crate::mechanism::loads::resolved::Loading;
+use crate::numerics::order;
 
 /// Distance from a knot up to which a position is at it, relative to the scale of sigma: the acceleration has a kink of
 /// its second derivative there, of which the square of this part is left.
@@ -30,7 +31,7 @@ pub(super) fn knots(curve: &Curve, loading: &Loading, borders: &[f64]) -> Option
         }
     }
     if turns {
-        all.sort_by(f64::total_cmp);
+        order::sort(&mut all);
         all.dedup();
     }
     (has_knots || turns).then(|| all.into())

@@ -120,6 +120,7 @@ impl Reduced {
     }
 
     /// Growth of a load's displacement over one revolution of a closed curve; 0 for another curve.
+    #[inline]
     pub fn load_growth(&self, load: usize) -> f64 {
         self.loading().loads[load].growth(self.curve())
     }
@@ -144,6 +145,7 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`].
+    #[inline]
     pub fn state_loads(&self, air: bool) -> Result<Option<&StateLoads>, &Unresolved> {
         let build =
             || StateLoads::build(&self.source, &self.fine, air, self.known_state_loads[usize::from(air)].as_ref());

@@ -57,6 +57,7 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`] on this panel.
+    #[inline]
     pub fn reaction(&self, joint: usize, sigma: f64) -> Result<PanelTable<'_>, &Unresolved> {
         self.around(&self.terms(), joint, sigma)
     }
@@ -90,6 +91,7 @@ impl Reduced {
         Terms { tables, grid: &self.grid, section: stored::state_reactions, loads, skipped: 2 }
     }
 
+    #[inline]
     fn around<'a>(&'a self, terms: &Terms<'a>, joint: usize, sigma: f64) -> Result<PanelTable<'a>, &'a Unresolved> {
         let last = terms.tables.0.len() - 1;
         let panel = terms.grid.borders[1..=last].partition_point(|border| *border <= sigma);
@@ -98,6 +100,7 @@ impl Reduced {
     }
 
     /// The tables of all joints on a panel of the grid.
+    #[inline]
     fn on_panel<'a>(&'a self, terms: &Terms<'a>, panel: usize) -> &'a [Tabulated] {
         terms.tables.0[panel].get_or_init(|| self.tabulate_panel(terms, panel))
     }

@@ -110,6 +110,7 @@ impl StateLoads {
     }
 
     /// Number of ends of gaps and of kinks, at which a step ends.
+    #[inline]
     pub fn borders(&self) -> usize {
         self.gap_borders() + self.kinks.len()
     }
@@ -175,6 +176,7 @@ impl StateLoads {
     }
 
     /// In the bundle: the displacement of the load of `bumpers[k]`.
+    #[inline]
     pub fn pressed(&self, k: usize) -> usize {
         // Each surface has three loads.
         self.line(self.bumper(0) / 3) + k

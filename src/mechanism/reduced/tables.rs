@@ -40,6 +40,7 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`] in a gap.
+    #[inline]
     pub fn displacement_around(&self, load: usize, sigma: f64) -> Result<(&Table, TablePosition), Unresolved> {
         let table = match self.displacement(load) {
             Ok(table) => return Ok((table, table.position(sigma))),
@@ -57,6 +58,7 @@ impl Reduced {
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
     /// close that no table resolves the second derivative.
+    #[inline]
     pub fn displacement_at(&self, load: usize, sigma: f64) -> f64 {
         let stretch = self.at(sigma);
         match stretch.displacement(load) {

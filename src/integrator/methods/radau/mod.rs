@@ -179,6 +179,7 @@ fn shifted<const N: usize>(jacobian: &[[f64; N]; N], factor: f64, h: f64) -> [[f
 }
 
 /// matrix times z, block by block.
+#[inline(never)]
 fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<N>) -> Increments<N> {
     std::array::from_fn(|i| std::array::from_fn(|n| (0..STAGES).map(|j| matrix[i][j] * z[j][n]).sum()))
 }

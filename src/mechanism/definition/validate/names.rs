@@ -6,8 +6,8 @@ use super::{Check, refused};
 use crate::format::{DefinitionError, Faults, Named, is_reserved};
 use crate::mechanism::definition::bodies::JointKind;
 use crate::mechanism::definition::mechanism::Mechanism;
+use crate::numerics::order;
 use crate::variables::nearest;
-use std::cmp::Reverse;
 use std::fmt;
 
 /// Most letters of a name: file systems take 255 with what packing adds.
@@ -62,7 +62,7 @@ pub(super) fn alternatives(what: &str, names: &[&str], name: &str) -> String {
     let alike = |other: &&str| other.bytes().zip(name.bytes()).take_while(|(a, b)| a == b).count();
     let mut sorted = names.to_vec();
     if sorted.len() > COMPARED {
-        sorted.select_nth_unstable_by_key(COMPARED, |other| Reverse(alike(other)));
+        sorted = order::sorted(sorted, |other| -(alike(other) as f64));
         sorted.truncate(COMPARED);
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");

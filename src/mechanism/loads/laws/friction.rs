@@ -41,6 +41,7 @@ impl Law {
     }
 
     /// Regime at the slip speed v [m/s]; if this is 0, that of a slip of the sign of `towards` as it begins.
+    #[inline]
     pub fn regime_towards(&self, v: f64, towards: f64) -> Regime {
         let sign = if v < 0.0 || (v == 0.0 && towards < 0.0) { -1.0 } else { 1.0 };
         if self.sticks && self.static_speed > 0.0 && v.abs() <= self.static_speed {
@@ -93,6 +94,7 @@ impl Law {
 
     /// mu with the sign of v [1] over the slip speed v [m/s] of any sign, on `regime`. The cubic continues smoothly
     /// beyond the regime, where trial steps may evaluate it.
+    #[inline]
     pub fn cubic(&self, regime: Regime) -> Cubic {
         let (low, high) = (self.static_coefficient, self.kinetic_coefficient);
         match regime {

@@ -52,6 +52,7 @@ impl Stop {
     }
 
     /// Push of the bumper in contact [N or N.m], at a distance beyond the stop that grows at `rate`.
+    #[inline]
     pub fn push<T: Number>(&self, beyond: T, rate: T) -> T {
         let linear = beyond * T::constant(self.stiffness) + rate * T::constant(self.damping);
         match &self.curve {

@@ -50,6 +50,7 @@ pub struct FrictionJoint {
 
 impl FrictionJoint {
     /// Arm of the friction, mu with its sign times the radius [m, or 1], over the slip speed [m/s] on a regime.
+    #[inline]
     pub fn arm(&self, regime: Regime) -> Cubic {
         self.law.cubic(regime).times(self.radius)
     }

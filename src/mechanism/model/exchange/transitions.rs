@@ -40,7 +40,7 @@ fn beyond(x: f64, position: f64, side: usize) -> f64 {
 /// travel.
 fn bumper(view: &mut View<f64>, bumper: usize) -> Result<f64, OutputError> {
     let (state, mut equation) = (view.state, view.equation()?);
-    let (beyond, push) = Dynamics::<2>::bumper_push(&mut equation, bumper, state.sigma, state.sigma_dot);
+    let (beyond, push) = Dynamics::<3>::bumper_push(&mut equation, bumper, state.sigma, state.sigma_dot);
     Ok(if state.contact.touching().contains(bumper) { push } else { -beyond.min(push) })
 }
 

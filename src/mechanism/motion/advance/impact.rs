@@ -50,7 +50,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// The mechanism comes to the place of a stop, and of all that are at that place: a lock catches it, it touches
     /// bumpers, bounces, or comes to rest.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn impact(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
         let Some(position) = self.ends.position(place) else { return Ok(()) };
         if place.bumper.is_none() && self.ends.travel.rigid[place.side].is_none() {
@@ -114,7 +114,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// A mechanism that leaves a rigid stop against the loads comes to rest there if its flight would be too short or
     /// too low. Returns the energy lost by that [J].
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn end_bouncing(&mut self, side: usize, z: &mut [f64; N]) -> Result<f64, Locked> {
         let speed = -z[1] * outward(side);
         if speed < 0.0 {

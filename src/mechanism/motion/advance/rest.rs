@@ -79,7 +79,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// searched piece by piece, and none is too short to be found. Static friction follows the magnitudes of reactions:
     /// with it the quartic is that through five values of each of some pieces, and what it finds is located on the
     /// acceleration itself.
-    #[inline(always)]
+    #[inline(never)]
     fn wait_until(&mut self, z: &mut [f64; N], span: f64, directions: [f64; 2]) -> Result<bool, Stopped> {
         const CLOSE: f64 = 1e-15;
         /// Least number of pieces of a span with friction that sticks.

@@ -57,6 +57,7 @@ pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
 ///
 /// # Errors
 /// [`Unresolved`]: a reaction that causes friction is not smooth.
+#[inline]
 pub fn state_loads_under<'a>(reduced: &'a Reduced, inputs: &Inputs) -> Result<Option<&'a StateLoads>, &'a Unresolved> {
     reduced.state_loads(blows_under(reduced, inputs))
 }
@@ -68,6 +69,7 @@ pub fn blows_under(reduced: &Reduced, inputs: &Inputs) -> bool {
 }
 
 /// The loads that the state decides, in moving air or not, with an error located after so many revolutions.
+#[inline]
 pub fn state_loads(reduced: &Reduced, air: bool, revolutions: f64) -> Result<Option<&StateLoads>, ModelError> {
     reduced.state_loads(air).map_err(|at| ModelError::table(reduced, "friction", at, revolutions))
 }
