@@ -173,7 +173,7 @@ keys! {
             friction reverses its direction");
         /// Viscous friction coefficient [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction");
-        /// Increase of kinetic and static friction with the pressure in each chamber [N/Pa = m2], >= 0. 0: friction
+        /// Increase of kinetic and static friction with the pressure in each chamber [m2], >= 0. 0: friction
         /// does not depend on pressure.
         pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of the friction \
             per chamber pressure");

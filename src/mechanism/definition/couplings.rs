@@ -86,7 +86,7 @@ keys! {
         side: Option<Side> => Key::PLAIN.absent("\"right\"");
         /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure).parameter(Role::Load, "Pressure angle");
-        /// u2 at u1 = 0 [rad; m for a rack]. Default: from the guess. Not for a cam.
+        /// u2 at u1 = 0 [m or rad], in m for a rack. Default: from the guess. Not for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency [1], > 0 and <= 1, in both directions of power flow. Default: no loss.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
