@@ -179,7 +179,7 @@ fn saved_states_and_tables_hold_what_follows() {
     let all = reals(&run.0);
     for _ in 0..3 {
         let [one, twin] = [&mut run, &mut other].map(|run| {
-            run.step(0.05);
+            run.0.model_mut().step(0.05).unwrap();
             all.iter().map(|name| run.get(name).to_bits()).collect::<Vec<_>>()
         });
         assert_eq!(one, twin);

@@ -366,7 +366,7 @@ fn a_state_is_read_under_a_parameter_that_was_just_set() {
     first.step(0.01);
     second.take(&first.saved());
     let ends = [&mut first, &mut second].map(|run| {
-        run.step(0.02);
+        run.0.model_mut().step(0.02).unwrap();
         run.bits(["crank.angle"])
     });
     assert_eq!(ends[0], ends[1]);

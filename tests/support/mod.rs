@@ -207,15 +207,6 @@ impl Run {
         assert!(error <= allowed, "{name} = {value:e}, not {expected:e}: error {error:.2e}, allowed {allowed:.2e}");
     }
 
-    /// Each output has the value that it has in another run, to an allowance relative to that value and 1.
-    #[track_caller]
-    pub fn agrees(&mut self, other: &mut Run, names: &[&str], allowed: f64) {
-        for name in names {
-            let expected = other.get(name);
-            self.near(name, expected, allowed * expected.abs().max(1.0));
-        }
-    }
-
     /// Force of a joint or a coupling on its second body.
     #[track_caller]
     pub fn force(&mut self, joint: &str) -> Vec2 {
