@@ -27,7 +27,8 @@ fn steps_of_any_size_give_the_same_motion_and_force() {
 /// Derivatives of the acceleration hold for one step, and the motion is the integral of their polynomial.
 #[test]
 fn a_motion_by_inputs_ends_a_step_where_its_acceleration_leads() {
-    let mut lift = opened(&lift(&json!({ "position": 0.5, "speed": 0.2, "acceleration": -0.4 }))).started();
+    let given = [("winch.motion.speed", 0.2), ("winch.motion.acceleration", -0.4)];
+    let mut lift = opened(&lift(&json!({ "position": 0.5 }))).with(&given).started();
     lift.set_derivative("winch.motion.acceleration", 1, 3.0);
     lift.set_derivative("winch.motion.acceleration", 2, -5.0);
     let h = 0.5;
