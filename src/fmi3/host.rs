@@ -79,13 +79,14 @@ unsafe extern "C-unwind" fn log(environment: Environment, status: Status, catego
 unsafe extern "C-unwind" fn call_update(
     environment: Environment,
     time: f64,
-    _set_requested: Boolean,
-    _get_allowed: Boolean,
-    _step_finished: Boolean,
+    set_requested: Boolean,
+    get_allowed: Boolean,
+    step_finished: Boolean,
     _can_return_early: Boolean,
     return_requested: *mut Boolean,
     return_time: *mut f64,
 ) {
+    assert_eq!([set_requested, get_allowed, step_finished], [FALSE, TRUE, TRUE]);
     // SAFETY: as above; both pointers lead to memory for one value (4.2.2).
     unsafe {
         let calls = &*environment.cast::<Calls>();
@@ -179,7 +180,8 @@ impl Calls {
         fmi3GetNominalsOfContinuousStates
     );
 
-    fn instance(&self) -> Instance {
+    /// The instance, for calls that the host does not make.
+    pub fn instance(&self) -> Instance {
         self.c.get()
     }
 
@@ -310,25 +312,44 @@ impl Calls {
         unsafe { fmi3FreeFMUState(self.c.get(), state.place()) }
     }
 
+    /// `fmi3SerializeFMUState`: a state in bytes.
+    ///
+    /// # Errors
+    /// The status of a refused call.
+    pub fn serialize(&self, state: &State) -> Result<Vec<u8>, Status> {
+        let (c, mut size) = (self.c.get(), 0_usize);
+        // SAFETY: the instance is valid; the state is NULL or of this library; the array has the size that is passed.
+        unsafe {
+            let status = fmi3SerializedFMUStateSize(c, state.pointer(), &mut size);
+            if status != Status::Ok {
+                return Err(status);
+            }
+            let mut bytes = vec![0_u8; size];
+            let status = fmi3SerializeFMUState(c, state.pointer(), bytes.as_mut_ptr(), size);
+            if status == Status::Ok { Ok(bytes) } else { Err(status) }
+        }
+    }
+
+    /// `fmi3DeserializeFMUState`: a new state from bytes.
+    ///
+    /// # Errors
+    /// The status of a refused call.
+    pub fn deserialize(&self, bytes: &[u8]) -> Result<State, Status> {
+        let mut state = State::NONE;
+        // SAFETY: the instance is valid; the array has the length that is passed.
+        let status = unsafe { fmi3DeserializeFMUState(self.c.get(), bytes.as_ptr(), bytes.len(), state.place()) };
+        if status == Status::Ok { Ok(state) } else { Err(status) }
+    }
+
     /// A state in bytes and back: the first status that is not `fmi3OK`.
     pub fn renew(&self, state: &mut State) -> Status {
-        let (mut size, mut new): (usize, FmuState) = (0, null_mut());
-        let c = self.c.get();
-        // SAFETY: instance and state are valid; the array has the size that is passed.
-        unsafe {
-            let mut status = fmi3SerializedFMUStateSize(c, state.pointer(), &mut size);
-            if status == Status::Ok {
-                let mut bytes = vec![0_u8; size];
-                status = fmi3SerializeFMUState(c, state.pointer(), bytes.as_mut_ptr(), size);
-                if status == Status::Ok {
-                    status = fmi3DeserializeFMUState(c, bytes.as_ptr(), size, &mut new);
-                }
+        match self.serialize(state).and_then(|bytes| self.deserialize(&bytes)) {
+            Ok(new) => {
+                let status = self.free(state);
+                *state = new;
+                status
             }
-            if status == Status::Ok {
-                status = fmi3FreeFMUState(c, state.place());
-                *state.place() = new;
-            }
-            status
+            Err(status) => status,
         }
     }
 

@@ -33,4 +33,18 @@ pub use step::fmi3DoStep;
 pub(crate) const VERSION: Version = Version::with_vectors(Kind::word_of_fmi_3);
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    /// `fmi3FunctionTypes.h`, 3.0.2, has 75 functions; hosts look all of them up.
+    #[test]
+    fn all_functions_of_the_standard_are_exported() {
+        let tables =
+            [functions::FUNCTIONS, exchange::FUNCTIONS, absent::FUNCTIONS, absent::types_of_no_variable::FUNCTIONS];
+        let names: BTreeSet<_> = tables.into_iter().flatten().map(|function| function.name).collect();
+        // Besides: the version, three ways to instantiate, the end of an instance, the step.
+        assert_eq!(names.len() + 6, 75);
+        assert!(names.iter().all(|name| name.starts_with("fmi3")));
+    }
+}

@@ -14,6 +14,7 @@ use linkage_fmu::fmi2::host::{Description, Host, State};
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2GetRealOutputDerivatives, fmi2SetRealInputDerivatives};
 use linkage_fmu::mechanism::Model;
+use linkage_fmu::variables::Kind;
 
 /// Most allocations and bytes of a saved state.
 const STATE_BLOCKS: usize = 8;
@@ -83,6 +84,12 @@ fn nor_do_saving_and_restoring_in_a_state_that_is_used_again() {
     }
 }
 
+/// All Reals of an FMU.
+fn reals(description: &Description) -> Vec<u32> {
+    let list = (0..).zip(description.interface().list());
+    list.filter(|(_, variable)| variable.kind == Kind::Real).map(|(reference, _)| reference).collect()
+}
+
 /// The hydraulic actuator in both modes, with all inputs, derivatives, outputs and a state that is used again.
 #[test]
 fn nor_does_the_hydraulic_actuator() {
@@ -95,11 +102,7 @@ fn nor_does_the_hydraulic_actuator() {
         assert_eq!(actuator.set("actuator.length", 0.5), Status::Ok);
         assert_eq!(actuator.set("preview.horizon", h), Status::Ok);
         assert_eq!(actuator.initialize(), Status::Ok);
-        let reals = (0..description.interface().list().len() as u32).filter(|reference| {
-            let variable = description.interface().get(*reference).unwrap();
-            variable.kind == linkage_fmu::variables::Kind::Real
-        });
-        let reals: Vec<u32> = reals.collect();
+        let reals = reals(&description);
         let mut values = vec![0.0; reals.len()];
         let names = ["actuator.speed", "valve.command", "actuator.reduced_mass", "actuator.holding_force"];
         let inputs = names.map(|name| actuator.reference(name));
@@ -146,9 +149,7 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
         // More of it presses the gear against its down stop.
         assert_eq!(gear.set("chamber_b.start_pressure", 15e6), Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);
-        let list = description.interface().list();
-        let reals = (0..).zip(list).filter(|(_, v)| v.kind == linkage_fmu::variables::Kind::Real);
-        let reals: Vec<u32> = reals.map(|(reference, _)| reference).collect();
+        let reals = reals(&description);
         let mut values = vec![0.0; reals.len()];
         let inputs = ["valve.command", "supply.pressure"].map(|name| gear.reference(name));
         let (mut state, mut derivatives) = (State::NONE, [0.0]);

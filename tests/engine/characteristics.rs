@@ -1,7 +1,8 @@
 //! Springs whose force is a curve through points or that of a gas, against Runge-Kutta's method and the energy.
 
-use crate::support::{Run, assert_says, changed};
-use linkage_fmu::mechanism::Model;
+use crate::support::definition::{With, arm, block};
+use crate::support::numeric::runge_kutta;
+use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -9,39 +10,16 @@ use std::f64::consts::TAU;
 const MASS: f64 = 3.0;
 
 /// A carriage on a level rail, at `start` [m], between a spring and the ground.
-fn carriage(spring: Value, start: f64) -> String {
-    json!({
-        "name": "Carriage",
-        "bodies": { "ground": {}, "carriage": { "mass": MASS } },
-        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin",
-            "axis_angle": 0 } },
-        "springs": { "strut": spring },
-        "start": { "joint": "rail", "position": start },
-        "guess": { "rail": start },
+pub fn carriage(spring: Value, start: f64) -> Value {
+    block(MASS).with(json!({
+        "springs": { "strut": spring }, "start": { "position": start }, "guess": { "slide": start },
         "solver": { "tolerance": 1e-12 },
-        "experiment": { "stop_time": 1, "step_size": 0.01 },
-    })
-    .to_string()
+    }))
 }
 
-fn gas() -> Value {
-    json!({ "joint": "rail", "free_length": 0.5,
+pub fn gas() -> Value {
+    json!({ "joint": "slide", "free_length": 0.5,
             "gas": { "pressure": 8e5, "area": 3e-4, "volume": 9e-5, "exponent": 1.3, "ambient": 1e5 } })
-}
-
-/// Position and speed after a time by the classical Runge-Kutta method, in so many steps.
-fn runge_kutta(force: impl Fn(f64) -> f64, start: f64, span: f64, steps: u32) -> [f64; 2] {
-    let rate = |[x, v]: [f64; 2]| [v, -force(x) / MASS];
-    let (mut y, h) = ([start, 0.0], span / f64::from(steps));
-    for _ in 0..steps {
-        let add = |k: [f64; 2], part: f64| [y[0] + part * h * k[0], y[1] + part * h * k[1]];
-        let k1 = rate(y);
-        let k2 = rate(add(k1, 0.5));
-        let k3 = rate(add(k2, 0.5));
-        let k4 = rate(add(k3, 1.0));
-        y = [0, 1].map(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-    }
-    y
 }
 
 #[test]
@@ -52,16 +30,17 @@ fn a_carriage_on_a_gas_moves_as_its_law_says() {
     };
     // A second spring balances the gas, so that the motion goes to and fro.
     let both = |s: f64| law(s) + 900.0 * (s - 0.35);
-    let text = changed(&carriage(gas(), 0.4), |m| {
-        m["springs"]["coil"] = json!({ "joint": "rail", "stiffness": 900, "free_length": 0.35 });
-        m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.25 } });
+    let text = changed(carriage(gas(), 0.4), |m| {
+        m["springs"]["coil"] = json!({ "joint": "slide", "stiffness": 900, "free_length": 0.35 });
+        m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": 0.25 } });
     });
     let mut run = Run::new(&text).started();
     let mut least = f64::INFINITY;
     for k in 1..=50 {
         run.step(0.02);
-        let [x, v] = runge_kutta(both, 0.4, 0.02 * f64::from(k), 400 * k);
-        let (position, speed) = (run.get("rail.position"), run.get("rail.speed"));
+        let rate = |_: f64, [x, v]: [f64; 2]| [v, -both(x) / MASS];
+        let [x, v] = runge_kutta(rate, [0.4, 0.0], 0.02 * f64::from(k), 400 * k);
+        let (position, speed) = (run.get("slide.position"), run.get("slide.speed"));
         least = position.min(least);
         assert!((position - x).abs() < 1e-10 && (speed - v).abs() < 1e-9, "{k}: {position} {x}, {speed} {v}");
         assert!((run.get("strut.force") - law(x)).abs() < 1e-6);
@@ -72,8 +51,8 @@ fn a_carriage_on_a_gas_moves_as_its_law_says() {
 
 #[test]
 fn a_gas_variable_changes_the_gas() {
-    let text = changed(&carriage(gas(), 0.5), |m| {
-        m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.3 } });
+    let text = changed(carriage(gas(), 0.5), |m| {
+        m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": 0.3 } });
     });
     let mut run = Run::new(&text);
     for (name, value, force) in [
@@ -86,7 +65,7 @@ fn a_gas_variable_changes_the_gas() {
         run.initialize();
         assert!((run.get("strut.force") - force).abs() < 1e-9, "{name}: {}", run.get("strut.force"));
     }
-    run.set("rail.start_position", 0.4);
+    run.set("slide.start_position", 0.4);
     run.initialize();
     // Boyle: 90 cm3 become 80.
     assert!((run.get("strut.force") - (8e5 - 1e6 * 9.0 / 8.0) * 1e-4).abs() < 1e-9, "{}", run.get("strut.force"));
@@ -94,25 +73,25 @@ fn a_gas_variable_changes_the_gas() {
 
 #[test]
 fn points_on_a_line_are_a_stiffness() {
-    let line = json!({ "joint": "rail", "points": [[-1, -50], [0.2, 10], [0.3, 15], [2, 100]] });
-    let mut curve = Run::new(&carriage(line, 0.7)).started();
-    let mut coil = Run::new(&carriage(json!({ "joint": "rail", "stiffness": 50 }), 0.7)).started();
+    let line = json!({ "joint": "slide", "points": [[-1, -50], [0.2, 10], [0.3, 15], [2, 100]] });
+    let mut curve = Run::new(carriage(line, 0.7)).started();
+    let mut coil = Run::new(carriage(json!({ "joint": "slide", "stiffness": 50 }), 0.7)).started();
     for _ in 0..100 {
         curve.step(0.05);
         coil.step(0.05);
-        assert!((curve.get("rail.position") - coil.get("rail.position")).abs() < 1e-10);
+        assert!((curve.get("slide.position") - coil.get("slide.position")).abs() < 1e-10);
         assert!((curve.get("energy.potential") - coil.get("energy.potential")).abs() < 1e-9);
     }
 }
 
 /// A curve with a plateau, a step, and slopes that it goes on with beyond its ends.
-const POINTS: [[f64; 2]; 6] = [[-0.3, -40.0], [-0.1, -3.0], [0.0, 0.0], [0.1, 2.0], [0.25, 2.0], [0.3, 30.0]];
+pub const POINTS: [[f64; 2]; 6] = [[-0.3, -40.0], [-0.1, -3.0], [0.0, 0.0], [0.1, 2.0], [0.25, 2.0], [0.3, 30.0]];
 
 #[test]
 fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
-    let mut run = Run::new(&carriage(json!({ "joint": "rail", "points": POINTS }), 0.5)).started();
+    let mut run = Run::new(carriage(json!({ "joint": "slide", "points": POINTS }), 0.5)).started();
     for [s, force] in POINTS {
-        let mut at = Run::new(&carriage(json!({ "joint": "rail", "points": POINTS }), s)).started();
+        let mut at = Run::new(carriage(json!({ "joint": "slide", "points": POINTS }), s)).started();
         assert!((at.get("strut.force") - force).abs() < 1e-11, "{s}: {} {force}", at.get("strut.force"));
     }
     // One step finds the period: speed passes 0 at the other end and back.
@@ -120,7 +99,7 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
     let (mut last, mut worst) = (0.0, 0.0_f64);
     for k in 1..=40_000 {
         run.step(1e-3);
-        let speed = run.get("rail.speed");
+        let speed = run.get("slide.speed");
         if last < 0.0 && speed >= 0.0 || last > 0.0 && speed <= 0.0 {
             turns.push(1e-3 * (f64::from(k) - speed / (speed - last)));
         }
@@ -135,51 +114,26 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
 }
 
 #[test]
-fn slopes_of_the_force_are_exact() {
-    for spring in [gas(), json!({ "joint": "rail", "points": POINTS })] {
-        let text = changed(&carriage(spring, 0.28), |m| {
-            m["start"]["speed"] = json!(0.7);
-            m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": 0.25 } });
-        });
-        let mut run = Run::new(&text).started();
-        let rate = run.derivative("strut.force");
-        let h = 1e-6;
-        let [before, after] = [-h, h].map(|change| {
-            let mut run = run.clone();
-            run.place(("rail.start_position", 0.28 + change), ("rail.start_speed", 0.7));
-            run.get("strut.force")
-        });
-        let expected = 0.7 * (after - before) / (2.0 * h);
-        assert!((rate - expected).abs() < 1e-6 * expected.abs(), "{rate} {expected}");
-    }
-}
-
-#[test]
 fn what_is_no_curve_and_no_gas_is_refused() {
     for (spring, pieces) in [
         (
-            json!({ "joint": "rail", "points": [[0, 1]] }),
+            json!({ "joint": "slide", "points": [[0, 1]] }),
             &["springs.strut.points", "has 1 points", "needs 2 or more"][..],
         ),
         (
-            json!({ "joint": "rail", "points": [[0, 1], [0, 2]] }),
+            json!({ "joint": "slide", "points": [[0, 1], [0, 2]] }),
             &["points[1]", "S = 0 must be larger than S = 0", "sort"],
         ),
-        (json!({ "joint": "rail", "points": [[0, 1], [2, 1e101]] }), &["springs.strut.points[1]", "1e101"]),
-        (json!({ "joint": "rail", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "so close"]),
-        (json!({ "joint": "rail", "points": [[0, 1, 2]] }), &["springs.strut.points[0]"]),
+        (json!({ "joint": "slide", "points": [[0, 1], [2, 1e101]] }), &["springs.strut.points[1]", "1e101"]),
+        (json!({ "joint": "slide", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "so close"]),
+        (json!({ "joint": "slide", "points": [[0, 1, 2]] }), &["springs.strut.points[0]"]),
         (changed_gas(|g| g["points"] = json!([[0, 1], [1, 2]])), &["springs.strut.gas", "two springs"]),
         (changed_gas(|g| g["free_length"] = Value::Null), &["springs.strut", "add free_length"]),
         (changed_gas(|g| g["gas"]["volume"] = json!(0)), &["springs.strut.gas.volume = 0", "> 0"]),
         (changed_gas(|g| g["gas"]["exponent"] = json!(0.5)), &["springs.strut.gas.exponent", "from 1 to 2"]),
     ] {
-        assert_says(refusal(&carriage(spring, 0.5)), pieces);
+        assert_says(refusal(carriage(spring, 0.5)), pieces);
     }
-}
-
-/// Why there is no model of this text.
-fn refusal(text: &str) -> String {
-    Model::from_json(text).map_or_else(|error| error.to_string(), |_| panic!("accepted: {text}"))
 }
 
 fn changed_gas(change: impl FnOnce(&mut Value)) -> Value {
@@ -195,9 +149,9 @@ fn changed_gas(change: impl FnOnce(&mut Value)) -> Value {
 fn a_gas_without_volume_is_refused() {
     // Shorter than 0.2 m, the gas has no volume: between a stop at 0.25 m and one at 1 m it has some.
     let stops = |least: f64| {
-        changed(&carriage(gas(), 0.4), |m| {
-            m["stops"] = json!({ "near": { "joint": "rail", "limit": "lower", "position": least },
-                                 "far": { "joint": "rail", "limit": "upper", "position": 1 } });
+        changed(carriage(gas(), 0.4), |m| {
+            m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": least },
+                                 "far": { "joint": "slide", "limit": "upper", "position": 1 } });
         })
     };
     assert_says(refusal(&stops(0.15)), &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
@@ -210,14 +164,11 @@ fn a_gas_without_volume_is_refused() {
 fn a_narrow_detent_is_seen_in_long_steps() {
     // 2 kg at 1 m/s; the pull of up to 3 mN over 4 mm takes 6e-6 J and gives it back.
     let points = json!([[0.1, 0], [0.102, 0.003], [0.104, 0], [0.106, -0.003], [0.108, 0]]);
-    let text = json!({
-        "name": "Detent", "bodies": { "ground": {}, "load": { "mass": 2 } },
-        "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "load.origin" } },
-        "springs": { "detent": { "joint": "slide", "points": points } },
-        "solver": { "tolerance": 1e-8 },
-        "guess": { "slide": 0 }, "start": { "joint": "slide", "position": 0, "speed": 1 },
-    });
-    let mut run = Run::new(&text.to_string()).started();
+    let text = block(2.0).with(json!({
+        "springs": { "detent": { "joint": "slide", "points": points } }, "solver": { "tolerance": 1e-8 },
+        "start": { "speed": 1 },
+    }));
+    let mut run = Run::new(text).started();
     let (mut deepest, mut drift) = (0.0_f64, 0.0_f64);
     for _ in 0..20 {
         run.step(0.0104);
@@ -232,39 +183,30 @@ fn a_narrow_detent_is_seen_in_long_steps() {
 fn the_position_is_told_where_a_gas_has_no_volume_left() {
     // The strut from (0.5, 0) to the end of a rod of 0.3 m has 0.3 m where cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3),
     // and shortens before the rod is back at x; there its gas, 0.2 m longer at its free length, has no volume left.
-    let text = json!({
-        "name": "Rod",
-        "bodies": { "ground": { "points": { "eye": [0.5, 0] } }, "rod": { "length": 0.3, "mass": 1,
-            "shape": "uniform_rod" } },
-        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
-        "springs": { "strut": { "first": "ground.eye", "second": "rod.end", "free_length": 0.5,
+    let text = arm(0.3, 1.0, 1.0).with(json!({
+        "bodies": { "ground": { "points": { "eye": [0.5, 0] } } },
+        "springs": { "strut": { "first": "ground.eye", "second": "arm.end", "free_length": 0.5,
                                 "gas": { "pressure": 1e6, "area": 1e-3, "volume": 2e-4, "exponent": 1.2 } } },
-        "start": { "body": "rod", "angle": 1 }, "guess": { "rod": 1 }
-    });
+    }));
     let angle = TAU - f64::acos(0.25 / 0.3);
-    assert_says(refusal(&text.to_string()), &["strut", &format!("at rod = {angle:.5}"), "the length is 0.3 m"]);
+    assert_says(refusal(text), &["strut", &format!("at arm = {angle:.5}"), "the length is 0.3 m"]);
 }
 
 /// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the
 /// curve, and by an angle that goes on over whole turns.
 #[test]
 fn a_barrier_between_parts_without_force_is_met() {
-    let slide = json!({
-        "name": "Slide", "bodies": { "ground": {}, "load": { "mass": 1 } },
-        "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "load.origin" } },
-        "springs": { "barrier": { "joint": "way", "points": [[0, 0], [1, 0], [1.1, 8], [1.2, 0], [6, 0]] } },
-        "guess": { "way": 0 }, "start": { "joint": "way", "position": 0, "speed": 1 },
-    });
-    let arm = json!({
-        "name": "Arm", "bodies": { "ground": {}, "arm": { "length": 0.5, "mass": 2, "shape": "uniform_rod" } },
-        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
-        "springs": { "barrier": { "joint": "pin", "points": [[0, 0], [2, 0], [2.1, 40], [2.2, 0], [6, 0]] } },
-        "guess": { "arm": 0 }, "start": { "body": "arm", "angle": 0, "speed": 5 },
-    });
+    let barrier = |joint: &str, points: Value| json!({ "barrier": { "joint": joint, "points": points } });
+    let slide = block(1.0).with(json!({
+        "springs": barrier("slide", json!([[0, 0], [1, 0], [1.1, 8], [1.2, 0], [6, 0]])), "start": { "speed": 1 },
+    }));
+    let arm = arm(0.5, 2.0, 0.0).with(json!({
+        "springs": barrier("pivot", json!([[0, 0], [2, 0], [2.1, 40], [2.2, 0], [6, 0]])), "start": { "speed": 5 },
+    }));
     // 0.5 J before a barrier of 0.8 J, and 2.1 J before one of 4 J: both come back as fast.
-    for (definition, speed, expected) in [(slide, "way.speed", -1.0), (arm, "arm.speed", -5.0)] {
+    for (definition, speed, expected) in [(slide, "slide.speed", -1.0), (arm, "arm.speed", -5.0)] {
         for h in [2.0, 0.5, 0.01, 0.001] {
-            let mut run = Run::new(&definition.to_string()).started();
+            let mut run = Run::new(&definition).started();
             (0..(2.0_f64 / h).round() as usize).for_each(|_| run.step(h));
             let drift = run.get("energy.drift");
             assert!(drift.abs() < 1e-8, "{speed}, steps of {h} s: {drift:e} J");

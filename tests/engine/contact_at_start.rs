@@ -1,6 +1,7 @@
 //! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap, followers that lift off.
 
 use crate::cams::{ROLLER, parsed, translating};
+use crate::couplings::{BELT, shafts};
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
@@ -14,26 +15,11 @@ fn told(text: &str, coupling: &str) -> Vec<String> {
 
 /// Two shafts 0.3 m apart in a belt; inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
 fn belt(keys: Value) -> String {
-    let mut definition = json!({
-        "name": "Shafts",
-        "bodies": {
-            "ground": { "points": { "far": [0.18, 0.24] } }, "one": { "inertia": 0.02 }, "two": { "inertia": 0.5 }
-        },
-        "joints": {
-            "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
-            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" }
-        },
-        "couplings": {
-            "loop": { "type": "belt", "first": "one.origin", "second": "two.origin", "first_radius": 0.05,
-                "second_radius": 0.08 }
-        },
-        "torques": { "motor": { "on": "one", "torque": 3 }, "load": { "on": "two", "torque": -1 } },
-        "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 }
-    });
-    for (key, value) in keys.as_object().unwrap() {
-        definition["couplings"]["loop"][key] = value.clone();
-    }
-    definition.to_string()
+    changed(shafts(BELT), |m| {
+        let mut belt = m["couplings"]["mesh"].take();
+        belt.as_object_mut().unwrap().extend(keys.as_object().unwrap().clone());
+        m["couplings"] = json!({ "loop": belt });
+    })
 }
 
 #[test]

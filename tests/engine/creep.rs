@@ -1,9 +1,9 @@
 //! Creep under viscous friction: far slower than the loads could drive the mechanism, against the closed form.
 
 use crate::support::Run;
+use crate::support::definition::{G, With, arm, block, friction, weight};
 use serde_json::json;
 
-const G: f64 = 9.81;
 const MASS: f64 = 2.0;
 /// mu_S; below V_S [m/s] friction is c v, c = mu_S m g / V_S.
 const COEFFICIENT: f64 = 0.3;
@@ -11,32 +11,22 @@ const STATIC_SPEED: f64 = 1e-3;
 
 /// A block on a level slide, at rest, pushed by a force [N], with errors relative to this part of the speed that the
 /// force could give.
-fn block(force: f64, floor: Option<f64>) -> Run {
-    let mut solver = json!({ "tolerance": 1e-9 });
-    if let Some(floor) = floor {
-        solver["speed_floor"] = json!(floor);
-    }
-    let definition = json!({
-        "name": "Block",
-        "gravity": { "acceleration": G, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": {}, "block": { "mass": MASS, "inertia": 0.1 } },
-        "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
+fn pushed(force: f64, floor: Option<f64>) -> Run {
+    let mut definition = block(MASS).with(json!({
+        "gravity": weight(), "solver": { "tolerance": 1e-9 },
         "actuators": { "push": { "joint": "slide", "force": force } },
-        "friction": {
-            "enabled": true, "static_coefficient": COEFFICIENT, "kinetic_coefficient": COEFFICIENT,
-            "static_speed": STATIC_SPEED, "kinetic_speed": 1.0
-        },
-        "start": { "joint": "slide", "position": 0.0 },
-        "guess": { "slide": 0.0 },
-        "solver": solver
-    });
-    Run::new(&definition.to_string()).started()
+        "friction": friction([COEFFICIENT; 2], [STATIC_SPEED, 1.0]),
+    }));
+    if let Some(floor) = floor {
+        definition["solver"]["speed_floor"] = json!(floor);
+    }
+    Run::new(definition).started()
 }
 
 /// Largest error of the speed, relative to the speed, from the tenth part of the time constant on.
 fn error(force: f64, floor: Option<f64>) -> f64 {
     let (rate, last) = (COEFFICIENT * G / STATIC_SPEED, force * STATIC_SPEED / (COEFFICIENT * MASS * G));
-    let mut run = block(force, floor);
+    let mut run = pushed(force, floor);
     let h = 0.1 / rate;
     let mut largest: f64 = 0.0;
     for k in 1..=200 {
@@ -65,7 +55,7 @@ fn a_floor_of_the_speed_makes_creep_exact() {
 /// 1 is the default, to the bit; the floor is a parameter.
 #[test]
 fn a_floor_of_1_changes_nothing() {
-    let mut runs = [block(1e-3, None), block(1e-3, Some(1.0)), block(1e-3, Some(0.5))];
+    let mut runs = [pushed(1e-3, None), pushed(1e-3, Some(1.0)), pushed(1e-3, Some(0.5))];
     runs[2].set("solver.speed_floor", 1.0);
     runs[2].initialize();
     let speeds = runs.each_mut().map(|run| {
@@ -83,24 +73,13 @@ fn a_floor_of_1_changes_nothing() {
 /// the integration stop or its energy balance worse.
 #[test]
 fn turning_points_are_passed_with_any_floor() {
-    let definition = json!({
-        "name": "Pendulum",
-        "gravity": { "acceleration": G, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": {}, "arm": { "length": 0.5, "mass": 1.0, "shape": "uniform_rod" } },
-        "joints": {
-            "pivot": { "type": "revolute", "first": "ground.origin", "second": "arm.origin", "pin_radius": 0.01 }
-        },
-        "friction": {
-            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1,
-            "static_speed": 1e-3, "kinetic_speed": 0.1
-        },
-        "start": { "body": "arm", "angle": 0.0 },
-        "guess": { "arm": 0.0 },
-        "solver": { "tolerance": 1e-9 }
-    });
+    let definition = arm(0.5, 1.0, 0.0).with(json!({
+        "gravity": weight(), "joints": { "pivot": { "pin_radius": 0.01 } },
+        "friction": friction([0.2, 0.1], [1e-3, 0.1]), "solver": { "tolerance": 1e-9 },
+    }));
     let mut ends = Vec::new();
     for floor in [1.0, 1e-3, 1e-6, 1e-12, 1e-300] {
-        let mut run = Run::new(&definition.to_string()).with(&[("solver.speed_floor", floor)]).started();
+        let mut run = Run::new(&definition).with(&[("solver.speed_floor", floor)]).started();
         run.steps(400, 20.0);
         let drift = run.get("energy.drift").abs();
         // Of the 2.5 J at the start.

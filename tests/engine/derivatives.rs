@@ -1,11 +1,17 @@
 //! Directional derivatives and derivatives of outputs, against differences and closed forms.
 
+use crate::cams::{ROLLER, oscillating, parsed};
+use crate::characteristics::{POINTS, carriage, gas as gas_spring};
+use crate::couplings::{GEARS, shafts};
+use crate::losses;
+use crate::support::definition::With;
 use crate::support::{
-    ANDREWS, CRANE, CURVES, FOUR_BAR, GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed, reals, values,
+    ANDREWS, CRANE, CURVES, FOUR_BAR, GEAR, HYDRAULIC_GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed,
+    reals, values,
 };
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Reference};
-use serde_json::json;
+use serde_json::{Value, json};
 
 fn directional(model: &mut Model, unknowns: &[Reference], knowns: &[Reference], seeds: &[f64]) -> Vec<f64> {
     let mut values = vec![f64::NAN; unknowns.len()];
@@ -75,6 +81,36 @@ fn states() -> Vec<(String, Run)> {
     run.step(0.005);
     assert!(run.get("downstop.torque") < -1.0);
     all.push(("gear on its bumper".into(), run));
+    // Cams, gears without and with losses, a gas, a curve, a hydraulic circuit with friction.
+    let gas = |spring: Value| {
+        changed(carriage(spring, 0.28), |m| {
+            m["start"]["speed"] = json!(0.7);
+            m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": 0.25 } });
+        })
+    };
+    let lossy = losses::shafts(0.0, 0.0).with(json!({ "start": { "speed": 20 },
+    "springs": { "coil": { "joint": "b", "stiffness": 40, "free_angle": 1.1 } } }));
+    let circuit = changed(HYDRAULIC_GEAR, |m| {
+        m["stops"]["downstop"]["enabled"] = json!(false);
+        m["friction"]["enabled"] = json!(true);
+        m["actuators"]["actuator"]["hydraulics"]["command"] = json!({ "ramp_amplitude": 0.65, "ramp_time": 0.1 });
+        m["solver"]["tolerance"] = json!(1e-13);
+    });
+    for (what, text, spans) in [
+        ("cam with a roller", oscillating("polynomial_4567", parsed(ROLLER)), [0.013, 0.05]),
+        ("cam with a flat face", oscillating("cycloidal", json!({ "follower": "flat" })), [0.026, 0.04]),
+        ("gears", shafts(GEARS), [0.1, 0.3]),
+        ("gears with losses", lossy.to_string(), [0.11, 0.15]),
+        ("gas", gas(gas_spring()), [1e-6, 0.01]),
+        ("curve", gas(json!({ "joint": "slide", "points": POINTS })), [1e-6, 0.01]),
+        ("circuit", circuit, [0.0793, 1.0]),
+    ] {
+        let mut run = Run::new(text).started();
+        for span in spans {
+            run.step(span);
+            all.push((format!("{what} after {span} s"), run.clone()));
+        }
+    }
     // Held by the down stop, by the lock there, and by up stop and lock.
     for (lock, force, h) in [("uplock", -3_000.0, 0.01), ("downlock", 30_000.0, 0.01), ("uplock", 30_000.0, 0.3)] {
         let engage = format!("{lock}.engage");

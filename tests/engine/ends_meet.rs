@@ -1,8 +1,8 @@
 //! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
 
-use crate::support::{Run, assert_says, read_all};
+use crate::support::definition::{self, With, block, pin, rod};
+use crate::support::{Run, assert_says, read_all, refusal};
 use linkage_fmu::mechanism::inspection::inspect;
-use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
@@ -12,19 +12,12 @@ const INERTIA: f64 = 1.0;
 /// An arm of 1 m about the origin, which starts at 1 rad; a cylinder from its tip to the ground at (1, 0), where the
 /// tip is at the angle 0.
 fn arm(further: &Value) -> String {
-    let mut definition = json!({
-        "name": "Arm",
-        "bodies": {
-            "ground": { "points": { "east": [1, 0], "west": [-1, 0] } },
-            "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" }
-        },
-        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "arm.origin" } },
+    let mut definition = definition::arm(1.0, 3.0, 1.0).with(json!({
+        "bodies": { "ground": { "points": { "east": [1, 0], "west": [-1, 0] } } },
         "actuators": { "cylinder": { "first": "ground.east", "second": "arm.end" } },
-        "start": { "body": "arm", "angle": 1, "speed": 0 }, "guess": { "arm": 1 },
-        "solver": { "tolerance": 1e-12 }
-    });
-    let keys = definition.as_object_mut().unwrap();
-    keys.extend(further.as_object().unwrap().clone());
+        "solver": { "tolerance": 1e-12 },
+    }));
+    definition.as_object_mut().unwrap().extend(further.as_object().unwrap().clone());
     definition.to_string()
 }
 
@@ -56,7 +49,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
     for k in 2..=80 {
         let reach = 1.0 + 10.0_f64.powf(-0.1 * f64::from(k));
         let ground = json!({ "ground": { "points": { "east": [reach, 0], "west": [-1, 0] } },
-            "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" } });
+            "arm": rod(1.0, 3.0) });
         let mut run = Run::new(&arm(&json!({ "bodies": ground }))).with(&[("cylinder.force", 2.0)]).started();
         for _ in 0..40 {
             run.step(0.05);
@@ -176,14 +169,12 @@ fn the_start_decides_between_which_meetings_the_motion_is() {
 /// A carriage on a rail with a spring to the rail's origin, beyond the first stretch of the curve.
 #[test]
 fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
-    let carriage = json!({
-        "name": "Carriage",
-        "bodies": { "ground": { "points": { "far": [60, 0] } }, "carriage": { "length": 0.02, "mass": 2 } },
-        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
-        "springs": { "spring": { "first": "ground.far", "second": "carriage.origin", "stiffness": 0, "preload": 4 } },
-        "start": { "joint": "rail", "position": 0, "speed": 1 }, "guess": { "rail": 0 }
-    });
-    let mut run = Run::new(&carriage.to_string()).started();
+    let carriage = block(2.0).with(json!({
+        "bodies": { "ground": { "points": { "far": [60, 0] } }, "block": { "length": 0.02 } },
+        "springs": { "spring": { "first": "ground.far", "second": "block.origin", "stiffness": 0, "preload": 4 } },
+        "start": { "speed": 1 },
+    }));
+    let mut run = Run::new(carriage).started();
     for k in 1..1000 {
         let error = run.0.step(0.05).err();
         // The spring pulls with 4 N.
@@ -192,11 +183,11 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
         let limit = 60.0 * (1.0 - 1e-3);
         if exact < limit {
             assert!(error.is_none(), "{exact}: {error:?}");
-            assert!((run.get("rail.position") - exact).abs() < 1e-9 * exact);
+            assert!((run.get("slide.position") - exact).abs() < 1e-9 * exact);
         } else {
             assert_says(
                 error.unwrap(),
-                &["spring: both ends are at the same place near rail = ", "move one of the attachment points"],
+                &["spring: both ends are at the same place near slide = ", "move one of the attachment points"],
             );
             return;
         }
@@ -226,26 +217,25 @@ fn the_check_tells_where_the_motion_ends() {
 #[test]
 fn ends_that_keep_their_distance_have_no_effect() {
     let bars = json!({ "name": "Bars",
-        "bodies": { "ground": { "length": 0.4 }, "crank": { "length": 0.1, "mass": 1 }, "rocker": { "length": 0.25,
-            "mass": 1 },
-            "rod": { "length": 0.4, "mass": 2 }, "twin": { "length": 0.4, "mass": 1, "points": { "eye": [0.2,
-                0.1] } } },
+        "bodies": {
+            "ground": { "length": 0.4 }, "crank": { "length": 0.1, "mass": 1 }, "rocker": { "length": 0.25, "mass": 1 },
+            "rod": { "length": 0.4, "mass": 2 }, "twin": { "length": 0.4, "mass": 1, "points": { "eye": [0.2, 0.1] } },
+        },
         "joints": {
-            "a": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "b": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "b2": { "type": "revolute", "first": "crank.end", "second": "twin.origin" },
-            "c": { "type": "revolute", "first": "rod.end", "second": "rocker.end" },
-            "c2": { "type": "revolute", "first": "twin.end", "second": "rocker.end" },
-            "d": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" } },
-        "start": { "body": "crank", "angle": 0.6, "speed": 1 }, "guess": { "crank": 0.6, "rod": 0.5, "twin": 0.5,
-            "rocker": 1.4 } });
+            "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "rod.origin"),
+            "b2": pin("crank.end", "twin.origin"), "c": pin("rod.end", "rocker.end"),
+            "c2": pin("twin.end", "rocker.end"),
+            "d": pin("ground.end", "rocker.origin"),
+        },
+        "start": { "body": "crank", "angle": 0.6, "speed": 1 },
+        "guess": { "crank": 0.6, "rod": 0.5, "twin": 0.5, "rocker": 1.4 } });
     let between = |group: &str, first: &str, second: &str| {
         let mut text = bars.clone();
         text[group] = json!({ "idle": { "first": first, "second": second } });
         text.to_string()
     };
     // Both ends on one pin, by way of the crank.
-    let error = Simulation::open(&between("actuators", "rod.origin", "twin.origin")).unwrap_err();
+    let error = refusal(between("actuators", "rod.origin", "twin.origin"));
     assert_says(error, &["actuators.idle", "both ends are the point b", "give two different points"]);
     // The ends of a crank, and two points of bars that move as one.
     for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {

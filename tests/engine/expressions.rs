@@ -1,6 +1,6 @@
 //! Numbers that are expressions of parameters: against the same definition with its numbers written out, to the bit.
 
-use crate::support::{assert_says, changed};
+use crate::support::{Run, assert_says, changed};
 use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -82,27 +82,18 @@ fn numbers_are_those_written_out_after_any_sets() {
 #[test]
 fn the_period_grows_with_the_root_of_the_size() {
     // Under weight alone, without the drive: similar motions in times that go as the root of the size.
-    let after = |size: f64| {
-        let mut run = Simulation::open(FAMILY).unwrap();
-        run.set("size", size).unwrap();
-        run.set("drive.torque", 0.0).unwrap();
-        run.set("line_density", 0.5).unwrap();
-        run.initialize().unwrap();
-        run.step(0.4 * (size / 0.3).sqrt()).unwrap();
-        run.get("crank.angle").unwrap()
+    let after = |text: &str, density: f64, size: f64| {
+        let values = [("size", size), ("drive.torque", 0.0), ("line_density", density)];
+        let mut run = Run::new(text).with(&values).started();
+        run.step(0.4 * (size / 0.3).sqrt());
+        run.get("crank.angle")
     };
     // The damping of the family goes with the mass and the square of the size, a time scale of its own: without it.
     let text = changed(FAMILY, |m| drop(m.as_object_mut().unwrap().remove("springs")));
-    let without = |size: f64| {
-        let mut run = Simulation::open(&text).unwrap();
-        run.set("size", size).unwrap();
-        run.set("drive.torque", 0.0).unwrap();
-        run.initialize().unwrap();
-        run.step(0.4 * (size / 0.3).sqrt()).unwrap();
-        run.get("crank.angle").unwrap()
-    };
-    assert!((without(0.3) - without(1.2)).abs() < 1e-7, "{} {}", without(0.3), without(1.2));
-    assert!((after(0.3) - after(1.2)).abs() > 1e-4, "the damper has another time scale");
+    let [small, large] = [0.3, 1.2].map(|size| after(&text, 2.5, size));
+    assert!((small - large).abs() < 1e-7, "{small} {large}");
+    let [small, large] = [0.3, 1.2].map(|size| after(FAMILY, 0.5, size));
+    assert!((small - large).abs() > 1e-4, "the damper has another time scale");
 }
 
 #[test]
@@ -180,26 +171,18 @@ fn values_of_one_call_count_together() {
 
 #[test]
 fn saved_states_and_tables_hold_what_follows() {
-    let mut model = Model::from_json(FAMILY).unwrap();
-    let size = reference(&model, "size");
-    model.set_real(size, 0.55).unwrap();
-    model.initialize().unwrap();
-    model.step(0.1).unwrap();
-    let mut bytes = Vec::new();
-    model.snapshot().write(&mut bytes).unwrap();
-    let mut other = Model::from_json(FAMILY).unwrap();
-    let snapshot = other.read_snapshot(&bytes).unwrap();
-    other.restore(&snapshot).unwrap();
-    let length = reference(&model, "crank.length");
-    assert_eq!(other.real(length), Ok(0.55 / 3.0));
-    let all = 0..model.variables().list().len() as Reference;
-    let reals: Vec<Reference> = all.filter(|r| model.variables().get(*r).unwrap().kind == Kind::Real).collect();
+    let mut run = Run::new(FAMILY).with(&[("size", 0.55)]).started();
+    run.step(0.1);
+    let (mut bytes, mut other) = (run.saved(), Run::new(FAMILY));
+    other.take(&bytes);
+    assert_eq!(other.get("crank.length"), 0.55 / 3.0);
+    let all = reals(&run.0);
     for _ in 0..3 {
-        model.step(0.05).unwrap();
-        other.step(0.05).unwrap();
-        for &r in &reals {
-            assert_eq!(model.real(r).unwrap().to_bits(), other.real(r).unwrap().to_bits());
-        }
+        let [one, twin] = [&mut run, &mut other].map(|run| {
+            run.0.model_mut().step(0.05).unwrap();
+            all.iter().map(|name| run.get(name).to_bits()).collect::<Vec<_>>()
+        });
+        assert_eq!(one, twin);
     }
     // Damaged: another crank than that of the size.
     let from = (0.55_f64 / 3.0).to_le_bytes();
@@ -215,6 +198,7 @@ fn saved_states_and_tables_hold_what_follows() {
     // Kept tables are of the numbers that the expressions give.
     let made = Component::from_definition(FILE, FAMILY).unwrap();
     let mut taken = Component::with_table_bytes(FILE, FAMILY, made.tables(FAMILY).unwrap()).unwrap();
+    let [size, length] = ["size", "crank.length"].map(|name| taken.interface().find(name).unwrap());
     taken.set_real(size, 0.55).unwrap();
     taken.initialize().unwrap();
     assert_eq!(taken.real(length), Ok(0.55 / 3.0));

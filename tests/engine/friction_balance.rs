@@ -1,12 +1,13 @@
 //! Friction against closed forms, against the model's own reactions, and in balance with other losses.
 
+use crate::support::definition::{G, With, block, friction, weight};
+use crate::support::numeric::simpson;
 use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, assert_says, changed, without_stops};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
 /// Standard tolerance of these runs.
 const TIGHT: f64 = 1e-12;
-const G: f64 = 9.81;
 
 /// mu(v) as [HF08] section 4 states it.
 fn coefficient([low, high]: [f64; 2], [first, last]: [f64; 2], v: f64) -> f64 {
@@ -24,31 +25,19 @@ const MU: [f64; 2] = [0.3, 0.2];
 const SPEEDS: [f64; 2] = [0.05, 0.5];
 
 /// A block on a slide of the ground that slopes upward at this angle.
-fn block(slope: f64) -> Run {
-    let definition = json!({
-        "name": "Block",
-        "gravity": { "acceleration": G, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": {}, "block": { "mass": 2.5, "inertia": 0.1 } },
-        "joints": {
-            "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin", "axis_angle": slope }
-        },
-        "actuators": { "pull": { "joint": "slide" } },
-        "friction": {
-            "enabled": true, "static_coefficient": MU[0], "kinetic_coefficient": MU[1],
-            "static_speed": SPEEDS[0], "kinetic_speed": SPEEDS[1]
-        },
-        "start": { "joint": "slide", "position": 0.0 },
-        "guess": { "slide": 0.0 },
-        "solver": { "tolerance": TIGHT }
-    });
-    Run::new(&definition.to_string())
+fn on_slope(slope: f64) -> Run {
+    Run::new(block(2.5).with(json!({
+        "gravity": weight(), "joints": { "slide": { "axis_angle": slope } },
+        "actuators": { "pull": { "joint": "slide" } }, "friction": friction(MU, SPEEDS),
+        "solver": { "tolerance": TIGHT },
+    })))
 }
 
 /// Faster than V_d the deceleration is mu_d g cos, less what the slope gives; below V_S the speed decays exponentially.
 #[test]
 fn a_block_slides_as_the_closed_forms() {
     for (slope, speed) in [(0.0, 4.0), (0.0, -4.0), (0.15, 4.0), (0.15, -4.0), (-0.15, 4.0)] {
-        let mut run = block(slope).with(&[("slide.start_speed", speed)]).started();
+        let mut run = on_slope(slope).with(&[("slide.start_speed", speed)]).started();
         let sign = speed.signum();
         let a = -G * slope.sin() - sign * MU[1] * G * slope.cos();
         assert!((run.get("slide.acceleration") - a).abs() < 1e-12 * a.abs());
@@ -65,7 +54,7 @@ fn a_block_slides_as_the_closed_forms() {
         assert!((run.get("slide.position") - s).abs() < 1e-13 * s.abs(), "{} {s}", run.get("slide.position"));
     }
     let (speed, rate) = (0.04, MU[0] * G / SPEEDS[0]);
-    let mut run = block(0.0).with(&[("slide.start_speed", speed)]).started();
+    let mut run = on_slope(0.0).with(&[("slide.start_speed", speed)]).started();
     for i in 1..=10 {
         run.step(0.01);
         let v = speed * (-rate * 0.01 * f64::from(i)).exp();
@@ -77,16 +66,11 @@ fn a_block_slides_as_the_closed_forms() {
 /// law's borders.
 #[test]
 fn a_block_passes_through_the_whole_law() {
-    let (from, n) = (1.5, 20_000);
-    let h = (SPEEDS[1] - SPEEDS[0]) / f64::from(n);
-    let mut sum = 0.0;
-    for i in 0..=n {
-        let weight = if i == 0 || i == n { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
-        sum += weight / (G * coefficient(MU, SPEEDS, SPEEDS[0] + h * f64::from(i)));
-    }
-    let t = (from - SPEEDS[1]) / (G * MU[1]) + sum * h / 3.0;
+    let from = 1.5;
+    let within = simpson(|v| (G * coefficient(MU, SPEEDS, v)).recip(), SPEEDS[0], SPEEDS[1], 20_000);
+    let t = (from - SPEEDS[1]) / (G * MU[1]) + within;
     for parts in [1, 7, 1000] {
-        let mut run = block(0.0).with(&[("slide.start_speed", from)]).started();
+        let mut run = on_slope(0.0).with(&[("slide.start_speed", from)]).started();
         run.steps(parts, t);
         let v = run.get("slide.speed");
         // 100 x tolerance of the initial speed.
@@ -98,7 +82,7 @@ fn a_block_passes_through_the_whole_law() {
 #[test]
 fn a_block_breaks_away_as_the_closed_form() {
     for slope in [-0.4, 0.0, 0.2] {
-        let mut run = block(slope).started();
+        let mut run = on_slope(slope).started();
         let (weight, friction) = (2.5 * G * slope.sin(), MU[0] * 2.5 * G * slope.cos());
         for (name, expected) in [
             ("pull.holding_force", weight),
@@ -177,10 +161,7 @@ fn squeezer(which: u32) -> Run {
                 m["joints"][joint]["pin_radius"] = json!(PIN_RADIUS);
             }
         }
-        m["friction"] = json!({
-            "enabled": true, "static_coefficient": COMMON[0], "kinetic_coefficient": COMMON[1],
-            "static_speed": SLOW_FAST[0], "kinetic_speed": SLOW_FAST[1]
-        });
+        m["friction"] = friction(COMMON, SLOW_FAST);
     }))
 }
 

@@ -1,34 +1,31 @@
 //! Friction in mechanisms whose branches cross: reactions may grow without bound there.
 
+use crate::support::definition::{self, G, With, pin, rod, slide, slider_crank, weight};
+use crate::support::numeric::runge_kutta;
 use crate::support::{CHAIN, Run, Vec2, changed};
 use linkage_fmu::component::Component;
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Radius of every pin [m], in mechanisms of some metres.
-const RADIUS: f64 = 0.01;
-
-fn friction() -> Value {
-    json!({ "enabled": true, "static_coefficient": 0.15, "kinetic_coefficient": 0.1 })
-}
-
-fn rod(length: f64) -> Value {
-    json!({ "length": length, "mass": length, "shape": "uniform_rod" })
-}
-
-fn pin(first: &str, second: &str) -> Value {
-    json!({ "type": "revolute", "first": first, "second": second, "pin_radius": RADIUS })
+/// A definition under its weight, with friction in all its joints.
+fn rubbing(definition: Value) -> String {
+    let friction = json!({ "enabled": true, "static_coefficient": 0.15, "kinetic_coefficient": 0.1 });
+    changed(definition, |m| {
+        m["friction"] = friction;
+        m["gravity"] = weight();
+        m["solver"] = json!({ "tolerance": 1e-9 });
+        let joints = m["joints"].as_object_mut().unwrap().values_mut();
+        joints.filter(|joint| joint["type"] == "revolute").for_each(|joint| joint["pin_radius"] = json!(RADIUS));
+    })
 }
 
 fn mechanism(bodies: &Value, joints: &Value, start: &Value, guess: &Value) -> String {
-    json!({
-        "name": "Mechanism", "friction": friction(), "bodies": bodies, "joints": joints, "start": start, "guess": guess,
-        "gravity": { "acceleration": 9.81, "up_angle": FRAC_PI_2 },
-        "solver": { "tolerance": 1e-9 }
-    })
-    .to_string()
+    rubbing(json!({ "name": "Mechanism", "bodies": bodies, "joints": joints, "start": start, "guess": guess }))
 }
+
+/// Radius of every pin [m], in mechanisms of some metres.
+const RADIUS: f64 = 0.01;
 
 fn angle(from: Vec2, to: Vec2) -> f64 {
     (to.y - from.y).atan2(to.x - from.x)
@@ -44,20 +41,12 @@ fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
 }
 
 /// A four-bar: lengths of ground, crank, coupler, rocker.
-fn four_bar([ground, crank, coupler, rocker]: [f64; 4], start: f64, speed: f64, side: f64) -> String {
+fn four_bar(lengths: [f64; 4], start: f64, speed: f64, side: f64) -> String {
+    let [ground, crank, coupler, rocker] = lengths;
     let (b, d) = (crank * Vec2::new(start.cos(), start.sin()), Vec2::new(ground, 0.0));
     let c = meeting([b, d], [coupler, rocker], side);
-    mechanism(
-        &json!({
-            "ground": { "length": ground }, "crank": rod(crank), "coupler": rod(coupler), "rocker": rod(rocker)
-        }),
-        &json!({
-            "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "coupler.origin"),
-            "c": pin("coupler.end", "rocker.end"), "d": pin("ground.end", "rocker.origin")
-        }),
-        &json!({ "body": "crank", "angle": start, "speed": speed }),
-        &json!({ "crank": start, "coupler": angle(b, c), "rocker": angle(d, c) }),
-    )
+    let bars = definition::four_bar(lengths, [start, angle(b, c), angle(d, c)]);
+    rubbing(bars.with(json!({ "start": { "speed": speed } })))
 }
 
 /// A plate on three parallel cranks.
@@ -65,7 +54,9 @@ fn double_parallelogram() -> String {
     let ground = json!({ "points": { "second": [1.0, 0.0], "third": [1.8, 0.0] } });
     let plate = json!({ "length": 1.8, "mass": 2.0, "shape": "uniform_rod", "points": { "second": [1.0, 0.0] } });
     mechanism(
-        &json!({ "ground": ground, "plate": plate, "one": rod(0.4), "two": rod(0.4), "three": rod(0.4) }),
+        &json!({
+            "ground": ground, "plate": plate, "one": rod(0.4, 0.4), "two": rod(0.4, 0.4), "three": rod(0.4, 0.4)
+        }),
         &json!({
             "a": pin("ground.origin", "one.origin"), "b": pin("one.end", "plate.origin"),
             "c": pin("ground.second", "two.origin"), "d": pin("two.end", "plate.second"),
@@ -80,36 +71,28 @@ fn double_parallelogram() -> String {
 fn gripper() -> String {
     let (crank, start, link) = (0.5, 1.2_f64, 0.9);
     let end = crank * Vec2::new(start.cos(), start.sin());
-    let slide = end.x - (link * link - end.y * end.y).sqrt();
+    let place = end.x - (link * link - end.y * end.y).sqrt();
     let ground = json!({ "points": { "second": [0.3, 0.0] } });
     mechanism(
         &json!({
-            "ground": ground, "one": rod(crank), "two": rod(crank), "jaw": rod(0.3), "link": rod(link), "slider": {
-                "mass": 0.5 }
+            "ground": ground, "one": rod(crank, crank), "two": rod(crank, crank), "jaw": rod(0.3, 0.3),
+            "link": rod(link, link), "slider": { "mass": 0.5 }
         }),
         &json!({
             "a": pin("ground.origin", "one.origin"), "b": pin("one.end", "jaw.origin"),
             "c": pin("ground.second", "two.origin"), "d": pin("two.end", "jaw.end"),
             "e": pin("slider.origin", "link.origin"), "f": pin("link.end", "one.end"),
-            "rail": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
+            "rail": slide("ground.origin", "slider.origin", 0.0)
         }),
         &json!({ "body": "one", "angle": start, "speed": 2.0 }),
-        &json!({ "one": start, "two": start, "jaw": 0.0, "rail": slide, "link": angle(Vec2::new(slide, 0.0), end) }),
+        &json!({ "one": start, "two": start, "jaw": 0.0, "rail": place, "link": angle(Vec2::new(place, 0.0), end) }),
     )
 }
 
 /// A slider-crank with a rod as long as its crank.
 fn isosceles() -> String {
-    mechanism(
-        &json!({ "ground": {}, "crank": rod(0.5), "rod": rod(0.5), "slider": { "mass": 1.0 } }),
-        &json!({
-            "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "rod.origin"),
-            "c": pin("rod.end", "slider.origin"),
-            "rail": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
-        }),
-        &json!({ "body": "crank", "angle": 0.7, "speed": 6.0 }),
-        &json!({ "crank": 0.7, "rod": -0.7, "rail": (0.7_f64).cos() }),
-    )
+    let bodies = [rod(0.5, 0.5), rod(0.5, 0.5), json!({ "mass": 1.0 })];
+    rubbing(slider_crank(bodies, 0.7).with(json!({ "start": { "speed": 6.0 } })))
 }
 
 const CRANK: f64 = 0.3;
@@ -122,7 +105,7 @@ fn coupled_cranks(speed: f64) -> String {
     let wheel = json!({
         "mass": WHEEL[0], "inertia": WHEEL[1], "center": [0.0, 0.0], "points": { "p": [CRANK, 0.0], "q": [0.0, CRANK] }
     });
-    let rod = json!({ "length": AXLES, "mass": COUPLING, "shape": "uniform_rod" });
+    let rod = rod(AXLES, COUPLING);
     mechanism(
         &json!({ "ground": { "length": AXLES }, "one": wheel, "two": wheel, "left": rod, "right": rod }),
         &json!({
@@ -135,25 +118,23 @@ fn coupled_cranks(speed: f64) -> String {
     )
 }
 
-fn chain(definition: &str) -> String {
-    changed(definition, |m| {
-        m["friction"] = friction();
-        m["joints"].as_object_mut().unwrap().values_mut().for_each(|joint| joint["pin_radius"] = json!(RADIUS));
-    })
+/// A chain with friction, at its own tolerance and gravity.
+fn chain(text: &str) -> String {
+    let own: Value = serde_json::from_str(text).unwrap();
+    changed(rubbing(own.clone()), |m| ["gravity", "solver"].iter().for_each(|key| m[key] = own[key].clone()))
 }
 
 /// The chain with this many four-bars.
 fn chain_of(count: usize) -> String {
-    let pin = |first: String, second: String| json!({ "type": "revolute", "first": first, "second": second });
     changed(CHAIN, |m| {
         for k in 3..=count {
             m["bodies"]["ground"]["points"][format!("pivot{k}")] = json!([k, 0.0]);
             for name in ["bar", "link"] {
-                m["bodies"][format!("{name}{k}")] = rod(1.0);
+                m["bodies"][format!("{name}{k}")] = rod(1.0, 1.0);
             }
-            m["joints"][format!("pivot{k}")] = pin(format!("ground.pivot{k}"), format!("bar{k}.origin"));
-            m["joints"][format!("left{k}")] = pin(format!("bar{}.end", k - 1), format!("link{k}.origin"));
-            m["joints"][format!("right{k}")] = pin(format!("link{k}.end"), format!("bar{k}.end"));
+            m["joints"][format!("pivot{k}")] = pin(&format!("ground.pivot{k}"), &format!("bar{k}.origin"));
+            m["joints"][format!("left{k}")] = pin(&format!("bar{}.end", k - 1), &format!("link{k}.origin"));
+            m["joints"][format!("right{k}")] = pin(&format!("link{k}.end"), &format!("bar{k}.end"));
             (m["guess"][format!("bar{k}")], m["guess"][format!("link{k}")]) = (json!(FRAC_PI_2), json!(0.0));
         }
     })
@@ -189,8 +170,6 @@ struct Cranks {
     /// Torques on both cranks.
     torques: [f64; 2],
 }
-
-const G: f64 = 9.81;
 
 impl Cranks {
     fn locomotive(torques: [f64; 2]) -> Self {
@@ -313,20 +292,8 @@ impl Cranks {
         self.balance(state, &sizes).0
     }
 
-    /// Runge and Kutta's classical method.
-    fn run(&self, [mut theta, mut omega]: [f64; 2], span: f64, steps: u32) -> [f64; 2] {
-        let h = span / f64::from(steps);
-        for _ in 0..steps {
-            let at = |t: f64, k: [f64; 2]| [theta + t * k[0], omega + t * k[1]];
-            let rate = |state: [f64; 2]| [state[1], self.acceleration(state)];
-            let k1 = rate([theta, omega]);
-            let k2 = rate(at(0.5 * h, k1));
-            let k3 = rate(at(0.5 * h, k2));
-            let k4 = rate(at(h, k3));
-            let mean = |i: usize| (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) / 6.0;
-            (theta, omega) = (theta + h * mean(0), omega + h * mean(1));
-        }
-        [theta, omega]
+    fn run(&self, start: [f64; 2], span: f64, steps: u32) -> [f64; 2] {
+        runge_kutta(|_, state| [state[1], self.acceleration(state)], start, span, steps)
     }
 }
 

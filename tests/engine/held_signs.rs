@@ -1,6 +1,7 @@
 //! Signs that select a law, held within a step: closed forms of motions in which a normal force and the direction of a
 //! drive's power change their signs at a speed.
 use crate::support::Run;
+use crate::support::definition::{G, With, block, friction, slider_crank};
 use serde_json::{Value, json};
 
 const MASS: f64 = 2.0;
@@ -8,27 +9,11 @@ const MU: f64 = 0.3;
 const SPEED: f64 = 5.0;
 
 /// A block on a slide along x without gravity, above V_d of its friction, pressed on the guide by a force along y.
-fn block() -> Value {
-    json!({
-        "name": "Block",
-        "bodies": {
-            "ground": { "points": { "start": [0, 0] } },
-            "block": { "mass": MASS, "inertia": 1, "center": [0, 0] },
-        },
-        "joints": {
-            "slide": { "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": 0,
-                "angle": 0 },
-        },
-        "guess": { "slide": 0 },
-        "start": { "joint": "slide", "position": 0, "speed": SPEED },
-        "gravity": { "acceleration": 0, "up_angle": 1.5 },
-        "forces": { "press": { "at": "block.origin" } },
-        "friction": {
-            "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": MU, "static_speed": 1e-3,
-                "kinetic_speed": 2e-3,
-        },
-        "solver": { "tolerance": 1e-9 },
-    })
+fn sliding() -> Value {
+    block(MASS).with(json!({
+        "start": { "speed": SPEED }, "forces": { "press": { "at": "block.origin" } },
+        "friction": friction([0.2, MU], [1e-3, 2e-3]), "solver": { "tolerance": 1e-9 },
+    }))
 }
 
 /// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: between the zeros of F
@@ -41,7 +26,7 @@ fn integral(force: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64, zeros: &[f6
 
 /// A force along y by value and two derivatives, its zeros in (0, 1), and the steps of a second.
 fn pressed([f0, f1, f2]: [f64; 3], zeros: &[f64], steps: u32) {
-    let mut block = Run::new(&block().to_string()).started();
+    let mut block = Run::new(sliding()).started();
     let force = |t: f64| f0 + t * (f1 + 0.5 * t * f2);
     let h = 1.0 / f64::from(steps);
     for k in 0..steps {
@@ -80,11 +65,10 @@ fn a_normal_force_dips_below_zero() {
 /// No normal force at all: its rounding makes no events.
 #[test]
 fn a_normal_force_of_zero_costs_nothing() {
-    let mut text = block();
-    text["gravity"] = json!({ "acceleration": 9.81, "up_angle": std::f64::consts::PI });
-    let mut block = Run::new(&text.to_string()).started();
+    let weight = json!({ "gravity": { "acceleration": G, "up_angle": std::f64::consts::PI } });
+    let mut block = Run::new(sliding().with(weight)).started();
     block.step(1.0);
-    let expected = SPEED + 9.81;
+    let expected = SPEED + G;
     assert!((block.get("slide.speed") - expected).abs() < 1e-9 * expected);
     assert!(block.statistics().accepted < 40, "{:?}", block.statistics());
 }
@@ -96,30 +80,17 @@ fn the_power_of_a_drive_changes_its_direction_at_a_dead_centre() {
     let (crank, rod, efficiency, force): (f64, f64, f64, f64) = (0.2, 0.5, 0.6, 10.0);
     let place = |angle: f64| crank * angle.cos() + (rod * rod - (crank * angle.sin()).powi(2)).sqrt();
     let start: f64 = -1.0;
-    let definition = json!({
-        "name": "SliderCrank",
-        "bodies": {
-            "ground": { "points": { "bearing": [0, 0], "guide": [0, 0] } },
-            "crank": { "length": crank, "mass": 3, "inertia": 0.3, "center": [0.1, 0] },
-            "rod": { "length": rod, "mass": 1, "inertia": 0.02, "center": [0.25, 0] },
-            "slider": { "mass": 2, "inertia": 1, "center": [0, 0] },
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.bearing", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
-            "guide": {
-                "type": "prismatic", "first": "ground.guide", "second": "slider.origin", "axis_angle": 0, "angle": 0,
-            },
-        },
-        "guess": { "crank": start, "rod": 0.35, "guide": place(start) },
-        "start": { "body": "crank", "angle": start, "speed": 10 },
-        "gravity": { "acceleration": 0, "up_angle": 0 },
-        "actuators": { "load": { "joint": "guide", "efficiency": efficiency } },
+    let bodies = [
+        json!({ "length": crank, "mass": 3, "inertia": 0.3, "center": [0.1, 0] }),
+        json!({ "length": rod, "mass": 1, "inertia": 0.02, "center": [0.25, 0] }),
+        json!({ "mass": 2, "inertia": 1 }),
+    ];
+    let definition = slider_crank(bodies, start).with(json!({
+        "start": { "speed": 10 }, "actuators": { "load": { "joint": "guide", "efficiency": efficiency } },
         "solver": { "tolerance": 1e-9 },
-    });
+    }));
     for h in [0.2, 0.45, 0.7] {
-        let mut machine = Run::new(&definition.to_string()).started();
+        let mut machine = Run::new(&definition).started();
         let before = machine.get("energy.kinetic");
         machine.set("load.force", force);
         machine.step(h);

@@ -1,32 +1,18 @@
 //! The landing gear and its hydraulic actuator, coupled step by step with the foreseen motion, against reference values
 //! of both integrated as one system by others (80-bit Taylor series).
+use crate::hydraulic_drive::Row;
+use crate::hydraulic_drive::reference::REFERENCE;
+use crate::support::{GEAR, numbers};
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
 
-/// Times and crank angles of the two scenes.
-const H1: [[f64; 2]; 10] = [
-    [0.05, 0.793_138_133_418_578],
-    [0.1, 0.769_550_975_553_854],
-    [0.2, 0.703_967_315_179_619],
-    [0.5, 0.523_620_580_328_936],
-    [1.0, 0.253_250_298_772_210],
-    [2.0, -0.242_429_680_769_236],
-    [3.0, -0.759_970_553_164_200],
-    [3.5, -1.057_183_092_610_89],
-    [3.8, -1.228_211_555_717_11],
-    [4.0, -1.288_356_605_084_42],
-];
-const H2: [[f64; 2]; 6] = [
-    [0.05, -0.004_840_584_530_605_04],
-    [0.1, -0.019_446_910_273_946_6],
-    [0.25, -0.060_968_306_152_116_0],
-    [0.5, -0.016_269_373_968_258_7],
-    [0.75, -0.077_741_658_026_645_3],
-    [1.0, -0.032_899_758_446_487_4],
-];
+/// Times and crank angles of the retraction or, `second`, the vibration.
+fn angles(second: bool) -> Vec<[f64; 2]> {
+    let rows: Vec<Row> = numbers(REFERENCE, if second { "vibration" } else { "retraction" });
+    rows.into_iter().map(|[time, angle, ..]| [time, angle]).collect()
+}
 
 /// How the gear gets the force, and how the actuator moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,9 +139,9 @@ fn exchange(gear: &mut Gear, actuator: &mut Actuator, scheme: Scheme, h: f64, wi
 /// Largest error of the crank angle at the times of the table.
 fn error(second: bool, scheme: Scheme, h: f64, with_slope: bool) -> f64 {
     let (mut gear, mut actuator) = pair(second, scheme, 1e-12, false);
-    let table: &[[f64; 2]] = if second { &H2 } else { &H1 };
+    let table = angles(second);
     let (mut worst, mut step) = (0.0_f64, 0_u32);
-    for [time, angle] in table {
+    for [time, angle] in &table {
         if (time / h - (time / h).round()).abs() > 1e-6 {
             continue;
         }
@@ -202,7 +188,7 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     actuator.0.initialize().unwrap();
     let terms =
         ["length", "speed", "reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"];
-    let table: &[[f64; 2]] = if second { &H2 } else { &H1 };
+    let table = angles(second);
     let (mut worst, mut told) = (0.0_f64, None);
     let end = table[table.len() - 1][0];
     actuator.set("preview.horizon", h);

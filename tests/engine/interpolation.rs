@@ -1,8 +1,8 @@
 //! Tables of cams and of prescribed motions against the laws whose points they are: acceleration and force tend to
 //! those of the law, rests rest, and a curve that is asked to be monotone is.
 use crate::cams::{ROLLER, lift, parsed, translating};
-use crate::support::{Run, assert_says, changed};
-use linkage_fmu::simulation::Simulation;
+use crate::support::definition::{With, block};
+use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
@@ -22,7 +22,7 @@ fn tabulated(law: &str, count: u32, keys: &Value) -> String {
 /// largest.
 fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
     let run = |text: &str, angle: f64| {
-        let mut run = Run::new(&changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();
+        let mut run = Run::new(changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();
         // Beyond what the cam's own acceleration adds: s'' w^2.
         let slope = run.get("guide.speed") / run.get("disc.speed");
         run.get("guide.acceleration") - slope * run.get("disc.acceleration")
@@ -54,18 +54,12 @@ fn the_acceleration_of_a_cam_by_points_tends_to_that_of_its_law() {
 }
 
 /// A mass of 2 kg on a horizontal slide, moved as the drive prescribes.
-fn servo_text(motion: &Value) -> String {
-    json!({
-            "name": "Servo", "bodies": { "ground": {}, "load": { "mass": 2 } },
-            "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "load.origin" } },
-            "actuators": { "servo": { "joint": "slide", "motion": motion } },
-            "guess": { "slide": 0 }, "start": { "joint": "slide", "position": 0 },
-    })
-    .to_string()
+fn servo_text(motion: &Value) -> Value {
+    block(2.0).with(json!({ "actuators": { "servo": { "joint": "slide", "motion": motion } } }))
 }
 
 fn servo(motion: &Value) -> Run {
-    Run::new(&servo_text(motion)).started()
+    Run::new(servo_text(motion)).started()
 }
 
 #[test]
@@ -123,9 +117,9 @@ fn a_curve_without_points_is_refused() {
     let text = changed(&translating("cycloidal", parsed(ROLLER)), |m| {
         m["couplings"]["cam"]["interpolation"] = json!("spline")
     });
-    assert_says(Simulation::open(&text).unwrap_err(), &["couplings.cam.interpolation", "segments", "points"]);
+    assert_says(refusal(&text), &["couplings.cam.interpolation", "segments", "points"]);
     for (value, pieces) in [("spline", ["motion.interpolation", "this profile"]), ("cubic", ["cubic", "monotone"])] {
         let text = servo_text(&json!({ "profile": "cycloidal", "duration": 1, "distance": 1, "interpolation": value }));
-        assert_says(Simulation::open(&text).unwrap_err(), &pieces);
+        assert_says(refusal(&text), &pieces);
     }
 }

@@ -3,12 +3,11 @@
 //! The same texts each time, unless LINKAGE_FMU_CASES sets the number of each kind:
 //! `LINKAGE_FMU_CASES=20000 cargo test --test engine mechanism_fuzz -- --nocapture`.
 
-use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, cases, reals, replaced as changed};
+use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, cases, reals, replaced as changed, runner};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde_json::Value;
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -76,16 +75,11 @@ fn read(text: &str) -> bool {
 
 /// Run texts of one kind.
 fn run(kind: &str, texts: impl Strategy<Value = String>) {
-    let asked = cases();
-    let cases = asked.unwrap_or(CASES);
+    let cases = cases().unwrap_or(CASES);
     let worker = Worker::new();
     let (mechanisms, longest) = (Cell::new(0_u32), Cell::new(Duration::ZERO));
-    let config = Config { cases, failure_persistence: None, max_shrink_time: 60_000, ..Config::default() };
     let start = Instant::now();
-    let mut runner = match asked {
-        Some(_) => TestRunner::new(config),
-        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
-    };
+    let mut runner = runner(CASES);
     let result = runner.run(&texts, |text| {
         let start = Instant::now();
         worker.texts.send(text.clone()).unwrap();

@@ -1,42 +1,17 @@
 //! Lengths that almost let branches of motion cross: snapped below `snap`, warned of above.
 
-use crate::support::{Run, assert_says};
+use crate::support::definition::{self, With, pin, rod, slider_crank};
+use crate::support::{Run, assert_says, refusal};
 use linkage_fmu::inspection::Inspection;
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-fn rod(length: f64) -> Value {
-    json!({ "length": length, "mass": length, "shape": "uniform_rod" })
-}
-
-fn pin(first: &str, second: &str) -> Value {
-    json!({ "type": "revolute", "first": first, "second": second })
-}
-
-fn extended(mut definition: Value, further: Value) -> String {
-    let keys = definition.as_object_mut().unwrap();
-    keys.extend(further.as_object().unwrap().clone());
-    definition.to_string()
-}
-
 /// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler, rocker; speed of the crank; guess, which is the
 /// start too.
-fn four_bar([ground, crank, coupler, rocker]: [f64; 4], speed: f64, guess: [f64; 3], further: Value) -> String {
-    let definition = json!({
-        "name": "FourBar",
-        "bodies": {
-            "ground": { "length": ground }, "crank": rod(crank), "coupler": rod(coupler), "rocker": rod(rocker)
-        },
-        "joints": {
-            "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "coupler.origin"),
-            "c": pin("coupler.end", "rocker.end"), "d": pin("ground.end", "rocker.origin")
-        },
-        "start": { "body": "crank", "angle": guess[0], "speed": speed },
-        "guess": { "crank": guess[0], "coupler": guess[1], "rocker": guess[2] },
-        "solver": { "tolerance": 1e-12 }
-    });
-    extended(definition, further)
+fn four_bar(lengths: [f64; 4], speed: f64, guess: [f64; 3], further: Value) -> String {
+    let moving = json!({ "start": { "speed": speed }, "solver": { "tolerance": 1e-12 } });
+    definition::four_bar(lengths, guess).with(moving).with(further).to_string()
 }
 
 fn parallelogram(change: f64, further: Value) -> String {
@@ -45,10 +20,6 @@ fn parallelogram(change: f64, further: Value) -> String {
 
 fn texts(inspection: &Inspection, topic: &str) -> Vec<String> {
     inspection.facts.iter().filter(|fact| fact.topic == topic).map(|fact| fact.text.clone()).collect()
-}
-
-fn warnings(run: &Run) -> Vec<String> {
-    run.0.model().warnings().iter().map(ToString::to_string).collect()
 }
 
 /// The crank turns round and round, and the rocker with it.
@@ -76,7 +47,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
             assert_eq!(remarks.len(), 3, "two flat positions, and the moves: {remarks:?}");
             assert_says(&remarks[0], &["less than snap = 1e-6", "crank = "]);
             assert_says(&remarks[2], &["points of joints are moved by", "of crank by"]);
-            assert!(warnings(&run).is_empty());
+            assert!(run.warnings().is_empty());
             let inspection = inspect(&text);
             assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);
             assert_eq!(texts(&inspection, "Snapped lengths"), remarks);
@@ -96,7 +67,7 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
     for change in [3e-6, -3e-6, 1e-4, 1e-3] {
         let text = parallelogram(change, json!({}));
         let run = Run::new(&text);
-        let told = warnings(&run);
+        let told = run.warnings();
         assert_eq!(told.len(), 2, "{change}: {told:?}");
         let inspection = inspect(&text);
         assert_eq!(inspection.findings.len(), 2);
@@ -128,14 +99,12 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
 #[test]
 fn without_snap_misses_are_refused_with_their_size() {
     for change in [1e-8, 1e-10] {
-        let error = linkage_fmu::simulation::Simulation::open(&parallelogram(change, json!({ "snap": 0 })));
-        let error = error.err().unwrap().to_string();
-        assert_says(&error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
+        let error = refusal(parallelogram(change, json!({ "snap": 0 })));
+        assert_says(error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
     }
     for (value, told) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
         let text = parallelogram(0.0, json!({ "snap": value.parse::<f64>().unwrap() }));
-        let error = linkage_fmu::simulation::Simulation::open(&text).err().unwrap().to_string();
-        assert_says(error, &["snap", told, "from 0 to 0.01"]);
+        assert_says(refusal(text), &["snap", told, "from 0 to 0.01"]);
     }
 }
 
@@ -165,7 +134,8 @@ fn other_linkages_follow_their_exact_shapes() {
             "name": "Coupled",
             "bodies": {
                 "ground": { "points": { "middle": [2, 0], "right": [3.5, 0] } },
-                "crank": rod(first), "second": rod(other), "third": rod(last), "rod_a": rod(rod_a), "rod_b": rod(rod_b)
+                "crank": rod(first, first), "second": rod(other, other), "third": rod(last, last),
+                "rod_a": rod(rod_a, rod_a), "rod_b": rod(rod_b, rod_b)
             },
             "joints": {
                 "a": pin("ground.origin", "crank.origin"), "b": pin("ground.middle", "second.origin"),
@@ -179,19 +149,11 @@ fn other_linkages_follow_their_exact_shapes() {
         })
         .to_string()
     };
-    let slider = |crank: f64, rod_length: f64| {
-        json!({
-            "name": "Isosceles",
-            "bodies": { "ground": {}, "crank": rod(crank), "rod": rod(rod_length), "slider": { "mass": 0.5 } },
-            "joints": {
-                "a": pin("ground.origin", "crank.origin"), "b": pin("crank.end", "rod.origin"),
-                "c": pin("rod.end", "slider.origin"),
-                "rail": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
-            },
-            "start": { "body": "crank", "angle": 0.4, "speed": 3 },
-            "guess": { "crank": 0.4, "rod": -0.4, "rail": 1.8 }, "solver": { "tolerance": 1e-12 }
-        })
-        .to_string()
+    let slider = |crank: f64, length: f64| {
+        let bodies = [rod(crank, crank), rod(length, length), json!({ "mass": 0.5 })];
+        let more = json!({ "start": { "speed": 3 }, "solver": { "tolerance": 1e-12 },
+            "guess": { "rod": -0.4, "guide": 1.8 } });
+        slider_crank(bodies, 0.4).with(more).to_string()
     };
     let kite = |lengths: [f64; 4]| {
         let [ground, crank, coupler, rocker] = lengths;
@@ -222,19 +184,16 @@ fn other_linkages_follow_their_exact_shapes() {
         let coordinates = exact.clone().reduced().unwrap().linkage().coordinates.clone();
         for change in [1e-13, -1e-11, 1e-9, -1e-7, 3e-7] {
             let text = build(change);
-            let mut run = match linkage_fmu::simulation::Simulation::open(&text) {
-                Ok(simulation) => Run(simulation).started(),
-                Err(error) => panic!("{name} {change:e}: {error}"),
-            };
+            let mut run = Run::new(text).started();
             assert!(!run.0.model().remarks().is_empty(), "{name} {change:e}");
-            assert!(warnings(&run).is_empty(), "{name} {change:e}: {:?}", warnings(&run));
+            assert!(run.warnings().is_empty(), "{name} {change:e}: {:?}", run.warnings());
             let mut other = exact.clone().started();
             for _ in 0..100 {
                 run.step(0.05);
                 other.step(0.05);
                 for coordinate in &coordinates {
                     let output =
-                        if coordinate == "rail" { "rail.position".into() } else { format!("{coordinate}.angle") };
+                        if coordinate == "guide" { "guide.position".into() } else { format!("{coordinate}.angle") };
                     let apart = (run.get(&output) - other.get(&output)).abs();
                     assert!(apart < 1e-9 + 100.0 * change.abs(), "{name} {change:e}: {output} differs by {apart:e}");
                 }

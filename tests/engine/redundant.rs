@@ -1,39 +1,34 @@
 //! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
 
-use crate::support::{Run, assert_says};
-use linkage_fmu::mechanism::Model;
+use crate::support::definition::{With, arm, block, friction, pin, rod, slide, weight};
+use crate::support::{Run, assert_says, refusal};
 use linkage_fmu::mechanism::inspection::inspect;
 use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
+use std::f64::consts::FRAC_PI_2;
 
 /// A parallelogram with a third bar in the middle; `third` is its length. The plate is the coupler, 2 m long.
-fn three_bars(third: f64) -> String {
-    format!(
-        r#"{{ "name": "ThreeBars",
-        "gravity": {{ "acceleration": 9.81, "up_angle": 1.5707963267948966 }},
-        "bodies": {{ "ground": {{ "length": 2, "points": {{ "middle": [0.8, 0] }} }},
-            "left": {{ "length": 1, "mass": 1, "shape": "uniform_rod" }},
-            "right": {{ "length": 1, "mass": 2, "shape": "uniform_rod" }},
-            "third": {{ "length": {third}, "mass": 0.5, "shape": "uniform_rod" }},
-            "plate": {{ "length": 2, "mass": 5, "center": [0.7, 0.1], "inertia": 1.5,
-                "points": {{ "middle": [0.8, 0] }} }} }},
-        "joints": {{
-            "a1": {{ "type": "revolute", "first": "ground.origin", "second": "left.origin" }},
-            "b1": {{ "type": "revolute", "first": "ground.end", "second": "right.origin" }},
-            "c1": {{ "type": "revolute", "first": "ground.middle", "second": "third.origin" }},
-            "a2": {{ "type": "revolute", "first": "left.end", "second": "plate.origin" }},
-            "b2": {{ "type": "revolute", "first": "right.end", "second": "plate.end" }},
-            "c2": {{ "type": "revolute", "first": "third.end", "second": "plate.middle" }} }},
-        "forces": {{ "tip": {{ "at": "plate.end", "force": [30, -20] }} }},
-        "start": {{ "body": "left", "angle": 1.1, "speed": 2 }},
-        "guess": {{ "left": 1.1, "right": 1.1, "third": 1.1, "plate": 0 }},
-        "solver": {{ "tolerance": 1e-12 }} }}"#
-    )
+fn three_bars(third: f64) -> Value {
+    json!({ "name": "ThreeBars", "gravity": weight(),
+        "bodies": {
+            "ground": { "length": 2, "points": { "middle": [0.8, 0] } },
+            "left": rod(1.0, 1.0), "right": rod(1.0, 2.0), "third": rod(third, 0.5),
+            "plate": { "length": 2, "mass": 5, "center": [0.7, 0.1], "inertia": 1.5, "points": { "middle": [0.8, 0] } },
+        },
+        "joints": {
+            "a1": pin("ground.origin", "left.origin"), "b1": pin("ground.end", "right.origin"),
+            "c1": pin("ground.middle", "third.origin"), "a2": pin("left.end", "plate.origin"),
+            "b2": pin("right.end", "plate.end"), "c2": pin("third.end", "plate.middle"),
+        },
+        "forces": { "tip": { "at": "plate.end", "force": [30, -20] } },
+        "start": { "body": "left", "angle": 1.1, "speed": 2 },
+        "guess": { "left": 1.1, "right": 1.1, "third": 1.1, "plate": 0 },
+        "solver": { "tolerance": 1e-12 } })
 }
 
 #[test]
 fn reactions_of_a_third_bar_are_those_of_least_norm() {
-    let mut run = Run::new(&three_bars(1.0)).started();
+    let mut run = Run::new(three_bars(1.0)).started();
     for _ in 0..40 {
         run.step(0.01);
         let angle = run.get("left.angle");
@@ -88,12 +83,12 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
 fn what_closes_a_redundant_loop_is_next_to_the_guess() {
     for case in 0..60 {
         let off = |k: u32| 5e-3 * f64::from(case * 7 + k).sin();
-        let mut definition: Value = serde_json::from_str(&three_bars(1.0)).unwrap();
+        let mut definition = three_bars(1.0);
         let guess = [("left", 1.1), ("right", 1.1), ("third", 1.1), ("plate", 0.0)];
         for (k, (body, angle)) in guess.iter().enumerate() {
             definition["guess"][*body] = json!(angle + off(k as u32));
         }
-        let mut run = Run::new(&definition.to_string()).started();
+        let mut run = Run::new(&definition).started();
         let linkage = run.reduced().unwrap().linkage().clone();
         let closed = &run.reduced().unwrap().curve().guess;
         for (name, q) in linkage.coordinates.iter().zip(closed) {
@@ -106,7 +101,7 @@ fn what_closes_a_redundant_loop_is_next_to_the_guess() {
 #[test]
 fn a_third_bar_that_does_not_fit_is_refused() {
     // 1 mm too long: it fits at no position near the guess but where the linkage is then rigid.
-    let error = Model::from_json(&three_bars(1.001)).unwrap_err().to_string();
+    let error = refusal(three_bars(1.001));
     let named =
         error.contains("0 degrees of freedom") || error.contains("do not close") || error.contains("redundant joint");
     assert!(named, "{error}");
@@ -115,16 +110,12 @@ fn a_third_bar_that_does_not_fit_is_refused() {
 #[test]
 fn wedges_move_although_their_sliders_hold_the_angle_twice() {
     // Two blocks on the ground, sliding on one another at 0.6 rad: y = tan(0.6) x.
-    let text = r#"{ "name": "Wedges",
-        "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
+    let wedges = json!({ "name": "Wedges", "gravity": weight(),
         "bodies": { "ground": {}, "a": { "mass": 1 }, "b": { "mass": 2 } },
-        "joints": { "x": { "type": "prismatic", "first": "ground.origin", "second": "a.origin" },
-            "y": { "type": "prismatic", "first": "ground.origin", "second": "b.origin",
-                "axis_angle": 1.5707963267948966 },
-            "z": { "type": "prismatic", "first": "a.origin", "second": "b.origin", "axis_angle": 0.6 } },
-        "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 },
-        "solver": { "tolerance": 1e-12 } }"#;
-    let mut run = Run::new(text).started();
+        "joints": { "x": slide("ground.origin", "a.origin", 0.0), "y": slide("ground.origin", "b.origin", FRAC_PI_2),
+            "z": slide("a.origin", "b.origin", 0.6) },
+        "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 }, "solver": { "tolerance": 1e-12 } });
+    let mut run = Run::new(wedges).started();
     run.step(0.3);
     // b slides down along y while a moves in x: the second point lies on the axis through the first, y = -tan(0.6) x.
     let (x, y) = (run.get("x.position"), run.get("y.position"));
@@ -138,6 +129,11 @@ fn wedges_move_although_their_sliders_hold_the_angle_twice() {
     assert!((fx + acceleration).abs() < 1e-9, "on b; a needs 1 kg times its acceleration: {fx}");
 }
 
+/// Friction that sticks, with this coefficient.
+fn sticks(coefficient: f64) -> Value {
+    friction([coefficient; 2], [0.0; 2]).with(json!({ "law": "stick" }))
+}
+
 /// What the check tells of the joints of a definition that follow from others.
 fn redundant(definition: &Value) -> Vec<String> {
     let facts = inspect(&definition.to_string()).facts.into_iter().filter(|fact| fact.topic == "Redundant joints");
@@ -147,19 +143,15 @@ fn redundant(definition: &Value) -> Vec<String> {
 /// With one coordinate and redundant joints there is no independent loop equation at all.
 #[test]
 fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
-    let mut carriage = json!({ "name": "Carriage", "gravity": { "acceleration": 9.81,
-        "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": { "points": { "upper": [0, 0.2] } }, "carriage": { "mass": 2, "points": { "upper": [0,
-            0.2] } } },
-        "joints": { "lower": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" },
-            "upper": { "type": "prismatic", "first": "ground.upper", "second": "carriage.upper" } },
-        "forces": { "push": { "at": "carriage.upper", "force": [6, 0] } },
-        "start": { "joint": "lower", "position": 0 }, "guess": { "lower": 0 } });
-    let mut run = Run::new(&carriage.to_string()).started();
+    let mut carriage = block(2.0).with(json!({ "gravity": weight(),
+    "bodies": { "ground": { "points": { "upper": [0, 0.2] } }, "block": { "points": { "upper": [0, 0.2] } } },
+    "joints": { "upper": slide("ground.upper", "block.upper", 0.0) },
+    "forces": { "push": { "at": "block.upper", "force": [6, 0] } } }));
+    let mut run = Run::new(&carriage).started();
     run.step(0.5);
-    assert!((run.get("lower.position") - 0.5 * 3.0 * 0.25).abs() < 1e-9);
+    assert!((run.get("slide.position") - 0.5 * 3.0 * 0.25).abs() < 1e-9);
     // Each rail carries half of the weight; the moment of the push and the weight at 0.375 m is shared evenly too.
-    for rail in ["lower", "upper"] {
+    for rail in ["slide", "upper"] {
         assert!((run.get(&format!("{rail}.force_y")) - 9.81).abs() < 1e-9, "{rail}");
         assert!(
             (run.get(&format!("{rail}.torque")) - 0.6).abs() < 1e-9,
@@ -170,34 +162,27 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     let [told] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
     assert_says(told, &["upper", "share the reactions"]);
     // Friction on each rail, which presses with half of the weight.
-    carriage["friction"] = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1,
-        "law": "stick",
-        "static_speed": 0, "kinetic_speed": 0 });
-    let mut run = Run::new(&carriage.to_string()).started();
+    carriage["friction"] = sticks(0.1);
+    let mut run = Run::new(&carriage).started();
     run.step(0.5);
-    assert!((run.get("lower.position") - 0.125 * (3.0 - 0.981)).abs() < 1e-9, "{}", run.get("lower.position"));
-    let door = json!({ "name": "Door", "bodies": { "ground": {}, "door": { "length": 1, "mass": 2,
-        "shape": "uniform_rod" } },
-        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "door.origin" },
-            "b": { "type": "revolute", "first": "ground.origin", "second": "door.origin" } },
-        "start": { "body": "door", "angle": 0, "speed": 3 }, "guess": { "door": 0 } });
-    let mut run = Run::new(&door.to_string()).started();
-    assert!((run.get("a.force_x") + 4.5).abs() < 1e-12 && (run.get("b.force_x") + 4.5).abs() < 1e-12);
+    assert!((run.get("slide.position") - 0.125 * (3.0 - 0.981)).abs() < 1e-9, "{}", run.get("slide.position"));
+    let twice = json!({ "joints": { "b": pin("ground.origin", "arm.origin") }, "start": { "speed": 3 } });
+    let door = arm(1.0, 2.0, 0.0).with(twice);
+    let mut run = Run::new(&door).started();
+    assert!((run.get("pivot.force_x") + 4.5).abs() < 1e-12 && (run.get("b.force_x") + 4.5).abs() < 1e-12);
     assert_eq!(redundant(&door).len(), 1);
 }
 
 /// A carriage of 2 kg on n rails with friction, turned by a torque so that some rails press from above.
 fn rails(n: usize) -> Value {
     let points: serde_json::Map<String, Value> = (0..n).map(|i| (format!("p{i}"), json!(place(i)))).collect();
-    let joint =
-        |i: usize| json!({ "type": "prismatic", "first": format!("ground.p{i}"), "second": format!("carriage.p{i}") });
+    let joint = |i: usize| slide(&format!("ground.p{i}"), &format!("carriage.p{i}"), 0.0);
     let joints: serde_json::Map<String, Value> = (0..n).map(|i| (format!("r{i}"), joint(i))).collect();
-    json!({ "name": "Rails", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+    json!({ "name": "Rails", "gravity": weight(),
         "bodies": { "ground": { "points": points }, "carriage": { "mass": 2, "points": points } },
         "joints": joints, "forces": { "push": { "at": "carriage.origin", "force": [8, 0] } },
         "torques": { "turn": { "on": "carriage", "torque": 80 } },
-        "friction": { "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1, "law": "stick",
-            "static_speed": 0, "kinetic_speed": 0 },
+        "friction": sticks(0.1),
         "start": { "joint": "r0", "position": 0 }, "guess": { "r0": 0 } })
 }
 
@@ -210,7 +195,7 @@ fn place(i: usize) -> [f64; 2] {
 #[test]
 fn friction_of_many_rails_is_that_of_their_least_reactions() {
     const N: usize = 7;
-    let mut run = Run::new(&rails(N).to_string()).started();
+    let mut run = Run::new(rails(N)).started();
     let size = run.reduced().unwrap().linkage().size;
     // Forces along y and moments / size: sum and moment about the carriage's origin.
     let shares = DMatrix::from_fn(2, 2 * N, |row, k| match (row, k < N) {
@@ -241,7 +226,7 @@ fn friction_of_many_rails_is_that_of_their_least_reactions() {
 fn many_rails_are_no_cubic_work() {
     let clock = std::time::Instant::now();
     let [few, more, most] = [50, 100, 200].map(|n| {
-        let mut run = Run::new(&rails(n).to_string()).started();
+        let mut run = Run::new(rails(n)).started();
         run.step(1.0);
         run.reduced().unwrap().state_loads(false).unwrap().unwrap().bundled()
     });
@@ -254,22 +239,20 @@ fn many_rails_are_no_cubic_work() {
 fn friction_of_many_hinges_is_that_of_one() {
     let angle = |n: usize| {
         let hinge = |i: usize| {
-            let ends = ["ground.origin", "lever.origin"];
+            let ends = ["ground.origin", "arm.origin"];
             (
                 format!("h{i}"),
                 json!({ "type": "revolute", "first": ends[i % 2], "second": ends[1 - i % 2], "pin_radius": 0.02 }),
             )
         };
         let joints: serde_json::Map<String, Value> = (0..n).map(hinge).collect();
-        let lever = json!({ "name": "Lever", "gravity": { "acceleration": 9.81,
-            "up_angle": std::f64::consts::FRAC_PI_2 },
-            "bodies": { "ground": {}, "lever": { "length": 1, "mass": 2, "shape": "uniform_rod" } }, "joints": joints,
-            "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.2, "law": "stick",
-                "static_speed": 0, "kinetic_speed": 0 },
-            "start": { "body": "lever", "angle": 0.3 }, "guess": { "lever": 0.3 }, "solver": { "tolerance": 1e-10 } });
-        let mut run = Run::new(&lever.to_string()).started();
+        let mut lever = arm(1.0, 2.0, 0.3).with(json!({
+            "gravity": weight(), "friction": sticks(0.2), "solver": { "tolerance": 1e-10 },
+        }));
+        lever["joints"] = joints.into();
+        let mut run = Run::new(lever).started();
         run.step(0.7);
-        run.get("lever.angle")
+        run.get("arm.angle")
     };
     let one = angle(1);
     for n in [2, 5, 60] {

@@ -1,6 +1,7 @@
 //! One mechanism written in several ways gives the same results: with the two sides of every joint exchanged, and with
 //! every body carried by others to which it is fixed.
 
+use crate::losses::TRAIN;
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::{Map, Value, json};
@@ -281,70 +282,23 @@ fn scenes() -> Vec<(String, Value)> {
             all.push((format!("example {index} of {page}: {}", whole["name"]), whole));
         }
     }
-    all.push(("train with losses".into(), train()));
-    for push in [1.0, -30.0] {
-        let name = format!("train with losses, driven by {push} N");
-        all.push((
-            name,
-            serde_json::from_str(&changed(&train().to_string(), |m| {
-                m["forces"]["push"]["force"] = json!([push, 0.0]);
-                m["torques"]["motor"]["torque"] = json!(-3.0);
-            }))
-            .unwrap(),
-        ));
+    // A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between bodies that move.
+    let hinges = include_str!("../fixtures/hinges.json").to_owned();
+    let driven = |push: f64| {
+        changed(TRAIN, |m| {
+            m["forces"]["push"]["force"] = json!([push, 0.0]);
+            m["torques"]["motor"]["torque"] = json!(-3.0);
+        })
+    };
+    for (name, text) in [
+        ("train with losses", TRAIN.to_owned()),
+        ("train with losses, driven by 1 N", driven(1.0)),
+        ("train with losses, driven by -30 N", driven(-30.0)),
+        ("hinges between bodies", hinges),
+    ] {
+        all.push((name.into(), serde_json::from_str(&text).unwrap()));
     }
-    all.push(("hinges between bodies".into(), hinges()));
     all
-}
-
-/// A shaft, gears to a second one, a belt to a third one, a rack to a table, all with losses.
-fn train() -> Value {
-    json!({ "name": "Train",
-        "bodies": { "ground": { "points": { "far": [0.3, 0], "third": [0.3, 0.4], "bed": [0.3, 0.3] } },
-            "one": { "mass": 2, "inertia": 0.02 }, "two": { "mass": 5, "inertia": 0.5 },
-            "three": { "mass": 3, "inertia": 0.7 }, "table": { "mass": 40 } },
-        "joints": { "a": { "type": "revolute", "first": "ground.origin", "second": "one.origin" },
-            "b": { "type": "revolute", "first": "ground.far", "second": "two.origin" },
-            "c": { "type": "revolute", "first": "ground.third", "second": "three.origin" },
-            "slide": { "type": "prismatic", "first": "ground.bed", "second": "table.origin" } },
-        "couplings": {
-            "mesh": { "type": "gears", "first": "one.origin", "second": "two.origin", "first_teeth": 17,
-                "second_teeth": 43,
-                "efficiency": 0.8 },
-            "belt": { "type": "belt", "first": "two.origin", "second": "three.origin", "first_radius": 0.05,
-                "second_radius": 0.1, "efficiency": 0.9 },
-            "rack": { "type": "rack", "first": "three.origin", "joint": "slide", "radius": 0.1, "efficiency": 0.7 } },
-        "torques": { "motor": { "on": "one", "torque": 3 } },
-        "forces": { "push": { "at": "table.origin", "force": [-10.0, 0.0] } },
-        "start": { "body": "one", "angle": 0.4, "speed": 1 },
-        "guess": { "one": 0.4, "two": 1.1, "three": 0, "slide": 0 } })
-}
-
-/// A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between bodies that move.
-fn hinges() -> Value {
-    json!({ "name": "Hinges", "gravity": { "acceleration": 9.81, "up_angle": 1.4 },
-        "bodies": { "ground": { "length": 0.4 },
-            "crank": { "length": 0.12, "mass": 1, "shape": "uniform_rod" },
-            "rod": { "length": 0.4, "mass": 2, "shape": "uniform_rod" },
-            "rocker": { "length": 0.25, "mass": 1.5, "shape": "uniform_rod" } },
-        "joints": {
-            "a": { "type": "revolute", "first": "ground.origin", "second": "crank.origin", "pin_radius": 0.01 },
-            "b": { "type": "revolute", "first": "crank.end", "second": "rod.origin", "pin_radius": 0.02 },
-            "c": { "type": "revolute", "first": "rod.end", "second": "rocker.end", "pin_radius": 0.015 },
-            "d": { "type": "revolute", "first": "ground.end", "second": "rocker.origin" } },
-        "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 },
-        "springs": {
-            "coil": { "joint": "b", "stiffness": 3, "damping": 0.05, "free_angle": 0.4, "preload": 0.2 },
-            "curve": { "joint": "d", "points": [[0, -1], [1, 0], [2, 3], [3, 4]] },
-            "damper": { "joint": "c", "damping_points": [[-2, -1], [0, 0], [1, 2]] } },
-        "actuators": {
-            "servo": { "joint": "b", "torque": 0.7, "efficiency": 0.9 },
-            "motor": { "joint": "a", "points": [[-10, 9], [0, 3], [20, 1], [30, 0]] } },
-        "stops": {
-            "soft": { "joint": "d", "limit": "upper", "angle": 2.0, "rigid": false, "stiffness": 40, "damping": 0.2 },
-            "rigid": { "joint": "c", "limit": "upper", "angle": 1.9, "restitution": 0.4 } },
-        "start": { "body": "crank", "angle": 0.6 },
-        "guess": { "crank": 0.6, "rod": 0.4, "rocker": 1.7 } })
 }
 
 #[test]

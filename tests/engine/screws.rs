@@ -1,30 +1,23 @@
 //! Screw drives against closed forms: a carriage, and a jib that a spindle between two points lifts.
 
-use crate::support::{Run, Vec2, assert_says, changed};
-use linkage_fmu::simulation::Simulation;
-use serde_json::json;
-use std::f64::consts::{PI, TAU};
-
-#[track_caller]
-fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((value - expected).abs() <= tolerance, "{what}: {value} instead of {expected}");
-}
+use crate::support::definition::{With, arm, block, weight};
+use crate::support::{Run, Vec2, assert_near, assert_says, changed, refusal, turned};
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
 
 /// A carriage of 30 kg on a slope of 0.4 rad, which a screw of 5 mm lead and 2e-4 kg.m2 drives.
-fn carriage() -> String {
-    json!({ "name": "Carriage", "gravity": { "acceleration": 9.81, "up_angle": PI / 2.0 },
-        "bodies": { "ground": {}, "table": { "mass": 30 } },
-        "joints": { "way": { "type": "prismatic", "first": "ground.origin", "second": "table.origin",
-            "axis_angle": 0.4 } },
-        "actuators": { "motor": { "joint": "way", "torque": 0.4, "screw": { "lead": 0.005, "inertia": 2e-4 } } },
-        "start": { "joint": "way", "position": 0.1, "speed": 0 }, "guess": { "way": 0.1 } })
-    .to_string()
+fn carriage() -> Value {
+    block(30.0).with(json!({
+        "gravity": weight(), "joints": { "slide": { "axis_angle": 0.4 } },
+        "actuators": { "motor": { "joint": "slide", "torque": 0.4, "screw": { "lead": 0.005, "inertia": 2e-4 } } },
+        "start": { "position": 0.1 }, "guess": { "slide": 0.1 },
+    }))
 }
 
 #[test]
 fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
     for efficiency in [1.0, 0.6] {
-        let text = changed(&carriage(), |m| m["actuators"]["motor"]["efficiency"] = json!(efficiency));
+        let text = changed(carriage(), |m| m["actuators"]["motor"]["efficiency"] = json!(efficiency));
         let mut run = Run::new(&text).started();
         let ratio = TAU / 0.005;
         let (mass, weight) = (30.0 + 2e-4 * ratio * ratio, 30.0 * 9.81 * 0.4_f64.sin());
@@ -33,12 +26,12 @@ fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
             run.step(0.05);
         }
         assert!(acceleration > 0.0);
-        assert_near(run.get("way.acceleration"), acceleration, 1e-13 * ratio * 0.4 / mass, "acceleration");
+        assert_near(run.get("slide.acceleration"), acceleration, 1e-13 * ratio * 0.4 / mass, "acceleration");
         let travel = 0.125 * acceleration;
-        assert_near(run.get("way.position"), 0.1 + travel, 1e-9 * travel, "position");
-        assert_near(run.get("motor.angle"), ratio * run.get("way.position"), 1e-12 * ratio, "angle of the screw");
-        assert_near(run.get("motor.speed"), ratio * run.get("way.speed"), 1e-12 * ratio, "speed of the screw");
-        let energy = 0.5 * mass * run.get("way.speed").powi(2);
+        assert_near(run.get("slide.position"), 0.1 + travel, 1e-9 * travel, "position");
+        assert_near(run.get("motor.angle"), ratio * run.get("slide.position"), 1e-12 * ratio, "angle of the screw");
+        assert_near(run.get("motor.speed"), ratio * run.get("slide.speed"), 1e-12 * ratio, "speed of the screw");
+        let energy = 0.5 * mass * run.get("slide.speed").powi(2);
         assert_near(run.get("energy.kinetic"), energy, 1e-12 * energy, "energy with that of the screw");
         // At the motor's side of the losses.
         let inertia = mass / ratio / ratio / efficiency;
@@ -47,32 +40,27 @@ fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
     }
 }
 
-/// A jib of 2 m and 80 kg, hinged at the origin, which a spindle from (1, 0) to its middle lifts.
-fn jib(screw: serde_json::Value) -> String {
-    json!({ "name": "SpindleJib", "gravity": { "acceleration": 9.81, "up_angle": PI / 2.0 },
-        "bodies": { "ground": { "points": { "foot": [1.0, -0.3] } },
-            "jib": { "length": 2, "mass": 80, "shape": "uniform_rod", "points": { "middle": [1.0, 0.1] } } },
-        "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "jib.origin" } },
-        "actuators": { "spindle": { "first": "ground.foot", "second": "jib.middle", "torque": 3.0, "screw": screw } },
-        "solver": { "tolerance": 1e-12 },
-        "start": { "body": "jib", "angle": 0.3, "speed": 0.5 }, "guess": { "jib": 0.3 } })
-    .to_string()
+/// A jib of 2 m and 80 kg, hinged at the origin, which a spindle from (1, -0.3) to its middle lifts.
+fn jib(screw: Value) -> Value {
+    let spindle = json!({ "first": "ground.foot", "second": "arm.middle", "torque": 3.0, "screw": screw });
+    arm(2.0, 80.0, 0.3).with(json!({
+        "gravity": weight(), "actuators": { "spindle": spindle }, "solver": { "tolerance": 1e-12 },
+        "bodies": { "ground": { "points": { "foot": [1.0, -0.3] } }, "arm": { "points": { "middle": [1.0, 0.1] } } },
+        "start": { "speed": 0.5 },
+    }))
 }
 
 #[test]
 fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
-    let mut run = Run::new(&jib(json!({ "lead": 0.01, "inertia": 0.003 }))).started();
+    let mut run = Run::new(jib(json!({ "lead": 0.01, "inertia": 0.003 }))).started();
     let ratio = TAU / 0.01;
     let reflected = 0.003 * ratio * ratio;
     let foot = Vec2::new(1.0, -0.3);
-    let spindle = |theta: f64| {
-        let turned = |v: Vec2| Vec2::new(theta.cos() * v.x - theta.sin() * v.y, theta.sin() * v.x + theta.cos() * v.y);
-        (turned(Vec2::new(1.0, 0.1)) - foot, turned(Vec2::new(-0.1, 1.0)))
-    };
+    let spindle = |theta: f64| (turned(Vec2::new(1.0, 0.1), theta) - foot, turned(Vec2::new(-0.1, 1.0), theta));
     for step in 0..40 {
         run.step(0.02);
         run.set("spindle.torque", 3.0 + 0.1 * f64::from(step));
-        let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("jib.{o}")));
+        let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("arm.{o}")));
         let (between, across) = spindle(theta);
         let along = between.normalize();
         // s' = e . r', and s'' by a central difference.
@@ -96,7 +84,7 @@ fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
         let (tip, normal) = (Vec2::new(theta.cos(), theta.sin()), Vec2::new(-theta.sin(), theta.cos()));
         let acceleration = alpha * normal - omega * omega * tip;
         let need = 80.0 * (acceleration + Vec2::new(0.0, 9.81)) - push * along;
-        let pin = Vec2::new(run.get("pin.force_x"), run.get("pin.force_y"));
+        let pin = run.force("pivot");
         assert!((pin - need).norm() < 1e-11 * (push.abs() + 1e4), "step {step}: {pin} {need}");
         let energy = run.get("energy.kinetic");
         let expected = 0.5 * (inertia + reflected * s1 * s1) * omega * omega;
@@ -107,8 +95,8 @@ fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
 
 #[test]
 fn without_inertia_a_screw_is_a_force() {
-    let mut screw = Run::new(&jib(json!({ "lead": 0.01 }))).started();
-    let force = changed(&jib(json!(null)), |m| {
+    let mut screw = Run::new(jib(json!({ "lead": 0.01 }))).started();
+    let force = changed(jib(json!(null)), |m| {
         let spindle = m["actuators"]["spindle"].as_object_mut().unwrap();
         spindle.remove("screw");
         spindle.remove("torque");
@@ -118,7 +106,7 @@ fn without_inertia_a_screw_is_a_force() {
     for _ in 0..20 {
         screw.step(0.02);
         force.step(0.02);
-        for name in ["jib.angle", "jib.acceleration", "pin.force_x", "pin.force_y"] {
+        for name in ["arm.angle", "arm.acceleration", "pivot.force_x", "pivot.force_y"] {
             let [a, b] = [screw.get(name), force.get(name)];
             assert!((a - b).abs() < 1e-11 * b.abs().max(1.0), "{name}: {a} {b}");
         }
@@ -127,23 +115,22 @@ fn without_inertia_a_screw_is_a_force() {
 
 #[test]
 fn what_is_no_screw_is_refused() {
-    let refused = |change: fn(&mut serde_json::Value), pieces: &[&str]| {
-        let text = changed(&carriage(), change);
-        assert_says(Simulation::open(&text).and_then(|mut s| s.initialize()).unwrap_err(), pieces);
+    let refused = |change: fn(&mut Value), pieces: &[&str]| {
+        let text = changed(carriage(), change);
+        assert_says(refusal(text), pieces);
     };
     refused(|m| m["actuators"]["motor"]["screw"]["lead"] = json!(0), &["actuators.motor.screw.lead", "> 0"]);
     refused(|m| m["actuators"]["motor"]["screw"]["inertia"] = json!(-1), &["actuators.motor.screw.inertia", ">= 0"]);
-    let other_formulation = changed(&jib(json!({ "lead": 0.01 })), |m| {
+    let other_formulation = changed(jib(json!({ "lead": 0.01 })), |m| {
         m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
-        m["bodies"]["jib"]["axial_stiffness"] = json!(1e9);
+        m["bodies"]["arm"]["axial_stiffness"] = json!(1e9);
     });
-    let error = Simulation::open(&other_formulation).and_then(|mut s| s.initialize()).unwrap_err();
-    assert_says(error, &["screw", "reduced model"]);
+    assert_says(refusal(other_formulation), &["screw", "reduced model"]);
     refused(|m| m["actuators"]["motor"]["force"] = json!(5), &["actuators.motor", "give torque", "screw"]);
     refused(
         |m| {
             m["bodies"]["wheel"] = json!({ "mass": 1, "inertia": 1 });
-            m["joints"]["pin"] = json!({ "type": "revolute", "first": "table.origin", "second": "wheel.origin" });
+            m["joints"]["pin"] = json!({ "type": "revolute", "first": "block.origin", "second": "wheel.origin" });
             m["actuators"]["motor"]["joint"] = json!("pin");
         },
         &["actuators.motor.screw", "along a line"],

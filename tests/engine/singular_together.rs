@@ -1,20 +1,14 @@
 //! Mechanisms of which several loops become singular at one position: scissor lifts, inversors.
 
+use crate::support::definition::{pin, rod, slide, weight};
+use crate::support::numeric::pseudo_random;
 use crate::support::{Run, Vec2, turned};
 use serde_json::{Value, json};
-use std::f64::consts::{FRAC_PI_2, PI};
-
-fn rod(length: f64, mass: f64) -> Value {
-    json!({ "length": length, "mass": mass, "shape": "uniform_rod" })
-}
-
-fn pin(first: &str, second: &str) -> Value {
-    json!({ "type": "revolute", "first": first, "second": second })
-}
+use std::f64::consts::PI;
 
 fn mechanism(bodies: &Value, joints: &Value, drive: &str, start: &Value, guess: &Value) -> String {
     json!({
-        "name": "Singular", "gravity": { "acceleration": 9.81, "up_angle": FRAC_PI_2 },
+        "name": "Singular", "gravity": weight(),
         "bodies": bodies, "joints": joints, "torques": { "drive": { "on": drive } },
         "start": start, "guess": guess, "solver": { "tolerance": 1e-12 }
     })
@@ -32,7 +26,7 @@ const BAR: f64 = 1.2;
 /// A scissor lift: in each stage bars a at the angle phi and b at pi - phi, pinned in their middles.
 fn scissor_lift(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2]) -> String {
     let mut bodies = json!({ "ground": { "length": 1.0 }, "carriage": { "mass": carriage, "inertia": 0.01 } });
-    let rail = json!({ "type": "prismatic", "first": "ground.origin", "second": "carriage.origin", "axis_angle": 0.0 });
+    let rail = slide("ground.origin", "carriage.origin", 0.0);
     let mut joints = json!({ "rail": rail });
     let mut guess = json!({ "rail": BAR * phi.cos() });
     for k in 1..=stages {
@@ -106,14 +100,6 @@ fn scissor_lifts_pass_whatever_their_masses() {
     for _ in 0..10 {
         let masses = [0.05 + 3.0 * random(), 0.05 + 3.0 * random()];
         a_lift_passes_its_singular_positions(3, masses, 1.0);
-    }
-}
-
-fn pseudo_random(seed: u64) -> impl FnMut() -> f64 {
-    let mut seed = seed;
-    move || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

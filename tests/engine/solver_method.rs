@@ -199,7 +199,7 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     };
     let before = bits(&mut model);
     let message = model.0.step(5e-3).unwrap_err().to_string();
-    let time: f64 = message.split("reached ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let time: f64 = message.split("reaches this stop ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     // 1e-3 rad of stretch at 30 rad/s.
     assert!(message.starts_with("upstop.angle = -1.3 rad: ") && (time - 0.002_059_8).abs() < 3e-5, "{message}");
     assert_eq!(bits(&mut model), before);

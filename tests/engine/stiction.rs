@@ -1,43 +1,27 @@
 //! Friction that sticks: closed forms of stick-slip and of Coulomb's oscillator; rest that is exact; breakaway located.
-use crate::support::{Run, assert_says};
-use linkage_fmu::mechanism::{Model, Pauses, Reached};
+use crate::support::definition::{self, G, With, friction, weight};
+use crate::support::numeric::simpson;
+use crate::support::{GEAR, Run, assert_says, refusal};
+use linkage_fmu::mechanism::{Pauses, Reached};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 const MASS: f64 = 2.0;
-const G: f64 = 9.81;
 const MU_S: f64 = 0.3;
 const MU_D: f64 = 0.2;
-const STIFFNESS: f64 = 50.0;
+pub const STIFFNESS: f64 = 50.0;
 
 /// A block on a slide at this angle, with a spring to the origin and a force along x.
-fn block(slope: f64, stiffness: f64) -> Value {
-    json!({
-        "name": "Block",
-        "bodies": {
-            "ground": { "points": { "start": [0, 0] } },
-            "block": { "mass": MASS, "inertia": 1, "center": [0, 0] },
-        },
-        "joints": {
-            "slide": {
-                "type": "prismatic", "first": "ground.start", "second": "block.origin", "axis_angle": slope, "angle": 0,
-            },
-        },
-        "guess": { "slide": 0 },
-        "start": { "joint": "slide", "position": 0, "speed": 0 },
-        "gravity": { "acceleration": G, "up_angle": PI / 2.0 },
+pub fn block(slope: f64, stiffness: f64) -> Value {
+    definition::block(MASS).with(json!({
+        "joints": { "slide": { "axis_angle": slope } }, "gravity": weight(), "friction": sticks([MU_S, MU_D], [0.0; 2]),
         "springs": { "spring": { "joint": "slide", "stiffness": stiffness, "free_length": 0 } },
-        "forces": { "pull": { "at": "block.origin" } },
-        "friction": {
-            "enabled": true, "law": "stick", "static_coefficient": MU_S, "kinetic_coefficient": MU_D,
-            "static_speed": 0, "kinetic_speed": 0,
-        },
-        "solver": { "tolerance": 1e-12 },
-    })
+        "forces": { "pull": { "at": "block.origin" } }, "solver": { "tolerance": 1e-12 },
+    }))
 }
 
-fn opened(definition: &Value) -> Run {
-    Run::new(&definition.to_string())
+fn sticks(coefficients: [f64; 2], speeds: [f64; 2]) -> Value {
+    friction(coefficients, speeds).with(json!({ "law": "stick" }))
 }
 
 /// What happened in steps, in words.
@@ -100,7 +84,7 @@ fn stick_slip_follows_its_closed_form() {
     for (speed, steps) in [(0.1, 2000), (0.1, 77), (0.1, 20), (0.5, 400), (0.02, 100)] {
         let exact = StickSlip::new(speed);
         let span = 10.0 * (exact.slip_time() + exact.stick_time()) + 0.4;
-        let mut run = opened(&block(0.0, STIFFNESS)).started();
+        let mut run = Run::new(block(0.0, STIFFNESS)).started();
         run.listen(true, false);
         let h = span / f64::from(steps);
         let mut events = Vec::new();
@@ -149,7 +133,7 @@ fn an_oscillator_comes_to_rest() {
     for steps in [1, 10, 1000] {
         let mut definition = block(0.0, STIFFNESS);
         definition["start"]["position"] = json!(x0);
-        let mut run = opened(&definition).started();
+        let mut run = Run::new(&definition).started();
         for n in 1..swings {
             run.steps(steps, half);
             let x = run.get("slide.position");
@@ -169,7 +153,7 @@ fn an_oscillator_comes_to_rest() {
 #[test]
 fn a_block_on_a_slope_does_not_creep() {
     let slope = f64::atan(0.29);
-    let mut run = opened(&block(slope, 0.0)).started();
+    let mut run = Run::new(block(slope, 0.0)).started();
     let place = run.get("slide.position");
     run.step(1.0);
     run.steps(1000, 1e6);
@@ -180,7 +164,7 @@ fn a_block_on_a_slope_does_not_creep() {
     assert!((run.get("slide.force") - across).abs() < 1e-12 * across);
     assert!(run.is("friction.sticking") && run.get("energy.drift") == 0.0);
     let slope = f64::atan(0.31);
-    let mut run = opened(&block(slope, 0.0)).started();
+    let mut run = Run::new(block(slope, 0.0)).started();
     run.step(2.0);
     let way = -0.5 * (G * slope.sin() - MU_D * G * slope.cos()) * 4.0;
     assert!((run.get("slide.position") - way).abs() < 1e-11 && !run.is("friction.sticking"));
@@ -191,8 +175,7 @@ fn a_block_on_a_slope_does_not_creep() {
 /// loads.
 #[test]
 fn the_gear_sticks_between_its_breakaway_forces() {
-    let text = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-    let text = text.replace("\"enabled\": false, \"static", "\"enabled\": true, \"law\": \"stick\", \"static");
+    let text = GEAR.replace("\"enabled\": false, \"static", "\"enabled\": true, \"law\": \"stick\", \"static");
     let mut start = Run::new(&text).with(&[("crank.start_angle", 0.3)]);
     start.set("airspeed", 0.0);
     let mut at_rest = start.clone();
@@ -236,52 +219,22 @@ fn the_gear_sticks_between_its_breakaway_forces() {
     }
 }
 
-/// The same motion through a saved state in the midst of sticking and of slipping, to the bit.
-#[test]
-fn a_saved_state_goes_on_to_the_bit() {
-    for before in [3, 40, 55] {
-        let mut run = opened(&block(0.0, STIFFNESS)).started();
-        let step = |run: &mut Run, k: i32| {
-            run.set("pull.force_x", STIFFNESS * 0.1 * f64::from(k) * 0.05);
-            run.set_derivative("pull.force_x", 1, STIFFNESS * 0.1);
-            run.step(0.05);
-        };
-        (0..before).for_each(|k| step(&mut run, k));
-        let mut bytes = Vec::new();
-        run.snapshot().write(&mut bytes).unwrap();
-        let mut other = opened(&block(0.0, STIFFNESS)).started();
-        let snapshot = other.read_snapshot(&bytes).unwrap();
-        other.restore(&snapshot).unwrap();
-        for k in before..100 {
-            step(&mut run, k);
-            step(&mut other, k);
-            let both = [&mut run, &mut other].map(|run| run.get("slide.position").to_bits());
-            assert_eq!(both[0], both[1], "step {k}");
-        }
-    }
-}
-
 /// A Stribeck curve: with V_S and V_d the coefficient falls from mu_S to mu_d; the work of friction agrees.
 #[test]
 fn friction_falls_along_its_stribeck_curve() {
     let mut definition = block(0.0, 0.0);
     definition["friction"]["kinetic_speed"] = json!(1.0);
     definition["start"]["speed"] = json!(0.5);
-    let mut run = opened(&definition).started();
+    let mut run = Run::new(&definition).started();
     // Half way the cubic step is half way.
     let friction = run.get("slide.friction_force");
     assert!((friction + 0.5 * (MU_S + MU_D) * MASS * G).abs() < 1e-12, "{friction}");
     run.step(1.0);
     assert_eq!(run.get("slide.speed"), 0.0);
     assert!(run.get("energy.drift").abs() < 1e-11);
-    // x = the integral of v / (mu(v) g) from 0 to 0.5 m/s, by the trapezoidal rule of a smooth function with Simpson's.
+    // x = the integral of v / (mu(v) g) from 0 to 0.5 m/s.
     let mu = |v: f64| MU_S + (MU_D - MU_S) * v * v * (3.0 - 2.0 * v);
-    let f = |v: f64| v / (mu(v) * G);
-    let n = 2000;
-    let h = 0.5 / f64::from(n);
-    let inner: f64 = (1..n).map(|k| f(f64::from(k) * h) * if k % 2 == 1 { 4.0 } else { 2.0 }).sum();
-    let way = (f(0.0) + inner + f(0.5)) * h / 3.0;
-    assert!((run.get("slide.position") - way).abs() < 1e-11, "{} {way}", run.get("slide.position"));
+    run.near("slide.position", simpson(|v| v / (mu(v) * G), 0.0, 0.5, 2000), 1e-11);
 }
 
 /// A block that bounces on a stop with friction, sticks at the stop while pressed and lets go beyond static friction.
@@ -290,7 +243,7 @@ fn a_stop_and_friction_hold_together() {
     let mut definition = block(0.0, 0.0);
     definition["stops"] = json!({ "end": { "joint": "slide", "limit": "upper", "position": 0.5, "restitution": 0.5 } });
     definition["start"]["speed"] = json!(2.0);
-    let mut run = opened(&definition).started();
+    let mut run = Run::new(&definition).started();
     run.step(10.0);
     // v^2 = 4 - 2 mu g 0.5 at the stop, then a quarter of it over 2 mu g.
     let back = 0.25 * (4.0 - 2.0 * MU_D * G * 0.5) / (2.0 * MU_D * G);
@@ -299,7 +252,7 @@ fn a_stop_and_friction_hold_together() {
     assert!(run.get("energy.drift").abs() < 1e-10);
     let mut definition = definition.clone();
     definition["start"] = json!({ "joint": "slide", "position": 0.5, "speed": 0 });
-    let mut run = opened(&definition).started();
+    let mut run = Run::new(&definition).started();
     let held = MU_S * MASS * G;
     for (force, sticks, stays) in
         [(2.0 * held, false, true), (0.5 * held, true, true), (-0.99 * held, true, true), (-1.01 * held, false, false)]
@@ -311,7 +264,6 @@ fn a_stop_and_friction_hold_together() {
     }
 }
 
-/// Less static than kinetic friction is refused where the law sticks.
 /// A block is pushed along a rail while its weight turns up and down again: the normal force passes 0, and the block
 /// slips, sticks and slips again in one step. At rest, a limit on the step that its last slip needed has no meaning any
 /// more.
@@ -319,12 +271,9 @@ fn a_stop_and_friction_hold_together() {
 fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
     let position = |tolerance: f64| {
         let mut definition = block(0.0, 0.0);
-        definition["friction"] = json!({
-            "enabled": true, "law": "stick", "static_coefficient": 0.2, "kinetic_coefficient": 0.1,
-            "static_speed": 0.001, "kinetic_speed": 0.1,
-        });
+        definition["friction"] = sticks([0.2, 0.1], [1e-3, 0.1]);
         definition["solver"] = json!({ "tolerance": tolerance });
-        let mut run = opened(&definition);
+        let mut run = Run::new(&definition);
         run.set_all(&[("load_factor", -3.0), ("pull.force_x", 3.0)]);
         run.initialize();
         for factor in [-3.0, 3.0] {
@@ -341,12 +290,12 @@ fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
     }
 }
 
+/// Less static than kinetic friction is refused where the law sticks.
 #[test]
 fn static_below_kinetic_friction_is_refused() {
     let mut definition = block(0.0, 0.0);
     definition["friction"]["static_coefficient"] = json!(0.1);
-    let refusal = Model::from_json(&definition.to_string()).unwrap_err();
-    assert_says(refusal, &["friction.static_coefficient", "0.1", "0.2", "stick"]);
+    assert_says(refusal(definition), &["friction.static_coefficient", "0.1", "0.2", "stick"]);
 }
 
 /// A host with event mode is told of each change between sticking and slipping, at its instant.
@@ -354,7 +303,7 @@ fn static_below_kinetic_friction_is_refused() {
 fn steps_pause_where_the_block_sticks_and_breaks_away() {
     let (speed, span) = (0.1, 6.0);
     let exact = StickSlip::new(speed);
-    let mut run = opened(&block(0.0, STIFFNESS)).started();
+    let mut run = Run::new(block(0.0, STIFFNESS)).started();
     let (mut t, mut changes) = (0.0, Vec::new());
     while t < span {
         run.set("pull.force_x", STIFFNESS * speed * t);

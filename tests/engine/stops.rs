@@ -1,7 +1,10 @@
 //! Stops, bumpers and locks: impacts, rest, what holds, and the energy.
 
-use crate::support::{Run, SLIDER_CRANK, assert_says, changed, read_all};
+use crate::support::definition::{With, block, weight};
+use crate::support::{Run, SLIDER_CRANK, assert_says, changed, read_all, refusal};
 use proptest::prelude::*;
+use serde_json::{Value, json};
+use std::f64::consts::FRAC_PI_2;
 
 fn same_reactions(one: &mut Run, other: &mut Run) {
     for joint in ["joint1.force_x", "joint1.force_y", "joint2.force_x", "joint3.force_y", "joint4.force_x"] {
@@ -318,7 +321,7 @@ proptest! {
 fn a_stop_beyond_all_numbers_is_never_met() {
     for angle in [1e17, 1e100] {
         let mut crank = Run::new(&changed(SLIDER_CRANK, |m| {
-            m["stops"] = serde_json::json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
+            m["stops"] = json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
         }))
         .started();
         crank.step(0.1);
@@ -330,26 +333,24 @@ fn a_stop_beyond_all_numbers_is_never_met() {
 #[test]
 fn a_mechanism_may_start_on_its_bumper() {
     const DEPTH: f64 = 2.0 * 9.81 / 1e4;
-    let block = |start: serde_json::Value| {
-        let text = serde_json::json!({ "name": "Block", "bodies": { "ground": {}, "block": { "mass": 2 } },
-            "joints": { "s": { "type": "prismatic", "first": "ground.origin", "second": "block.origin",
-                "axis_angle": std::f64::consts::FRAC_PI_2 } },
-            "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
-            "stops": { "rubber": { "joint": "s", "limit": "lower", "position": 0, "rigid": false, "stiffness": 1e4,
-                "damping": 50 },
-                "end": { "joint": "s", "limit": "lower", "position": -0.01 } },
-            "start": start, "guess": { "s": 0.1 } });
-        text.to_string()
+    let on_rubber = |start: Value| {
+        let mut definition = block(2.0).with(json!({
+            "joints": { "slide": { "axis_angle": FRAC_PI_2 } }, "gravity": weight(), "guess": { "slide": 0.1 },
+            "stops": { "rubber": { "joint": "slide", "limit": "lower", "position": 0, "rigid": false, "stiffness": 1e4,
+                "damping": 50 }, "end": { "joint": "slide", "limit": "lower", "position": -0.01 } },
+        }));
+        definition["start"] = start;
+        definition
     };
     for start in [
-        serde_json::json!("equilibrium"),
-        serde_json::json!({ "joint": "s", "position": -DEPTH }),
-        serde_json::json!({ "joint": "s", "position": 0.05, "equilibrium": true }),
+        json!("equilibrium"),
+        json!({ "joint": "slide", "position": -DEPTH }),
+        json!({ "joint": "slide", "position": 0.05, "equilibrium": true }),
     ] {
-        let mut run = Run::new(&block(start.clone())).started();
+        let mut run = Run::new(on_rubber(start.clone())).started();
         for _ in 0..10 {
             // The tolerance of positions is relative to 1 rad, which is 1 m here.
-            assert!((run.get("s.position") + DEPTH).abs() < 1e-8, "{start}: {}", run.get("s.position"));
+            assert!((run.get("slide.position") + DEPTH).abs() < 1e-8, "{start}: {}", run.get("slide.position"));
             assert!((run.get("rubber.force") - 2.0 * 9.81).abs() < 1e-4 && run.is("rubber.reached"), "{start}");
             run.step(0.1);
         }
@@ -361,18 +362,17 @@ fn a_mechanism_may_start_on_its_bumper() {
         );
     }
     // From half of the depth it sinks as a damped oscillator does.
-    let mut run = Run::new(&block(serde_json::json!({ "joint": "s", "position": -0.5 * DEPTH }))).started();
+    let mut run = Run::new(on_rubber(json!({ "joint": "slide", "position": -0.5 * DEPTH }))).started();
     let (rate, omega) = (12.5, (5e3f64 - 12.5 * 12.5).sqrt());
     for k in 1..=20 {
         run.step(0.002);
         let t = 0.002 * f64::from(k);
         let (sin, cos) = (omega * t).sin_cos();
         let exact = -DEPTH + 0.5 * DEPTH * (-rate * t).exp() * (cos + rate / omega * sin);
-        assert!((run.get("s.position") - exact).abs() < 1e-8, "{k}: {} {exact}", run.get("s.position"));
+        assert!((run.get("slide.position") - exact).abs() < 1e-8, "{k}: {} {exact}", run.get("slide.position"));
     }
     assert!(run.get("energy.drift").abs() < 1e-8);
     // A rigid stop is not passed.
-    let beyond = block(serde_json::json!({ "joint": "s", "position": -0.011 }));
-    let error = linkage_fmu::simulation::Simulation::open(&beyond).unwrap_err();
-    assert_says(error, &["end.position", "beyond this stop"]);
+    let beyond = on_rubber(json!({ "joint": "slide", "position": -0.011 }));
+    assert_says(refusal(beyond), &["end.position", "beyond this stop"]);
 }

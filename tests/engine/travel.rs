@@ -1,67 +1,58 @@
 //! Travel without limits: an open curve goes on where the motion goes, and a limit on one side leaves the other one
 //! free.
 
+use crate::support::definition::{G, With, block, friction, pin, rod, slide, weight};
 use crate::support::{FOUR_BAR, GEAR, Run, SLIDER_CRANK, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
-use serde_json::json;
-
-const G: f64 = 9.81;
+use serde_json::{Value, json};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
 /// A carriage of 20 mm on a straight rail, with a force along the rail and further keys.
-fn carriage(further: &str) -> String {
-    format!(
-        r#"{{ "name": "Carriage",
-          "bodies": {{ "ground": {{}}, "carriage": {{ "length": 0.02, "mass": 3, "inertia": 0.01 }} }},
-          "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" }} }},
-          "actuators": {{ "push": {{ "joint": "rail" }} }}, {further}
-          "start": {{ "joint": "rail", "position": 0.5, "speed": 0 }}, "guess": {{ "rail": 0 }} }}"#
-    )
+fn carriage(further: Value) -> Value {
+    let carriage = block(3.0).with(json!({
+        "bodies": { "block": { "length": 0.02, "inertia": 0.01 } }, "actuators": { "push": { "joint": "slide" } },
+        "start": { "position": 0.5 },
+    }));
+    carriage.with(further)
 }
 
 /// A block that slides down a slope of 30 degrees, with friction that does not depend on the speed above 0.1 m/s.
-fn block() -> String {
-    r#"{ "name": "Block", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966, "load_factor": 1 },
-      "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.2,
-        "static_speed": 0.01, "kinetic_speed": 0.1 },
-      "bodies": { "ground": {}, "block": { "length": 0.4, "mass": 2, "inertia": 0.1 } },
-      "joints": { "slope": { "type": "prismatic", "first": "ground.origin", "second": "block.origin",
-        "axis_angle": -0.5235987755982988 } },
-      "markers": { "nose": { "at": "block.end" } },
-      "start": { "joint": "slope", "position": 0, "speed": 1 }, "guess": { "slope": 0 } }"#
-        .into()
+fn on_slope() -> Value {
+    block(2.0).with(json!({
+        "gravity": weight(), "friction": friction([0.2, 0.2], [0.01, 0.1]),
+        "bodies": { "block": { "length": 0.4, "inertia": 0.1 } }, "joints": { "slide": { "axis_angle": -FRAC_PI_6 } },
+        "markers": { "nose": { "at": "block.end" } }, "start": { "speed": 1 },
+    }))
 }
 
 /// An arm about the origin through a block on a vertical rail at x = 1: its angle is the arc tangent of the block's
 /// height.
-fn arm(further: &str) -> String {
-    format!(
-        r#"{{ "name": "Arm",
-          "bodies": {{ "ground": {{ "points": {{ "rail": [1, 0] }} }}, "arm": {{ "length": 1, "inertia": 4 }},
-            "block": {{ "mass": 3 }}, "eye": {{}} }},
-          "joints": {{ "pivot": {{ "type": "revolute", "first": "ground.origin", "second": "arm.origin" }},
-            "rail": {{ "type": "prismatic", "first": "ground.rail", "second": "block.origin",
-              "axis_angle": 1.5707963267948966 }},
-            "slot": {{ "type": "prismatic", "first": "arm.origin", "second": "eye.origin" }},
-            "pin": {{ "type": "revolute", "first": "eye.origin", "second": "block.origin" }} }},
-          "actuators": {{ "push": {{ "joint": "rail" }} }}, {further}
-          "start": {{ "joint": "rail", "position": 0.5, "speed": 2 }},
-          "guess": {{ "arm": 0.4, "rail": 0.4, "slot": 1.1 }} }}"#
-    )
+fn arm(further: Value) -> Value {
+    let arm = json!({
+        "name": "Arm",
+        "bodies": { "ground": { "points": { "rail": [1, 0] } }, "arm": { "length": 1, "inertia": 4 },
+            "block": { "mass": 3 }, "eye": {} },
+        "joints": { "pivot": pin("ground.origin", "arm.origin"), "pin": pin("eye.origin", "block.origin"),
+            "rail": slide("ground.rail", "block.origin", FRAC_PI_2), "slot": slide("arm.origin", "eye.origin", 0.0) },
+        "actuators": { "push": { "joint": "rail" } },
+        "start": { "joint": "rail", "position": 0.5, "speed": 2 },
+        "guess": { "arm": 0.4, "rail": 0.4, "slot": 1.1 },
+    });
+    arm.with(further)
 }
 
 /// Two carriages of which one draws the other by a rod: a loop that is far from the origin as a whole.
-fn train() -> String {
-    r#"{ "name": "Train",
-      "bodies": { "ground": {}, "front": { "mass": 2 }, "rear": { "mass": 3 },
-        "rod": { "length": 0.5, "mass": 1, "shape": "uniform_rod" } },
-      "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "front.origin" },
-        "other": { "type": "prismatic", "first": "ground.origin", "second": "rear.origin" },
-        "hook": { "type": "revolute", "first": "rear.origin", "second": "rod.origin" },
-        "eye": { "type": "revolute", "first": "rod.end", "second": "front.origin" } },
-      "actuators": { "push": { "joint": "rail" } },
-      "start": { "joint": "rail", "position": 0.5, "speed": 0 }, "guess": { "rail": 0.5, "other": 0, "rod": 0 } }"#
-        .into()
+fn train() -> Value {
+    json!({
+        "name": "Train",
+        "bodies": { "ground": {}, "front": { "mass": 2 }, "rear": { "mass": 3 }, "rod": rod(0.5, 1.0) },
+        "joints": { "rail": slide("ground.origin", "front.origin", 0.0),
+            "other": slide("ground.origin", "rear.origin", 0.0), "hook": pin("rear.origin", "rod.origin"),
+            "eye": pin("rod.end", "front.origin") },
+        "actuators": { "push": { "joint": "rail" } },
+        "start": { "joint": "rail", "position": 0.5 }, "guess": { "rail": 0.5, "other": 0, "rod": 0 },
+    })
 }
 
 /// Number of stretches made so far; positions closed to trace them; panels of the influences on them.
@@ -74,16 +65,16 @@ fn made(run: &mut Run) -> [usize; 3] {
 #[test]
 fn a_carriage_moves_a_million_metres() {
     for speed in [1e4, -1e4] {
-        let mut run = Run::new(&carriage(""));
-        run.place(("rail.start_position", 0.5), ("rail.start_speed", speed));
+        let mut run = Run::new(carriage(json!({})));
+        run.place(("slide.start_position", 0.5), ("slide.start_speed", speed));
         let before = made(&mut run);
         assert_eq!(before[0], 1, "nothing is traced where the motion does not go");
         for k in 1..=100 {
             run.step(1.0);
             let exact = 0.5 + speed * f64::from(k);
-            let error = (run.get("rail.position") - exact).abs();
+            let error = (run.get("slide.position") - exact).abs();
             assert!(error <= 8.0 * f64::EPSILON * exact.abs(), "{k}: {error:e} m");
-            assert!((run.get("rail.speed") / speed - 1.0).abs() <= 4.0 * f64::EPSILON);
+            assert!((run.get("slide.speed") / speed - 1.0).abs() <= 4.0 * f64::EPSILON);
         }
         let after = made(&mut run);
         println!("{before:?} {after:?}");
@@ -95,20 +86,20 @@ fn a_carriage_moves_a_million_metres() {
 
 #[test]
 fn a_pushed_carriage_and_one_on_a_spring_move_as_in_closed_form() {
-    let mut run = Run::new(&carriage("")).with(&[("push.force", 600.0)]).started();
+    let mut run = Run::new(carriage(json!({}))).with(&[("push.force", 600.0)]).started();
     for k in 1..=100 {
         run.step(1.0);
         let exact = 0.5 + 100.0 * f64::from(k * k);
-        let error = (run.get("rail.position") - exact).abs();
+        let error = (run.get("slide.position") - exact).abs();
         assert!(error <= 1e-14 * exact, "{k}: {error:e} m");
         assert!(run.get("energy.drift").abs() <= 1e-13 * run.get("energy.kinetic"));
     }
     // Over the borders of stretches and back, many times; with and without energy lost.
     for damping in [0.0, 0.02] {
-        let spring =
-            format!(r#""springs": {{ "spring": {{ "joint": "rail", "stiffness": 12, "damping": {damping} }} }},"#);
-        let mut run = Run::new(&carriage(&spring)).with(&[("solver.tolerance", 1e-10)]);
-        run.place(("rail.start_position", 300.0), ("rail.start_speed", 0.0));
+        let spring = json!({ "joint": "slide", "stiffness": 12, "damping": damping });
+        let mut run =
+            Run::new(carriage(json!({ "springs": { "spring": spring } }))).with(&[("solver.tolerance", 1e-10)]);
+        run.place(("slide.start_position", 300.0), ("slide.start_speed", 0.0));
         let decay = damping / 6.0;
         let omega = f64::sqrt(4.0 - decay * decay);
         for k in 1..=200 {
@@ -116,7 +107,7 @@ fn a_pushed_carriage_and_one_on_a_spring_move_as_in_closed_form() {
             let t = 0.1 * f64::from(k);
             let (sin, cos) = (omega * t).sin_cos();
             let exact = 300.0 * (-decay * t).exp() * (cos + decay / omega * sin);
-            let error = (run.get("rail.position") - exact).abs();
+            let error = (run.get("slide.position") - exact).abs();
             assert!(error < 300.0 * 1e-8, "{t}: {error:e} m");
         }
     }
@@ -124,32 +115,32 @@ fn a_pushed_carriage_and_one_on_a_spring_move_as_in_closed_form() {
 
 #[test]
 fn a_block_slides_a_kilometre_and_more() {
-    let mut run = Run::new(&block()).with(&[("solver.tolerance", 1e-10)]).started();
-    let (sin, cos) = (-std::f64::consts::FRAC_PI_6).sin_cos();
+    let mut run = Run::new(on_slope()).with(&[("solver.tolerance", 1e-10)]).started();
+    let (sin, cos) = (-FRAC_PI_6).sin_cos();
     let a = G * (-sin - 0.2 * cos);
     for k in 1..=100 {
         run.step(0.5);
         let t = 0.5 * f64::from(k);
         let (s, v) = (t + 0.5 * a * t * t, 1.0 + a * t);
-        let position = run.get("slope.position");
+        let position = run.get("slide.position");
         assert!((position - s).abs() < 1e-12 * s, "{t}: {position} {s}");
-        assert!((run.get("slope.speed") - v).abs() < 1e-12 * v);
-        assert!((run.get("slope.friction_force") + 0.2 * 2.0 * G * cos).abs() < 1e-11);
+        assert!((run.get("slide.speed") - v).abs() < 1e-12 * v);
+        assert!((run.get("slide.friction_force") + 0.2 * 2.0 * G * cos).abs() < 1e-11);
         assert!((run.get("nose.x") - (0.4 + s * cos)).abs() < 1e-12 * s);
         assert!((run.get("nose.y") - s * sin).abs() < 1e-12 * s);
-        assert!((run.get("slope.force") - 2.0 * G * cos).abs() < 1e-11);
+        assert!((run.get("slide.force") - 2.0 * G * cos).abs() < 1e-11);
     }
-    assert!(run.get("slope.position") > 4000.0);
+    assert!(run.get("slide.position") > 4000.0);
     assert!(made(&mut run)[0] > 2);
 }
 
 #[test]
 fn a_guess_is_as_good_as_any_other() {
-    let mut far = Run::new(&changed(&carriage(""), |m| {
-        m["guess"]["rail"] = json!(150);
+    let mut far = Run::new(&changed(carriage(json!({})), |m| {
+        m["guess"]["slide"] = json!(150);
         m["start"]["position"] = json!(150.5);
     }));
-    let mut near = Run::new(&carriage(""));
+    let mut near = Run::new(carriage(json!({})));
     for run in [&mut far, &mut near] {
         run.set("push.force", 2.0);
         run.initialize();
@@ -158,19 +149,19 @@ fn a_guess_is_as_good_as_any_other() {
         far.step(1.0);
         near.step(1.0);
         assert!(
-            (far.get("rail.position") - near.get("rail.position") - 150.0).abs() < 1e-12 * far.get("rail.position")
+            (far.get("slide.position") - near.get("slide.position") - 150.0).abs() < 1e-12 * far.get("slide.position")
         );
     }
     // A start far from the guess, on both sides.
     for position in [1234.5, -1234.5, 1e6] {
-        far.place(("rail.start_position", position), ("rail.start_speed", 0.0));
-        assert!((far.get("rail.position") - position).abs() < 1e-15 * position.abs());
+        far.place(("slide.start_position", position), ("slide.start_speed", 0.0));
+        assert!((far.get("slide.position") - position).abs() < 1e-15 * position.abs());
     }
 }
 
 #[test]
 fn an_arm_follows_its_block_along_the_asymptote() {
-    let mut run = Run::new(&arm("")).with(&[("solver.tolerance", 1e-11)]).started();
+    let mut run = Run::new(arm(json!({}))).with(&[("solver.tolerance", 1e-11)]).started();
     // T = 1/2 (m + I / (1 + s^2)^2) s_dot^2.
     let mass = |s: f64| 3.0 + 4.0 / (1.0 + s * s).powi(2);
     let energy = mass(0.5) * 4.0;
@@ -192,7 +183,7 @@ fn an_arm_follows_its_block_along_the_asymptote() {
 
 #[test]
 fn a_train_keeps_together_far_away() {
-    let mut run = Run::new(&train()).with(&[("push.force", 12.0)]).started();
+    let mut run = Run::new(train()).with(&[("push.force", 12.0)]).started();
     for k in 1..=100 {
         run.step(10.0);
         let t = 10.0 * f64::from(k);
@@ -258,33 +249,35 @@ fn a_four_bar_turns_away_from_its_one_stop() {
 /// A rigid stop far beyond the part of the curve that is traced at first.
 #[test]
 fn a_far_stop_is_met() {
-    let stop = |name: &str, limit: &str, position: f64| {
-        format!(r#""{name}": {{ "joint": "rail", "limit": "{limit}", "position": {position}, "restitution": 1 }}"#)
-    };
-    for stops in [vec![stop("high", "upper", 1e3)], vec![stop("high", "upper", 1e3), stop("low", "lower", -1e4)]] {
-        let mut run = Run::new(&carriage(&format!(r#""stops": {{ {} }},"#, stops.join(", "))));
-        run.place(("rail.start_position", 0.0), ("rail.start_speed", 100.0));
+    let elastic = json!({ "joint": "slide", "restitution": 1 });
+    let stop = |limit: &str, at: f64| elastic.clone().with(json!({ "limit": limit, "position": at }));
+    for is_between in [false, true] {
+        let mut stops = json!({ "high": stop("upper", 1e3) });
+        if is_between {
+            stops["low"] = stop("lower", -1e4);
+        }
+        let mut run = Run::new(carriage(json!({ "stops": stops })));
+        run.place(("slide.start_position", 0.0), ("slide.start_speed", 100.0));
         run.step(9.0);
-        assert!((run.get("rail.position") - 900.0).abs() < 1e-10);
+        assert!((run.get("slide.position") - 900.0).abs() < 1e-10);
         run.step(2.0);
-        assert!((run.get("rail.position") - 900.0).abs() < 1e-9, "{}", run.get("rail.position"));
+        assert!((run.get("slide.position") - 900.0).abs() < 1e-9, "{}", run.get("slide.position"));
         run.step(105.0);
-        assert!((run.get("rail.position") + 9600.0).abs() < 1e-8);
+        assert!((run.get("slide.position") + 9600.0).abs() < 1e-8);
         run.step(8.0);
-        let exact = if stops.len() == 2 { -9600.0 } else { -10400.0 };
-        assert!((run.get("rail.position") - exact).abs() < 1e-7, "{}", run.get("rail.position"));
+        let exact = if is_between { -9600.0 } else { -10400.0 };
+        assert!((run.get("slide.position") - exact).abs() < 1e-7, "{}", run.get("slide.position"));
     }
-    let bumper = r#""stops": { "buffer": { "joint": "rail", "limit": "upper", "position": 500,
-      "rigid": false, "stiffness": 1200 } },"#;
-    let mut run = Run::new(&carriage(bumper));
-    run.place(("rail.start_position", 0.0), ("rail.start_speed", 100.0));
+    let buffer = json!({ "joint": "slide", "limit": "upper", "position": 500, "rigid": false, "stiffness": 1200 });
+    let mut run = Run::new(carriage(json!({ "stops": { "buffer": buffer } })));
+    run.place(("slide.start_position", 0.0), ("slide.start_speed", 100.0));
     run.step(5.05);
     // Half a period in the bumper, of sqrt(1200 / 3) = 20 rad/s.
     let exact = 500.0 + 5.0 * f64::sin(1.0);
-    assert!((run.get("rail.position") - exact).abs() < 1e-6, "{} {exact}", run.get("rail.position"));
+    assert!((run.get("slide.position") - exact).abs() < 1e-6, "{} {exact}", run.get("slide.position"));
     run.step(10.0);
     let exact = 500.0 - 100.0 * (10.05 - std::f64::consts::PI / 20.0);
-    assert!((run.get("rail.position") - exact).abs() < 1e-5, "{} {exact}", run.get("rail.position"));
+    assert!((run.get("slide.position") - exact).abs() < 1e-5, "{} {exact}", run.get("slide.position"));
 }
 
 /// Bits of all that is told of a state.
@@ -295,9 +288,11 @@ fn bits(run: &mut Run) -> Vec<u64> {
 
 #[test]
 fn twins_agree_to_the_bit_whatever_they_have_traced() {
-    let spring = r#""springs": { "spring": { "joint": "rail", "stiffness": 0.004, "damping": 0.001 } },
-      "friction": { "enabled": true, "static_coefficient": 0.02, "kinetic_coefficient": 0.01 },"#;
-    for further in ["", spring] {
+    let spring = json!({
+        "springs": { "spring": { "joint": "rail", "stiffness": 0.004, "damping": 0.001 } },
+        "friction": { "enabled": true, "static_coefficient": 0.02, "kinetic_coefficient": 0.01 },
+    });
+    for further in [json!({}), spring] {
         let text = arm(further);
         let start = || {
             let mut run = Run::new(&text).with(&[("push.force", 0.3)]);
@@ -308,23 +303,20 @@ fn twins_agree_to_the_bit_whatever_they_have_traced() {
         let (mut saved, mut seen) = (Vec::new(), Vec::new());
         for _ in 0..40 {
             one.step(2.5);
-            saved.push(one.snapshot());
+            saved.push(one.saved());
             seen.push(bits(&mut one));
         }
         assert!(made(&mut one)[0] >= 3, "{:?}", made(&mut one));
         // A fresh instance takes up any state, through a record, and goes on as the one that saved it.
         for k in [35, 12, 20, 3] {
-            let mut record = Vec::new();
-            saved[k].write(&mut record).unwrap();
             let mut fresh = Run::new(&text).started();
-            let read = fresh.read_snapshot(&record).unwrap();
-            fresh.restore(&read).unwrap();
+            fresh.take(&saved[k]);
             assert_eq!(bits(&mut fresh), seen[k]);
             // One that has been elsewhere, on the other side.
             other.place(("rail.start_position", -5000.0), ("rail.start_speed", -3.0));
             other.set("push.force", -1.0);
             other.step(1.0);
-            other.restore(&read).unwrap();
+            other.take(&saved[k]);
             for (step, seen) in seen[k + 1..].iter().take(4).enumerate() {
                 for run in [&mut fresh, &mut other] {
                     run.step(2.5);
@@ -341,15 +333,9 @@ fn twins_agree_to_the_bit_whatever_they_have_traced() {
 
 #[test]
 fn an_absurd_state_is_refused() {
-    let mut run = Run::new(&arm("")).started();
+    let mut run = Run::new(arm(json!({}))).started();
     run.step(0.1);
-    let sigma = {
-        let s = run.get("rail.position");
-        let mut record = Vec::new();
-        run.snapshot().write(&mut record).unwrap();
-        assert!(s.is_finite());
-        record
-    };
+    let sigma = run.saved();
     // sigma is the number that is changed by motion alone: find it by a second record, and replace it.
     let before = bits(&mut run);
     let mut refused = 0;
@@ -375,22 +361,22 @@ fn an_absurd_state_is_refused() {
 
 #[test]
 fn a_motion_beyond_all_numbers_ends_with_an_error() {
-    let mut run = Run::new(&carriage("")).with(&[("push.force", 1e9)]).started();
-    let before = run.get("rail.position");
+    let mut run = Run::new(carriage(json!({}))).with(&[("push.force", 1e9)]).started();
+    let before = run.get("slide.position");
     let error = run.0.step(1e4).unwrap_err();
     assert_says(
         error,
         &["past the end of its travel", "the rounding of numbers is larger than the mechanism", "add a stop"],
     );
-    assert_eq!(run.get("rail.position"), before);
+    assert_eq!(run.get("slide.position"), before);
     run.step(1e-3);
-    run.place(("rail.start_position", 0.5), ("rail.start_speed", -1e7));
+    run.place(("slide.start_position", 0.5), ("slide.start_speed", -1e7));
     run.set("push.force", 0.0);
     run.step(200.0);
-    assert!((run.get("rail.position") / -2e9 - 1.0).abs() < 1e-9);
+    assert!((run.get("slide.position") / -2e9 - 1.0).abs() < 1e-9);
     let error = run.0.step(100.0).unwrap_err();
     assert_says(error, &["past the end of its travel", "2e9 m from the guess"]);
-    let refusal = Run::new(&arm("")).with(&[("rail.start_position", 1e300)]).refusal();
+    let refusal = Run::new(arm(json!({}))).with(&[("rail.start_position", 1e300)]).refusal();
     assert_says(refusal, &["rail.start_position", "cannot be reached"]);
 }
 
@@ -398,8 +384,8 @@ fn a_motion_beyond_all_numbers_ends_with_an_error() {
 #[test]
 fn far_out_the_tables_agree_with_the_exact_evaluator() {
     let [mut with, mut without] = [true, false].map(|tables| {
-        let friction = r#""friction": { "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.05 },"#;
-        let mut run = Run::new(&arm(friction));
+        let friction = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.05 });
+        let mut run = Run::new(arm(json!({ "friction": friction })));
         run.set("solver.tables", tables);
         run.place(("rail.start_position", 170.0), ("rail.start_speed", 20.0));
         run

@@ -1,33 +1,27 @@
 //! Parameters that change between two steps: against runs that begin with their values, and what a refusal leaves.
-use crate::support::GEAR;
-use linkage_fmu::simulation::Simulation;
+use crate::support::{GEAR, Run};
 use linkage_fmu::variables::Variability;
 
 const STEP: f64 = 1e-3;
 
 /// A gear with friction in moving air, at rest at its start, integrated to 1e-12.
-fn gear(settings: &[(&str, f64)]) -> Simulation {
-    let mut gear = Simulation::open(GEAR).unwrap();
-    gear.set("friction.enabled", true).unwrap();
-    for (name, value) in [("solver.tolerance", 1e-12), ("airspeed", 60.0)].iter().chain(settings) {
-        gear.set(name, *value).unwrap();
-    }
-    gear.initialize().unwrap();
-    gear
+fn gear(settings: &[(&str, f64)]) -> Run {
+    let gear = Run::gear().with(&[("friction.enabled", true)]);
+    gear.with(&[("solver.tolerance", 1e-12), ("airspeed", 60.0)]).with(settings).started()
 }
 
-fn run(gear: &mut Simulation, steps: usize) {
-    (0..steps).for_each(|_| gear.step(STEP).unwrap());
+fn run(gear: &mut Run, steps: usize) {
+    (0..steps).for_each(|_| gear.step(STEP));
 }
 
-fn difference(a: &mut Simulation, b: &mut Simulation, name: &str) -> f64 {
-    (a.get(name).unwrap() - b.get(name).unwrap()).abs()
+fn difference(a: &mut Run, b: &mut Run, name: &str) -> f64 {
+    (a.get(name) - b.get(name)).abs()
 }
 
 #[test]
 fn the_tunable_parameters_are_those_of_laws_and_of_the_integration() {
-    let gear = Simulation::open(GEAR).unwrap();
-    let list = gear.model().variables().list();
+    let gear = Run::gear();
+    let list = gear.variables().list();
     let tunable = list.iter().filter(|variable| variable.variability == Variability::Tunable);
     let names: Vec<&str> = tunable.map(|variable| variable.name.as_str()).collect();
     for name in
@@ -47,12 +41,12 @@ fn the_tunable_parameters_are_those_of_laws_and_of_the_integration() {
 fn values_set_before_the_first_step_are_those_of_the_start() {
     let values = [("friction.static_coefficient", 0.3), ("friction.kinetic_coefficient", 0.25), ("air.density", 0.7)];
     let (mut tuned, mut stated) = (gear(&[]), gear(&values));
-    values.iter().for_each(|(name, value)| tuned.set(name, *value).unwrap());
+    tuned.set_all(&values);
     for _ in 0..12 {
         run(&mut tuned, 10);
         run(&mut stated, 10);
         for name in ["crank.angle", "joint2.force"] {
-            let size = 1.0 + stated.get(name).unwrap().abs();
+            let size = 1.0 + stated.get(name).abs();
             assert!(difference(&mut tuned, &mut stated, name) <= 1e-13 * size, "{name}");
         }
     }
@@ -65,16 +59,16 @@ fn a_change_within_a_run_leaves_the_motion_and_changes_the_laws() {
     let (mut tuned, mut plain) = (gear(&[]), gear(&[]));
     run(&mut tuned, 60);
     run(&mut plain, 60);
-    let before = [tuned.get("crank.angle").unwrap(), tuned.get("crank.speed").unwrap()];
-    values.iter().for_each(|(name, value)| tuned.set(name, *value).unwrap());
-    assert_eq!([tuned.get("crank.angle").unwrap(), tuned.get("crank.speed").unwrap()], before);
+    let before = [tuned.get("crank.angle"), tuned.get("crank.speed")];
+    tuned.set_all(&values);
+    assert_eq!([tuned.get("crank.angle"), tuned.get("crank.speed")], before);
     let start = [("crank.start_angle", before[0]), ("crank.start_speed", before[1])];
     let mut begun = gear(&[&values[..], &start[..]].concat());
     for _ in 0..6 {
         [&mut tuned, &mut begun, &mut plain].into_iter().for_each(|gear| run(gear, 10));
         // The start is given to 1e-16, and the tolerance of both runs is 1e-12.
         assert!(difference(&mut tuned, &mut begun, "crank.angle") < 1e-10);
-        assert!(tuned.get("energy.drift").unwrap().abs() < 1e-6);
+        assert!(tuned.get("energy.drift").abs() < 1e-6);
     }
     assert!(difference(&mut tuned, &mut plain, "crank.angle") > 1e-3);
 }
@@ -82,22 +76,20 @@ fn a_change_within_a_run_leaves_the_motion_and_changes_the_laws() {
 /// The energy that a stiffer bumper stores, while it is pressed, is work from outside.
 #[test]
 fn the_balance_of_energy_goes_on_when_a_pressed_bumper_changes() {
-    let mut gear = Simulation::open(GEAR).unwrap();
-    gear.set("downstop.rigid", false).unwrap();
-    for (name, value) in [("downstop.stiffness", 1e5), ("actuator.force", -30_000.0), ("solver.tolerance", 1e-12)] {
-        gear.set(name, value).unwrap();
-    }
-    gear.initialize().unwrap();
+    let mut gear = Run::gear();
+    gear.set("downstop.rigid", false);
+    gear.set_all(&[("downstop.stiffness", 1e5), ("actuator.force", -30_000.0), ("solver.tolerance", 1e-12)]);
+    gear.initialize();
     run(&mut gear, 5);
-    assert!(gear.get("downstop.torque").unwrap() < -1.0);
-    assert_eq!(gear.text("contact.mode"), Ok("pushed"));
-    let torque = gear.get("downstop.torque").unwrap();
-    gear.set("downstop.stiffness", 2e5).unwrap();
-    let ratio = gear.get("downstop.torque").unwrap() / torque;
+    assert!(gear.get("downstop.torque") < -1.0);
+    assert_eq!(gear.0.text("contact.mode"), Ok("pushed"));
+    let torque = gear.get("downstop.torque");
+    gear.set("downstop.stiffness", 2e5);
+    let ratio = gear.get("downstop.torque") / torque;
     assert!((ratio - 2.0).abs() < 1e-12, "{ratio}");
     for _ in 0..20 {
         run(&mut gear, 1);
-        assert!(gear.get("energy.drift").unwrap().abs() < 1e-6, "{:?}", gear.get("energy.drift"));
+        assert!(gear.get("energy.drift").abs() < 1e-6, "{:?}", gear.get("energy.drift"));
     }
 }
 
@@ -108,11 +100,11 @@ fn a_restitution_acts_at_the_next_impact() {
         let mut gear = gear(&[("upstop.restitution", stated)]);
         run(&mut gear, 60);
         if let Some(tuned) = tuned {
-            gear.set("upstop.restitution", tuned).unwrap();
+            gear.set("upstop.restitution", tuned);
         }
         run(&mut gear, 90);
-        assert!(gear.get("upstop.impact_count").unwrap() >= 1.0);
-        gear.get("upstop.impact_impulse").unwrap()
+        assert!(gear.get("upstop.impact_count") >= 1.0);
+        gear.get("upstop.impact_impulse")
     };
     let [plain, stated, tuned] = [impact(0.0, None), impact(0.5, None), impact(0.0, Some(0.5))];
     assert!((stated - tuned).abs() <= 1e-11 * stated, "{stated} {tuned}");
@@ -126,9 +118,9 @@ fn a_refused_change_leaves_no_trace() {
     let stick = GEAR.replacen("\"friction\": {", "\"friction\": { \"law\": \"stick\",", 1);
     assert_ne!(stick, GEAR);
     let mut both = [&stick, &stick].map(|text| {
-        let mut gear = Simulation::open(text).unwrap();
-        gear.set("friction.enabled", true).unwrap();
-        gear.initialize().unwrap();
+        let mut gear = Run::new(text);
+        gear.set("friction.enabled", true);
+        gear.initialize();
         run(&mut gear, 40);
         gear
     });
@@ -136,13 +128,11 @@ fn a_refused_change_leaves_no_trace() {
     for (name, value) in
         [("friction.static_coefficient", 1e-6), ("air.density", -1.0), ("upstop.restitution", f64::NAN)]
     {
-        assert!(both[0].set(name, value).is_err(), "{name}");
+        assert!(both[0].0.set(name, value).is_err(), "{name}");
     }
     for _ in 0..8 {
         both.iter_mut().for_each(|gear| run(gear, 10));
-        let [a, b] = both
-            .each_mut()
-            .map(|gear| ["crank.angle", "joint1.force", "energy.drift"].map(|n| gear.get(n).unwrap().to_bits()));
+        let [a, b] = both.each_mut().map(|gear| gear.bits(["crank.angle", "joint1.force", "energy.drift"]));
         assert_eq!(a, b);
     }
 }
@@ -153,23 +143,19 @@ fn a_kept_state_has_the_values() {
     let mut tuned = gear(&[]);
     run(&mut tuned, 50);
     for (name, value) in [("friction.kinetic_coefficient", 0.02), ("solver.tolerance", 1e-10)] {
-        tuned.set(name, value).unwrap();
+        tuned.set(name, value);
     }
     run(&mut tuned, 3);
-    let kept = tuned.model().snapshot();
-    let mut bytes = Vec::new();
-    kept.write(&mut bytes).unwrap();
-    let mut fresh = Simulation::open(GEAR).unwrap();
-    let read = fresh.model().read_snapshot(&bytes).unwrap();
-    let go_on = |gear: &mut Simulation| {
+    let kept = tuned.saved();
+    let go_on = |gear: &mut Run| {
         run(gear, 40);
-        ["crank.angle", "joint2.force", "energy.drift"].map(|name| gear.get(name).unwrap().to_bits())
+        gear.bits(["crank.angle", "joint2.force", "energy.drift"])
     };
     let first = go_on(&mut tuned);
-    tuned.model_mut().restore(&kept).unwrap();
-    assert_eq!(go_on(&mut tuned), first);
-    fresh.initialize().unwrap();
-    fresh.model_mut().restore(&read).unwrap();
-    assert_eq!(go_on(&mut fresh), first);
-    assert_eq!(fresh.get("friction.kinetic_coefficient"), Ok(0.02));
+    let fresh = &mut Run::gear().started();
+    for gear in [&mut tuned, &mut *fresh] {
+        gear.take(&kept);
+        assert_eq!(go_on(gear), first);
+    }
+    assert_eq!(fresh.get("friction.kinetic_coefficient"), 0.02);
 }

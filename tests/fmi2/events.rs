@@ -2,7 +2,7 @@
 
 use crate::host::Folder;
 use linkage_fmu::fmi2::fmi2SetDebugLogging;
-use linkage_fmu::fmi2::host::{Description, Host, logger};
+use linkage_fmu::fmi2::host::{Host, logger};
 use linkage_fmu::fmi2::types::Status;
 use std::ffi::CStr;
 
@@ -12,14 +12,11 @@ const HIT: f64 = 0.132_059_852_744_259_7;
 /// The gear with pieces of its file replaced, at its start at this time.
 fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> Host {
     let folder = Folder::new(name);
-    let resources = folder.0.join("resources");
-    std::fs::create_dir_all(&resources).unwrap();
     let definition = changes.iter().fold(GEAR.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
         text.replacen(from, to, 1)
     });
-    std::fs::write(resources.join("mechanism.json"), definition).unwrap();
-    let host = Description::read(&folder.0).unwrap().instantiate(Some(logger()), logging_on).unwrap();
+    let host = folder.described(&definition).instantiate(Some(logger()), logging_on).unwrap();
     assert_eq!(host.set_up(None, start, None), Status::Ok);
     assert_eq!(host.initialize(), Status::Ok);
     host.log.take();

@@ -9,13 +9,14 @@ use std::ffi::{CString, c_char, c_int};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::ptr::null;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction");
 pub const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction/resources");
 
 /// The landing gear's description, read once, as a test makes many instances.
-fn description() -> &'static Arc<Description> {
+pub fn description() -> &'static Arc<Description> {
     static GEAR: OnceLock<Arc<Description>> = OnceLock::new();
     GEAR.get_or_init(|| Description::read(Path::new(FOLDER)).unwrap())
 }
@@ -140,9 +141,19 @@ pub struct Folder(pub PathBuf);
 
 impl Folder {
     pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("linkage-fmu {} {name}", std::process::id()));
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let path = std::env::temp_dir().join(format!("linkage-fmu {process} {count} {name}"));
         std::fs::create_dir_all(&path).unwrap();
         Folder(path)
+    }
+
+    /// With a definition in its resources, as an FMU.
+    pub fn described(&self, definition: &str) -> Arc<Description> {
+        let resources = self.0.join("resources");
+        std::fs::create_dir_all(&resources).unwrap();
+        std::fs::write(resources.join("mechanism.json"), definition).unwrap();
+        Description::read(&self.0).unwrap()
     }
 
     /// Path as a host passes it.

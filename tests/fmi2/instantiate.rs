@@ -168,13 +168,11 @@ fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
 /// A carriage that leaves what was traced at first: its log says so, once.
 #[test]
 fn growth_is_told_once() {
-    let folder = std::env::temp_dir().join(format!("linkage_growth_{}", std::process::id()));
-    std::fs::create_dir_all(folder.join("resources")).unwrap();
+    let folder = Folder::new("growth");
     let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
       "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
       "start": { "joint": "rail", "position": 0, "speed": 100 }, "guess": { "rail": 0 } }"#;
-    std::fs::write(folder.join("resources/mechanism.json"), text).unwrap();
-    let description = Description::read(&folder).unwrap();
+    let description = folder.described(text);
     for (logging_on, expected) in [(true, 1), (false, 0)] {
         let host = description.instantiate(Some(logger()), logging_on).unwrap();
         assert_eq!(host.initialize(), Status::Ok);
@@ -186,5 +184,4 @@ fn growth_is_told_once() {
         let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("are extended"));
         assert_eq!(told.count(), expected);
     }
-    std::fs::remove_dir_all(folder).unwrap();
 }

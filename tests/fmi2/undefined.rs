@@ -2,7 +2,7 @@
 //! all others are told.
 
 use crate::host::{Folder, Gear};
-use linkage_fmu::fmi2::host::{Description, Host, logger};
+use linkage_fmu::fmi2::host::{Host, logger};
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetRealOutputDerivatives, fmi2SetDebugLogging};
 use linkage_fmu::variables::{Causality, Kind};
@@ -15,10 +15,7 @@ const LONGEST: usize = 1000;
 /// The bucket, about to swing through positions in which friction locks it against its cylinder, without loggingOn.
 fn bucket(name: &str) -> (Host, Vec<(String, u32)>) {
     let folder = Folder::new(name);
-    let resources = folder.0.join("resources");
-    std::fs::create_dir_all(&resources).unwrap();
-    std::fs::write(resources.join("mechanism.json"), BUCKET).unwrap();
-    let description = Description::read(&folder.0).unwrap();
+    let description = folder.described(BUCKET);
     let list = description.interface().list().iter().zip(0..);
     let is_output = |v: &linkage_fmu::variables::Variable| v.causality == Causality::Output && v.kind == Kind::Real;
     let outputs = list.filter(|(v, _)| is_output(v)).map(|(v, r)| (v.name.clone(), r)).collect();

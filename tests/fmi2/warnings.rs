@@ -1,17 +1,14 @@
 //! What a definition gives reason to warn of, in the log of the FMU.
 
 use crate::host::Folder;
-use linkage_fmu::fmi2::host::{Description, Host, logger};
+use linkage_fmu::fmi2::host::{Host, logger};
 use linkage_fmu::fmi2::types::Status;
 
 const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
 fn instance(name: &str, definition: &str, logging_on: bool) -> Host {
     let folder = Folder::new(name);
-    let resources = folder.0.join("resources");
-    std::fs::create_dir_all(&resources).unwrap();
-    std::fs::write(resources.join("mechanism.json"), definition).unwrap();
-    Description::read(&folder.0).unwrap().instantiate(Some(logger()), logging_on).unwrap()
+    folder.described(definition).instantiate(Some(logger()), logging_on).unwrap()
 }
 
 fn warnings(host: &Host) -> Vec<String> {

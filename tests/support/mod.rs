@@ -1,13 +1,19 @@
 //! What tests share: the definitions in the repository, and a simulation whose refusals end the test.
 #![allow(clippy::unwrap_used)]
 
+pub mod definition;
+pub mod numeric;
+pub mod oracle;
+
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::simulation::{Settable, Simulation};
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use nalgebra::Vector2;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::ops::{Deref, DerefMut};
 use std::sync::Mutex;
 
@@ -41,8 +47,8 @@ pub const CURVES: &str = include_str!("../fixtures/curves.json");
 pub const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 
 /// A definition with a change; its keys are then in alphabetical order.
-pub fn changed(text: &str, change: impl FnOnce(&mut Value)) -> String {
-    let mut value: Value = serde_json::from_str(text).unwrap();
+pub fn changed(definition: impl Display, change: impl FnOnce(&mut Value)) -> String {
+    let mut value: Value = serde_json::from_str(&definition.to_string()).unwrap();
     change(&mut value);
     value.to_string()
 }
@@ -64,6 +70,26 @@ pub fn without_stops() -> String {
 pub fn turned(a: Vec2, angle: f64) -> Vec2 {
     let (sin, cos) = angle.sin_cos();
     Vec2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y)
+}
+
+/// Numbers of a group of a file of reference values.
+pub fn numbers<T: DeserializeOwned>(file: &str, group: &str) -> T {
+    let file: Value = serde_json::from_str(file).unwrap();
+    serde_json::from_value(file[group].clone()).unwrap()
+}
+
+/// Why there is no model of a definition, or no start of it.
+#[track_caller]
+pub fn refusal(definition: impl Display) -> String {
+    let text = definition.to_string();
+    let opened = Simulation::open(&text).and_then(|mut simulation| simulation.initialize());
+    opened.map_or_else(|error| error.to_string(), |()| panic!("accepted: {text}"))
+}
+
+/// A value within an absolute allowance of what is expected.
+#[track_caller]
+pub fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((value - expected).abs() <= tolerance, "{what}: {value} instead of {expected}");
 }
 
 /// Every one of these pieces stands in the message.
@@ -145,14 +171,14 @@ pub struct Run(pub Simulation);
 
 impl Run {
     #[track_caller]
-    pub fn new(definition: &str) -> Self {
-        Self(Simulation::open(definition).unwrap_or_else(|e| panic!("{e}")))
+    pub fn new(definition: impl Display) -> Self {
+        Self(Simulation::open(&definition.to_string()).unwrap_or_else(|e| panic!("{e}")))
     }
 
     /// A definition with pieces of its text replaced.
     #[track_caller]
     pub fn replaced(definition: &str, changes: &[(&str, &str)]) -> Self {
-        Self::new(&replaced(definition, changes))
+        Self::new(replaced(definition, changes))
     }
 
     /// A model of a definition that is read once for all tests, so that its tables are built once.
@@ -171,6 +197,45 @@ impl Run {
         let value = self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert!(value.is_finite(), "{name}: {:?}", self.0.undefined(name));
         value
+    }
+
+    /// The output has this value, to an absolute allowance.
+    #[track_caller]
+    pub fn near(&mut self, name: &str, expected: f64, allowed: f64) {
+        let value = self.get(name);
+        let error = (value - expected).abs();
+        assert!(error <= allowed, "{name} = {value:e}, not {expected:e}: error {error:.2e}, allowed {allowed:.2e}");
+    }
+
+    /// Force of a joint or a coupling on its second body.
+    #[track_caller]
+    pub fn force(&mut self, joint: &str) -> Vec2 {
+        Vec2::new(self.get(&format!("{joint}.force_x")), self.get(&format!("{joint}.force_y")))
+    }
+
+    /// Bits of outputs.
+    #[track_caller]
+    pub fn bits<const N: usize>(&mut self, names: [&str; N]) -> [u64; N] {
+        names.map(|name| self.get(name).to_bits())
+    }
+
+    /// What the model warns of.
+    pub fn warnings(&self) -> Vec<String> {
+        self.0.model().warnings().iter().map(ToString::to_string).collect()
+    }
+
+    /// The present state in bytes.
+    pub fn saved(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.snapshot().write(&mut bytes).unwrap();
+        bytes
+    }
+
+    /// Take up a state from bytes.
+    #[track_caller]
+    pub fn take(&mut self, bytes: &[u8]) {
+        let state = self.read_snapshot(bytes).unwrap_or_else(|e| panic!("{e}"));
+        self.restore(&state).unwrap_or_else(|e| panic!("{e}"));
     }
 
     /// Why this output, which is NaN, has no value.

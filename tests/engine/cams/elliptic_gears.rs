@@ -1,6 +1,6 @@
 //! Elliptic gears: closed form of the ratio, balance of both wheels.
-use super::{assert_near, elliptic, force};
-use crate::support::{Run, Vec2, turned};
+use super::elliptic;
+use crate::support::{Run, Vec2, assert_near, turned};
 use serde_json::json;
 use std::f64::consts::{PI, TAU};
 
@@ -42,10 +42,10 @@ fn elliptic_gears_obey_their_closed_form() {
             let driven = -t;
             let normal = turned(tangent * driven.signum(), -driven.signum() * alpha);
             let expected = normal * (driven / normal.dot(&turned(across, PI / 2.0)));
-            let mesh = force(&mut run, "mesh");
+            let mesh = run.force("mesh");
             assert!((mesh - expected).norm() < 1e-11 * size, "step {step}: {mesh} {expected}");
-            assert!((force(&mut run, "a") - mesh).norm() < 1e-11 * size);
-            assert!((force(&mut run, "b") + mesh).norm() < 1e-11 * size);
+            assert!((run.force("a") - mesh).norm() < 1e-11 * size);
+            assert!((run.force("b") + mesh).norm() < 1e-11 * size);
             both[usize::from(t > 0.0)] = true;
             let kinetic = run.get("energy.kinetic");
             assert!(run.get("energy.drift").abs() < 1e-10 * kinetic.max(1.0), "{}", run.get("energy.drift"));

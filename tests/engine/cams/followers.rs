@@ -1,6 +1,6 @@
 //! Cams and their followers: lift, balance of each body, lifting off, derivatives.
-use super::{ROLLER, assert_near, cross, force, oscillating, parsed, translating};
-use crate::support::{Run, Vec2, assert_says, changed, turned};
+use super::{ROLLER, oscillating, parsed, translating};
+use crate::support::{Run, Vec2, assert_near, assert_says, changed, turned};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
@@ -68,23 +68,23 @@ fn a_translating_follower_balances_with_its_cam() {
                 assert_near(run.get("cam.pressure_angle"), angle, 1e-13, &what);
                 assert_near(contact * angle.cos(), vertical, 1e-11 * size, &what);
                 let normal = Vec2::new(-angle.sin(), angle.cos());
-                let mesh = force(&mut run, "cam");
+                let mesh = run.force("cam");
                 assert!((mesh - contact * normal).norm() < 1e-11 * size, "{what}: {mesh} {contact} {angle}");
                 // Cam: bearing, weight, contact; moments about its axis.
                 let arm = turned(Vec2::new(0.005, 0.002), theta);
                 let moved = alpha * turned(arm, PI / 2.0) - omega * omega * arm;
-                let bearing = force(&mut run, "bearing");
+                let bearing = run.force("bearing");
                 let weight = Vec2::new(0.0, -1.2 * 9.81);
                 assert!((bearing + weight - mesh - 1.2 * moved).norm() < 1e-11 * size, "{what}");
                 let inertia = 0.004 + 1.2 * arm.norm_squared();
-                let moment = 0.5 + cross(arm, weight) - cross(at, mesh);
+                let moment = 0.5 + arm.perp(&weight) - at.perp(&mesh);
                 assert_near(inertia * alpha, moment, 1e-11 * size * 0.1, &what);
                 // Guide: the side force, and its moment about the stem's origin.
-                let guide = force(&mut run, "guide");
+                let guide = run.force("guide");
                 assert_near(guide.x, -mesh.x, 1e-11 * size, &what);
                 let from_origin = Vec2::new(0.05 + at.x - 0.062, -0.02 + at.y - 0.2 - position);
                 let torque = run.get("guide.torque");
-                assert_near(torque + cross(from_origin, mesh), 0.0, 1e-11 * size * 0.1, &what);
+                assert_near(torque + from_origin.perp(&mesh), 0.0, 1e-11 * size * 0.1, &what);
                 lifted[usize::from(contact < 0.0)] = true;
                 let drift = run.get("energy.drift");
                 assert!(drift.abs() < 1e-10 * run.get("energy.kinetic").max(1.0), "{what}: {drift}");
@@ -119,12 +119,12 @@ fn an_oscillating_follower_balances_with_its_cam() {
                 let along = arm / 0.16;
                 // On the base circle.
                 let zeroed = turned(Vec2::new(1.0, 0.0), zero);
-                let distance = if is_flat { cross(pivot, zeroed).abs() } else { (pivot + 0.16 * zeroed).norm() };
+                let distance = if is_flat { pivot.perp(&zeroed).abs() } else { (pivot + 0.16 * zeroed).norm() };
                 assert_near(distance, if is_flat { 0.04 } else { 0.05 }, 1e-14, &what);
                 // Where the velocities have one part along the normal: cam omega x r, lever second x (r - pivot).
                 let (at, normal) = if is_flat {
                     let normal = turned(along, -PI / 2.0);
-                    let normal = if cross(along, -pivot) > 0.0 { normal } else { -normal };
+                    let normal = if along.perp(&-pivot) > 0.0 { normal } else { -normal };
                     // n . perp(r) = -s1 n . perp(r - pivot) on the line pivot + t along.
                     let rate = |r: Vec2, ratio: f64| ratio * normal.dot(&turned(r, PI / 2.0));
                     let t = -rate(pivot, 1.0) / (rate(along, 1.0) + rate(along, s1));
@@ -135,19 +135,19 @@ fn an_oscillating_follower_balances_with_its_cam() {
                     (center, turned(relative, PI / 2.0).normalize())
                 };
                 let contact = run.get("cam.contact_force");
-                let mesh = force(&mut run, "cam");
+                let mesh = run.force("cam");
                 assert!((mesh - contact * normal).norm() < 1e-11 * size, "{what}: {mesh} {contact} {normal}");
                 // A lift moves the lever clockwise.
                 let lifts = turned(at - pivot, -PI / 2.0);
-                let angle = cross(lifts, normal).atan2(lifts.dot(&normal));
+                let angle = lifts.perp(&normal).atan2(lifts.dot(&normal));
                 assert_near(run.get("cam.pressure_angle"), angle, 1e-12, &what);
                 assert!(angle.abs() < 1.2, "{what}: {angle}");
                 // Cam and lever by Euler, the lever's mass at half its length.
-                assert_near(0.004 * alpha, -0.5 - cross(at, mesh), 1e-12 * size, &what);
+                assert_near(0.004 * alpha, -0.5 - at.perp(&mesh), 1e-12 * size, &what);
                 let inertia = 0.3 * 0.16 * 0.16 / 3.0;
-                assert_near(inertia * psi, 1.5 + cross(at - pivot, mesh), 1e-11 * size, &what);
+                assert_near(inertia * psi, 1.5 + (at - pivot).perp(&mesh), 1e-11 * size, &what);
                 let center = 0.5 * (psi * turned(arm, PI / 2.0) - second * second * arm);
-                let (pin, bearing) = (force(&mut run, "pin"), force(&mut run, "bearing"));
+                let (pin, bearing) = (run.force("pin"), run.force("bearing"));
                 assert!((pin + mesh - 0.3 * center).norm() < 1e-11 * size, "{what}");
                 assert!((bearing - mesh).norm() < 1e-11 * size, "{what}");
                 let drift = run.get("energy.drift");
@@ -206,26 +206,4 @@ fn a_follower_that_lifts_off_is_told_once() {
         m["springs"]["spring"]["stiffness"] = json!(0);
     });
     assert!(told.is_empty(), "{told:?} {first:?}");
-}
-
-#[test]
-fn derivatives_of_the_contact_are_differences() {
-    for text in
-        [oscillating("polynomial_4567", parsed(ROLLER)), oscillating("cycloidal", json!({ "follower": "flat" }))]
-    {
-        let mut run = Run::new(&text).started();
-        for _ in 0..8 {
-            run.step(0.013);
-            for name in ["cam.pressure_angle", "cam.contact_force", "cam.force_x", "pin.force", "lever.acceleration"] {
-                let rate = run.derivative(name);
-                let h = 1e-6;
-                let value = run.get(name);
-                let mut later = run.clone();
-                later.step(h);
-                let difference = (later.get(name) - value) / h;
-                let size = 100.0 * value.abs().max(1e-3);
-                assert!((rate - difference).abs() < 1e-3 * rate.abs().max(size), "{name}: {rate} {difference}");
-            }
-        }
-    }
 }

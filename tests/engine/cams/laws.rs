@@ -1,6 +1,6 @@
 //! Laws of the lift: borders of segments in panels and steps, tables, parameters.
-use super::{ROLLER, assert_near, parsed, translating};
-use crate::support::{Run, changed};
+use super::{ROLLER, parsed, translating};
+use crate::support::{Run, assert_near, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
 use serde_json::json;

@@ -7,22 +7,8 @@ mod refusals;
 
 pub use followers::lift;
 
-use crate::support::{Run, Vec2};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
-
-fn force(run: &mut Run, joint: &str) -> Vec2 {
-    Vec2::new(run.get(&format!("{joint}.force_x")), run.get(&format!("{joint}.force_y")))
-}
-
-fn cross(a: Vec2, b: Vec2) -> f64 {
-    a.x * b.y - a.y * b.x
-}
-
-#[track_caller]
-fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((value - expected).abs() <= tolerance, "{what}: {value} instead of {expected}");
-}
 
 /// Two elliptic gears 0.3 m apart along the direction 0.4 rad; inertias 0.02 and 0.05 kg.m2, masses 2 and 3 kg.
 pub fn elliptic(keys: Value) -> String {

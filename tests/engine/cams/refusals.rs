@@ -1,7 +1,6 @@
 //! What is no cam and no elliptic gear: refused by name.
 use super::{ROLLER, elliptic, oscillating, parsed, translating};
-use crate::support::{assert_says, changed};
-use linkage_fmu::simulation::Simulation;
+use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 
 #[test]
@@ -11,8 +10,7 @@ fn what_is_no_cam_is_refused() {
             Value::Null => drop(m["couplings"]["cam"].as_object_mut().unwrap().remove(key)),
             value => m["couplings"]["cam"][key] = value,
         });
-        let error = Simulation::open(&text).and_then(|mut s| s.initialize()).unwrap_err();
-        assert_says(error, pieces);
+        assert_says(refusal(text), pieces);
     };
     let slides = &translating("cycloidal", parsed(ROLLER));
     let turns = &oscillating("cycloidal", parsed(ROLLER));
@@ -45,11 +43,9 @@ fn what_is_no_cam_is_refused() {
     refused(turns, "base_radius", json!(0.5), &["couplings.cam.base_radius", "0.51", "0.0168"]);
     refused(turns, "carrier", json!("lever"), &["couplings.cam.second", "on lever"]);
     let steep = elliptic(json!({ "eccentricity": 0.9, "pressure_angle": 0.6 }));
-    let error = Simulation::open(&steep).and_then(|mut s| s.initialize()).unwrap_err();
-    assert_says(error, &["couplings.mesh.pressure_angle", "1.1197", "eccentricity"]);
+    assert_says(refusal(steep), &["couplings.mesh.pressure_angle", "1.1197", "eccentricity"]);
     let beyond = elliptic(json!({ "eccentricity": 0.95 }));
-    let error = Simulation::open(&beyond).and_then(|mut s| s.initialize()).unwrap_err();
-    assert_says(error, &["couplings.mesh.eccentricity", "0.95", "0.9"]);
+    assert_says(refusal(beyond), &["couplings.mesh.eccentricity", "0.95", "0.9"]);
 }
 
 /// A cam may have the name of its disc; gears that have one of a joint would give its reaction twice.
@@ -65,9 +61,10 @@ fn a_coupling_is_refused_only_where_variables_have_one_name() {
         // The start has a parameter of this name.
         m["couplings"]["disc"].as_object_mut().unwrap().remove("start_angle");
     });
-    let mut cam = Simulation::open(&text).unwrap();
-    cam.initialize().unwrap();
-    assert!(cam.get("disc.contact_force").unwrap().is_finite() && cam.get("disc.angle").unwrap().is_finite());
-    let error = Simulation::open(&renamed(&elliptic(json!({ "eccentricity": 0.3 })), "a")).unwrap_err();
-    assert_says(error, &["couplings.a", "joints.a", "a.force", "rename"]);
+    let mut cam = Run::new(text).started();
+    assert!(cam.get("disc.contact_force").is_finite() && cam.get("disc.angle").is_finite());
+    assert_says(
+        refusal(renamed(&elliptic(json!({ "eccentricity": 0.3 })), "a")),
+        &["couplings.a", "joints.a", "a.force", "rename"],
+    );
 }

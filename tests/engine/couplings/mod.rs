@@ -3,10 +3,8 @@ mod refusals;
 mod shafts;
 mod trains;
 
-use crate::support::{Run, Vec2};
-
 /// Two shafts 0.3 m apart, with a coupling of these keys between them; inertias 0.02 and 0.5 kg.m2, masses 2 and 5 kg.
-fn shafts(coupling: &str) -> String {
+pub fn shafts(coupling: &str) -> String {
     format!(
         r#"{{ "name": "Shafts", "gravity": {{ "acceleration": 9.81, "up_angle": 1.5707963267948966 }},
           "bodies": {{ "ground": {{ "points": {{ "far": [0.18, 0.24] }} }},
@@ -19,12 +17,8 @@ fn shafts(coupling: &str) -> String {
     )
 }
 
-const GEARS: &str = r#""type": "gears", "first_teeth": 17, "second_teeth": 43"#;
-const BELT: &str = r#""type": "belt", "first_radius": 0.05, "second_radius": 0.08"#;
-
-fn force(run: &mut Run, joint: &str) -> Vec2 {
-    Vec2::new(run.get(&format!("{joint}.force_x")), run.get(&format!("{joint}.force_y")))
-}
+pub const GEARS: &str = r#""type": "gears", "first_teeth": 17, "second_teeth": 43"#;
+pub const BELT: &str = r#""type": "belt", "first_radius": 0.05, "second_radius": 0.08"#;
 
 #[track_caller]
 fn assert_near(value: f64, expected: f64, scale: f64, what: &str) {

@@ -1,5 +1,5 @@
 //! Two shafts with one coupling between them: motion, transmitted force, and the directions in which it presses.
-use super::{BELT, GEARS, assert_near, force, shafts};
+use super::{BELT, GEARS, assert_near, shafts};
 use crate::support::{Run, Vec2};
 
 /// Motion and transmitted force of two shafts: inertia J1 + i^2 J2 on the first, motor 3 N.m, load -1 N.m, speed ratio
@@ -27,7 +27,7 @@ fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
 
 /// The hinges hold the weights and what the coupling exerts; the force on the second shaft is this one.
 fn check_hinges(run: &mut Run, on_second: Vec2) {
-    let (a, b, mesh) = (force(run, "a"), force(run, "b"), force(run, "mesh"));
+    let (a, b, mesh) = (run.force("a"), run.force("b"), run.force("mesh"));
     let size = on_second.norm() + 50.0;
     let near = |value: Vec2, expected: Vec2| {
         assert!((value - expected).norm() < 1e-13 * size, "{value} instead of {expected}");
@@ -112,20 +112,4 @@ fn a_stated_phase_counts_and_not_the_guess() {
     run.set("mesh.first_teeth", 20.0);
     let first = run.get("one.angle");
     assert_near(run.get("two.angle"), -0.5 - 20.0 / 43.0 * first, 1.0, "phase that was set");
-}
-
-#[test]
-fn derivatives_of_forces_are_differences() {
-    let mut run = Run::new(&shafts(GEARS)).started();
-    run.step(0.1);
-    // With the rate of an input forces change at a constant rate.
-    run.set_derivative("motor.torque", 1, 2.0);
-    for name in ["mesh.transmitted_force", "mesh.force_x", "a.force_x", "b.force", "two.acceleration"] {
-        let (value, rate) = (run.get(name), run.derivative(name));
-        let mut later = run.clone();
-        later.set_derivative("motor.torque", 1, 2.0);
-        later.step(1e-5);
-        let difference = (later.get(name) - value) / 1e-5;
-        assert!(rate != 0.0 && (rate - difference).abs() < 1e-4 * rate.abs(), "{name}: {rate} {difference}");
-    }
 }

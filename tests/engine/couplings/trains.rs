@@ -1,5 +1,5 @@
 //! Couplings in a linkage: a rack, a planetary gear, trains, a geared five-bar.
-use super::{GEARS, assert_near, five_bar, force, shafts};
+use super::{GEARS, assert_near, five_bar, shafts};
 use crate::support::{Run, Vec2, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
@@ -45,7 +45,7 @@ fn a_wheel_rolls_down_a_slope() {
         let normal = Vec2::new(-slope.sin(), slope.cos());
         let tangential = 0.03 * acceleration / 0.04;
         // The wheel presses the rack forward along its motion and down, the rack the cart's wheel.
-        let rack = force(&mut run, "rack");
+        let rack = run.force("rack");
         let expected = tangential * along - tangential * 20f64.to_radians().tan() * normal;
         assert!((rack - expected).norm() < 1e-12 * tangential, "{rack} {expected}");
         assert!(run.get("energy.drift").abs() < 1e-9 * run.get("energy.kinetic"));
@@ -209,7 +209,7 @@ fn a_geared_five_bar_balances_each_body() {
         let tip = origins[2] + arm(2);
         assert!((tip - origins[3] - arm(3)).norm() < 1e-12);
         let base = [Vec2::zeros(), Vec2::zeros(), end(0), end(1)];
-        let [a, b, c, d, e, mesh] = ["a", "b", "c", "d", "e", "mesh"].map(|joint| force(&mut run, joint));
+        let [a, b, c, d, e, mesh] = ["a", "b", "c", "d", "e", "mesh"].map(|joint| run.force(joint));
         let pitch = Vec2::new(0.3 / 3.0, 0.0);
         let (push, weight) = (Vec2::new(30.0, 0.0), Vec2::new(0.0, -9.81));
         let forces: [Vec<(Vec2, Vec2)>; 4] = [

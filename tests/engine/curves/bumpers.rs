@@ -1,6 +1,7 @@
 //! Curves over the depth: of bumpers.
-use super::{MASS, body, names, runge_kutta};
+use super::{MASS, body, joint, names};
 use crate::support::Run;
+use crate::support::numeric::runge_kutta;
 use linkage_fmu::numerics::monotone::monotone;
 use linkage_fmu::numerics::piecewise::Piecewise;
 use serde_json::json;
@@ -14,10 +15,10 @@ fn a_progressive_bumper_gives_back_what_it_takes() {
         for speed in [0.4, 1.7, 4.0] {
             let mut text = body(is_rotary, [0.0, sign * speed]);
             let value = if is_rotary { "angle" } else { "position" };
-            let mut stop = json!({ "joint": "way", "limit": limit, "rigid": false, "points": BUFFER });
+            let mut stop = json!({ "joint": joint(is_rotary), "limit": limit, "rigid": false, "points": BUFFER });
             stop[value] = json!(sign * 0.3);
             text["stops"] = json!({ "buffer": stop });
-            let mut run = Run::new(&text.to_string()).started();
+            let mut run = Run::new(&text).started();
             let [position, rate] = names(is_rotary);
             let (mut deepest, mut h) = (0.0_f64, 0.0);
             while run.get(rate) * sign > -0.5 * speed || run.get(position) * sign > 0.3 {
@@ -46,10 +47,10 @@ fn a_progressive_bumper_gives_back_what_it_takes() {
 fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
     let law = monotone(&BUFFER).unwrap();
     let mut text = body(false, [0.3, 2.0]);
-    text["stops"] = json!({ "buffer": { "joint": "way", "limit": "upper", "position": 0.3, "rigid": false,
+    text["stops"] = json!({ "buffer": { "joint": "slide", "limit": "upper", "position": 0.3, "rigid": false,
         "damping": 25,
                                         "stiffness": 40, "points": BUFFER } });
-    let mut run = Run::new(&text.to_string()).started();
+    let mut run = Run::new(&text).started();
     let (mut y, h) = ([0.0, 2.0], 1e-5);
     let mut pushes = true;
     let rate = |pushes: bool| {
@@ -65,9 +66,14 @@ fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
             pushes &= law.at(y[0])[0] + 40.0 * y[0] + 25.0 * y[1] > 0.0;
         }
         // The end of contact is found to a step of the method.
-        assert!((run.get("way.position") - 0.3 - y[0]).abs() < 1e-6, "{k} {} {}", run.get("way.position") - 0.3, y[0]);
-        assert!((run.get("way.speed") - y[1]).abs() < 1e-5, "{k} {} {}", run.get("way.speed"), y[1]);
+        assert!(
+            (run.get("slide.position") - 0.3 - y[0]).abs() < 1e-6,
+            "{k} {} {}",
+            run.get("slide.position") - 0.3,
+            y[0]
+        );
+        assert!((run.get("slide.speed") - y[1]).abs() < 1e-5, "{k} {} {}", run.get("slide.speed"), y[1]);
     }
-    assert!(!pushes && run.get("buffer.force") == 0.0 && run.get("way.position") > 0.3 - 2.0 && y[1] < -0.1);
+    assert!(!pushes && run.get("buffer.force") == 0.0 && run.get("slide.position") > 0.3 - 2.0 && y[1] < -0.1);
     assert!(run.get("energy.drift").abs() < 1e-9);
 }

@@ -7,14 +7,14 @@ use serde_json::{Value, json};
 
 #[test]
 fn what_is_no_curve_is_refused_by_name() {
-    let damper = |points: Value| json!({ "springs": { "d": { "joint": "way", "damping_points": points } } });
+    let damper = |points: Value| json!({ "springs": { "d": { "joint": "slide", "damping_points": points } } });
     let motor = |drive: Value| json!({ "actuators": { "m": drive } });
     let buffer = |points: Value| {
-        json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1,
+        json!({ "stops": { "b": { "joint": "slide", "limit": "upper", "position": 1,
         "rigid": false, "points": points } } })
     };
     let rigid =
-        json!({ "stops": { "b": { "joint": "way", "limit": "upper", "position": 1, "points": [[0, 0], [1, 1]] } } });
+        json!({ "stops": { "b": { "joint": "slide", "limit": "upper", "position": 1, "points": [[0, 0], [1, 1]] } } });
     for (more, pieces) in [
         (
             damper(json!([[0, 0]])),
@@ -29,12 +29,12 @@ fn what_is_no_curve_is_refused_by_name() {
         ),
         (damper(json!([[1, 1], [0, 0]])), &["damping_points[1]", "speed = 0 must be larger than speed = 1"]),
         (
-            motor(json!({ "joint": "way", "points": [[0, 1]] })),
+            motor(json!({ "joint": "slide", "points": [[0, 1]] })),
             &["actuators.m.points", "has 1 points", "needs 2 or more"],
         ),
-        (motor(json!({ "joint": "way", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
+        (motor(json!({ "joint": "slide", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
         (
-            motor(json!({ "joint": "way", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
+            motor(json!({ "joint": "slide", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
             &["actuators.m.points", "remove points or motion"],
         ),
         (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "start with [0, 0]"]),
@@ -64,11 +64,11 @@ fn what_is_no_curve_is_refused_by_name() {
 fn lengths_of_points_have_the_unit_of_the_file() {
     let mut text = body(false, [100.0, 0.0]);
     text["units"] = json!({ "length": "mm" });
-    text["springs"] = json!({ "s": { "joint": "way", "points": [[0, 0], [100, 5], [200, 10]],
+    text["springs"] = json!({ "s": { "joint": "slide", "points": [[0, 0], [100, 5], [200, 10]],
                                      "damping_points": [[0, 0], [1, 2]] } });
-    text["stops"] = json!({ "b": { "joint": "way", "limit": "upper", "position": 95, "rigid": false,
+    text["stops"] = json!({ "b": { "joint": "slide", "limit": "upper", "position": 95, "rigid": false,
                                    "points": [[0, 0], [10, 1], [20, 4]] } });
     text["stops"]["b"]["enabled"] = json!(false);
-    let mut run = Run::new(&text.to_string()).started();
+    let mut run = Run::new(&text).started();
     assert!((run.get("s.force") - 5.0).abs() < 1e-12, "{}", run.get("s.force"));
 }

@@ -1,5 +1,6 @@
 //! Curves over the speed: of dampers and of drives.
-use super::{MASS, body, names, runge_kutta};
+use super::{MASS, body, joint, names};
+use crate::support::numeric::runge_kutta;
 use crate::support::{CURVES, Run, changed};
 use linkage_fmu::numerics::monotone::monotone;
 use serde_json::json;
@@ -11,8 +12,9 @@ const DAMPER: [[f64; 2]; 6] = [[-4.0, -80.0], [-1.0, -5.0], [0.0, 0.0], [0.5, 1.
 fn points_of_a_damper_on_a_line_are_its_damping() {
     for is_rotary in [false, true] {
         let mut text = body(is_rotary, [0.2, 5.0]);
-        text["springs"] = json!({ "d": { "joint": "way", "damping_points": [[-1, -6], [0, 0], [0.5, 3], [2, 12]] } });
-        let mut run = Run::new(&text.to_string()).started();
+        text["springs"] =
+            json!({ "d": { "joint": joint(is_rotary), "damping_points": [[-1, -6], [0, 0], [0.5, 3], [2, 12]] } });
+        let mut run = Run::new(&text).started();
         for k in 1..=20 {
             run.step(0.1);
             let speed = 5.0 * (-6.0 * 0.1 * f64::from(k) / MASS).exp();
@@ -34,10 +36,10 @@ fn a_damper_with_a_curve_moves_and_dissipates_as_its_law_says() {
     for is_rotary in [false, true] {
         let mut text = body(is_rotary, [0.5, 6.0]);
         let free = if is_rotary { "free_angle" } else { "free_length" };
-        let mut spring = json!({ "joint": "way", "stiffness": 300, "damping_points": DAMPER });
+        let mut spring = json!({ "joint": joint(is_rotary), "stiffness": 300, "damping_points": DAMPER });
         spring[free] = json!(0.1);
         text["springs"] = json!({ "strut": spring });
-        let mut run = Run::new(&text.to_string()).started();
+        let mut run = Run::new(&text).started();
         let before = run.get("energy.kinetic") + run.get("energy.potential");
         for k in 1..=30 {
             run.step(0.05);
@@ -56,8 +58,8 @@ fn a_damper_with_a_curve_moves_and_dissipates_as_its_law_says() {
 #[test]
 fn a_motor_on_a_line_of_torque_over_speed_has_its_closed_form() {
     let mut text = body(true, [0.0, 0.0]);
-    text["actuators"] = json!({ "motor": { "joint": "way", "points": [[0, 12], [10, 7], [24, 0]] } });
-    let mut run = Run::new(&text.to_string()).started();
+    text["actuators"] = json!({ "motor": { "joint": "hub", "points": [[0, 12], [10, 7], [24, 0]] } });
+    let mut run = Run::new(&text).started();
     assert_eq!(run.get("motor.command"), 1.0);
     for command in [1.0, 0.25] {
         run.set("motor.command", command);
@@ -66,7 +68,7 @@ fn a_motor_on_a_line_of_torque_over_speed_has_its_closed_form() {
         for k in 1..=20 {
             run.step(0.5);
             let speed = 24.0 * (1.0 - (-0.5 * f64::from(k) / tau).exp());
-            assert!((run.get("part.speed") - speed).abs() < 1e-10, "{} {speed}", run.get("part.speed"));
+            assert!((run.get("wheel.speed") - speed).abs() < 1e-10, "{} {speed}", run.get("wheel.speed"));
             assert!((run.get("motor.acting_torque") - command * (12.0 - 0.5 * speed)).abs() < 1e-10);
             assert!(run.get("energy.drift").abs() < 1e-9);
         }
@@ -78,14 +80,14 @@ fn a_command_that_ramps_scales_the_curve_within_the_step() {
     let points = [[-5.0, 14.0], [0.0, 12.0], [8.0, 10.0], [20.0, 0.0], [30.0, -5.0]];
     let law = monotone(&points).unwrap();
     let mut text = body(false, [0.0, 0.0]);
-    text["actuators"] = json!({ "ram": { "joint": "way", "force": 2, "command": 0, "points": points } });
-    let mut run = Run::new(&text.to_string()).started();
+    text["actuators"] = json!({ "ram": { "joint": "slide", "force": 2, "command": 0, "points": points } });
+    let mut run = Run::new(&text).started();
     for _ in 0..8 {
         run.set_derivative("ram.command", 1, 0.5);
         run.set_derivative("ram.command", 2, -0.3);
         run.set_derivative("ram.force", 1, 1.5);
         let (c, f) = (run.get("ram.command"), run.get("ram.force"));
-        let start = [run.get("way.position"), run.get("way.speed"), 0.0];
+        let start = [run.get("slide.position"), run.get("slide.speed"), 0.0];
         let rate = |t: f64, [_, v, _]: [f64; 3]| {
             let force = f + 1.5 * t + (c + 0.5 * t - 0.15 * t * t) * law.at(v)[0];
             [v, force / MASS, force * v]
@@ -93,7 +95,7 @@ fn a_command_that_ramps_scales_the_curve_within_the_step() {
         let energy = run.get("energy.kinetic");
         run.step(0.5);
         let [x, v, work] = runge_kutta(rate, start, 0.5, 2000);
-        assert!((run.get("way.position") - x).abs() < 1e-9 && (run.get("way.speed") - v).abs() < 1e-9);
+        assert!((run.get("slide.position") - x).abs() < 1e-9 && (run.get("slide.speed") - v).abs() < 1e-9);
         assert!((run.get("energy.kinetic") - energy - work).abs() < 1e-8);
         assert!(run.get("energy.drift").abs() < 1e-9, "{:e}", run.get("energy.drift"));
     }

@@ -2,17 +2,17 @@
 //! independent Taylor-series integration of gear and circuit together, whose runs in double and in 80 bit agree to
 //! 2e-13.
 
-use crate::support::{HYDRAULIC_GEAR, Run, assert_says, cases, changed, read_all};
+use crate::support::{HYDRAULIC_GEAR, Run, assert_says, cases, changed, numbers, read_all};
 use serde_json::json;
 
 mod accumulator;
 mod cavitation;
 mod faults;
-mod reference;
+pub mod reference;
 
 /// Time [s]; angle [rad] and speed [rad/s] of the crank; pressures of the chambers [Pa]; force [N]; length [m] and
 /// speed [m/s] of the actuator.
-type Row = [f64; 8];
+pub type Row = [f64; 8];
 
 const NAMES: [&str; 7] = [
     "crank.angle",
@@ -69,13 +69,14 @@ fn balances(gear: &mut Run, allowed: f64) {
 
 #[test]
 fn energies_balance_at_a_common_tolerance_whatever_the_steps() {
+    let end = *numbers::<Vec<Row>>(reference::REFERENCE, "retraction").last().unwrap();
     for (h, steps) in [(1e-3, 4000), (0.02, 200), (1.0, 4)] {
         let mut gear = retraction(1e-9);
         for _ in 0..steps {
             gear.step(h);
         }
         balances(&mut gear, 1e-8);
-        let error = gear.get("crank.angle") - reference::RETRACTION[9][1];
+        let error = gear.get("crank.angle") - end[1];
         assert!(error.abs() < 1e-8, "{h} s: {error:e}");
     }
 }
@@ -208,72 +209,11 @@ fn a_ramp_may_be_an_input_derivative_and_is_clipped_at_one() {
 }
 
 #[test]
-fn derivatives_are_those_of_the_values() {
+fn every_output_is_told() {
     let mut gear = retraction(1e-13);
     gear.set("friction.enabled", true);
     gear.initialize();
     gear.set("valve.command", 0.05);
     gear.steps(16, 0.0793);
-    let names = [
-        "actuator.force",
-        "actuator.stiffness",
-        "actuator.damping",
-        "chamber_a.pressure",
-        "chamber_b.flow",
-        "chamber_a.volume",
-        "chamber_b.bulk_modulus",
-        "valve.position",
-        "valve.speed",
-        "supply.flow",
-        "tank.flow",
-        "cylinder.stroke_position",
-        "power.supply",
-        "power.return",
-        "power.piston",
-        "power.seal_friction",
-        "power.compression",
-        "power.throttling",
-        "energy.supplied",
-        "energy.throttling",
-        "crank.acceleration",
-        "actuator.acceleration",
-        "joint1.force_x",
-        "joint2.force",
-        "actuator.holding_force",
-        "actuator.static_load",
-    ];
-    let h = 1e-5;
-    let after = |factor: i32| {
-        let mut later = gear.clone();
-        (0..factor).for_each(|_| later.step(h));
-        names.map(|name| later.get(name))
-    };
-    let values: Vec<[f64; 26]> = (0..5).map(after).collect();
-    for (k, name) in names.iter().enumerate() {
-        let v = |i: usize| values[i][k];
-        let difference = (-25.0 * v(0) + 48.0 * v(1) - 36.0 * v(2) + 16.0 * v(3) - 3.0 * v(4)) / (12.0 * h);
-        let exact = gear.derivative(name);
-        let error = (exact - difference).abs() / (difference.abs() + 1e-6 * v(0).abs() / h + 1e-12);
-        assert!(error < 1e-4, "{name}: {exact} {difference}");
-    }
-    // Of the ports.
-    let reference = |name: &str| gear.0.reference(name).unwrap();
-    let (unknowns, known) =
-        (["supply.flow", "tank.flow", "power.supply", "chamber_a.flow", "actuator.force"], "supply.pressure");
-    let (references, known_reference) = (unknowns.map(reference), reference(known));
-    let mut exact = [0.0; 5];
-    gear.directional_derivative(&references, &[known_reference], &[1.0], &mut |k, d| exact[k] = d).unwrap();
-    let at = |dp: f64| {
-        let mut beside = gear.clone();
-        let p = beside.get(known);
-        beside.set(known, p + dp);
-        unknowns.map(|name| beside.get(name))
-    };
-    let (low, high) = (at(-1e3), at(1e3));
-    for k in 0..5 {
-        let difference = (high[k] - low[k]) / 2e3;
-        assert!((exact[k] - difference).abs() <= 1e-7 * difference.abs(), "{}: {} {difference}", unknowns[k], exact[k]);
-    }
-    assert!(exact[0] > 0.0 && exact[4] == 0.0);
     assert!(read_all(&mut gear).is_empty());
 }

@@ -1,5 +1,6 @@
 //! Springs and dampers: motions in closed form, energy balance, a spring that winds up over several turns.
 use super::slider::{MASS, Slider};
+use crate::support::definition::{With, wheel};
 use crate::support::{Run, SLIDER_CRANK, changed};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -42,16 +43,16 @@ fn a_damped_block_follows_the_closed_form() {
             Slider { stiffness: MASS * omega * omega, damping: 2.0 * zeta * omega * MASS, ..Slider::default() };
         let mut run = slider.run(1e-12);
         let (x, v) = (0.4, -2.0);
-        run.place(("rail.start_position", x), ("rail.start_speed", v));
+        run.place(("slide.start_position", x), ("slide.start_speed", v));
         let energy = |x: f64, v: f64| 0.5 * MASS * (v * v + omega * omega * x * x);
         let mut worst: f64 = 0.0;
         for k in 1..=200 {
             run.step(0.01);
             let (x, v) = damped(zeta, omega, x, v, 0.01 * f64::from(k));
-            worst = worst.max((run.get("rail.position") - x).abs());
-            worst = worst.max((run.get("rail.speed") - v).abs() / omega);
+            worst = worst.max((run.get("slide.position") - x).abs());
+            worst = worst.max((run.get("slide.speed") - v).abs() / omega);
             let a = -2.0 * zeta * omega * v - omega * omega * x;
-            worst = worst.max((run.get("rail.acceleration") - a).abs() / (omega * omega));
+            worst = worst.max((run.get("slide.acceleration") - a).abs() / (omega * omega));
             let now = run.get("energy.kinetic") + run.get("energy.potential");
             assert!((now - energy(x, v)).abs() < 1e-9);
             assert!(run.get("energy.drift").abs() < 1e-10 * energy(0.4, -2.0));
@@ -65,27 +66,20 @@ fn a_damped_block_follows_the_closed_form() {
 fn a_torsional_spring_winds_up_over_several_turns() {
     let (inertia, omega) = (0.3, 2.0);
     for zeta in [0.0, 0.05] {
-        let damping =
-            if zeta == 0.0 { String::new() } else { format!(", \"damping\": {}", 2.0 * zeta * omega * inertia) };
-        let mut run = Run::new(&format!(
-            r#"{{
-                "name": "Rotor",
-                "bodies": {{ "ground": {{}}, "rotor": {{ "inertia": {inertia} }} }},
-                "joints": {{ "bearing": {{ "type": "revolute", "first": "ground.origin", "second": "rotor.origin" }} }},
-                "springs": {{ "spring": {{ "joint": "bearing", "stiffness": {}, "free_angle": 1.5{damping} }} }},
-                "start": {{ "body": "rotor", "angle": 0.2, "speed": 50 }},
-                "guess": {{ "rotor": 0 }}
-            }}"#,
-            inertia * omega * omega
-        ));
+        let mut spring = json!({ "joint": "hub", "stiffness": inertia * omega * omega, "free_angle": 1.5 });
+        if zeta != 0.0 {
+            spring["damping"] = json!(2.0 * zeta * omega * inertia);
+        }
+        let start = json!({ "angle": 0.2, "speed": 50 });
+        let mut run = Run::new(wheel(inertia).with(json!({ "springs": { "spring": spring }, "start": start })));
         run.set("solver.tolerance", 1e-12);
         run.initialize();
         let (mut worst, mut most): (f64, f64) = (0.0, 0.0);
         for k in 1..=400 {
             run.step(0.02);
             let (stretch, v) = damped(zeta, omega, 0.2 - 1.5, 50.0, 0.02 * f64::from(k));
-            worst = worst.max((run.get("rotor.angle") - stretch - 1.5).abs());
-            worst = worst.max((run.get("rotor.speed") - v).abs() / omega);
+            worst = worst.max((run.get("wheel.angle") - stretch - 1.5).abs());
+            worst = worst.max((run.get("wheel.speed") - v).abs() / omega);
             most = most.max(stretch.abs());
             let torque = inertia * (omega * omega * stretch + 2.0 * zeta * omega * v);
             assert!((run.get("spring.torque") - torque).abs() < 1e-9);

@@ -138,7 +138,7 @@ fn reversals_under_a_changing_force_follow_the_closed_form() {
         let mut run = slider.run(tolerance);
         run.set("load.force_x", -10.0);
         (slider.x, slider.v) = (0.0, 0.3);
-        run.place(("rail.start_position", slider.x), ("rail.start_speed", slider.v));
+        run.place(("slide.start_position", slider.x), ("slide.start_speed", slider.v));
         let (mut reversals, mut still) = (0, 0);
         for k in 0..400 {
             let push = 10.0 + 3.5 * (0.05 * f64::from(k)).sin() + 4.0 * (0.4 * f64::from(k)).sin();
@@ -146,9 +146,9 @@ fn reversals_under_a_changing_force_follow_the_closed_form() {
             reversals += slider.advance(push, -10.0, 0.0137);
             run.step(0.0137);
             still += u32::from(slider.v == 0.0);
-            let error = (run.get("rail.position") - slider.x).abs().max((run.get("rail.speed") - slider.v).abs());
+            let error = (run.get("slide.position") - slider.x).abs().max((run.get("slide.speed") - slider.v).abs());
             assert!(error < 1e-12, "{tolerance:e}, step {k}: {error:e}");
-            assert_eq!(run.get("rail.speed") == 0.0, slider.v == 0.0, "step {k}");
+            assert_eq!(run.get("slide.speed") == 0.0, slider.v == 0.0, "step {k}");
             assert!(run.get("energy.drift").abs() < 1e-11);
         }
         assert!(reversals > 10 && still > 20);
@@ -166,7 +166,7 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     for (tolerance, start) in [(1e-12, 1.5), (1e-9, 1.5), (1e-4, 1.5), (1e-9, 0.6), (1e-4, 0.6)] {
         let mut run = Slider { eta: Some(eta), stiffness: STIFFNESS, ..Slider::default() }.run(tolerance);
         run.set("drive.force", push);
-        run.place(("rail.start_position", start), ("rail.start_speed", 0.0));
+        run.place(("slide.start_position", start), ("slide.start_speed", 0.0));
         let (forward, back) = (eta * push / STIFFNESS, push / (eta * STIFFNESS));
         let omega = (STIFFNESS / slider::MASS).sqrt();
         let half = std::f64::consts::PI / omega;
@@ -191,12 +191,12 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
             } else {
                 (turning[turning.len() - 1], 0.0)
             };
-            let error = (run.get("rail.position") - x).abs().max((run.get("rail.speed") - v).abs() / omega);
+            let error = (run.get("slide.position") - x).abs().max((run.get("slide.speed") - v).abs() / omega);
             // The error of each step is bounded by the tolerance of about 1 m; there are at most as many as calls.
             let allowed = 100.0 * tolerance;
             assert!(error < allowed.max(1e-13), "{tolerance:e}, {start}, t = {t}: {error:e}");
             if swing > turning.len() {
-                assert_eq!(run.get("rail.speed"), 0.0, "{tolerance:e}, {start}");
+                assert_eq!(run.get("slide.speed"), 0.0, "{tolerance:e}, {start}");
             }
         }
     }
@@ -209,12 +209,12 @@ fn one_long_step_meets_each_reversal() {
         for (eta, start) in [(0.9, 0.5), (0.9, 1.5), (0.999, 0.41), (0.999, 0.401), (0.99999, 0.4001)] {
             let mut run = Slider { eta: Some(eta), stiffness: 50.0, ..Slider::default() }.run(tolerance);
             run.set("drive.force", 20.0);
-            run.place(("rail.start_position", start), ("rail.start_speed", 0.0));
+            run.place(("slide.start_position", start), ("slide.start_speed", 0.0));
             if start - 0.4 < 1.1 * tolerance {
                 continue;
             }
             run.step(1000.0);
-            let (x, v) = (run.get("rail.position"), run.get("rail.speed"));
+            let (x, v) = (run.get("slide.position"), run.get("slide.speed"));
             assert_eq!(v, 0.0, "{tolerance:e}, eta {eta} from {start}");
             assert!(0.4 * eta - 1e-9 < x && x < 0.4 / eta + 1e-9, "{tolerance:e}, eta {eta} from {start}: {x}");
         }

@@ -1,5 +1,7 @@
 //! A block on a rail, with a drive, a load, a spring and a damper: motions in closed form.
 use crate::support::Run;
+use crate::support::definition::{With, block};
+use serde_json::json;
 
 pub const MASS: f64 = 2.0;
 
@@ -17,21 +19,18 @@ pub struct Slider {
 
 impl Slider {
     pub fn run(&self, tolerance: f64) -> Run {
-        let efficiency = self.eta.map_or(String::new(), |eta| format!(", \"efficiency\": {eta}"));
-        let damping = if self.damping == 0.0 { String::new() } else { format!(", \"damping\": {}", self.damping) };
-        let mut run = Run::new(&format!(
-            r#"{{
-                "name": "Slider",
-                "bodies": {{ "ground": {{}}, "block": {{ "mass": {MASS} }} }},
-                "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
-                "actuators": {{ "drive": {{ "joint": "rail"{efficiency} }} }},
-                "forces": {{ "load": {{ "at": "block.origin" }} }},
-                "springs": {{ "spring": {{ "joint": "rail", "stiffness": {}{damping} }} }},
-                "start": {{ "joint": "rail", "position": 0.1 }},
-                "guess": {{ "rail": 0 }}
-            }}"#,
-            self.stiffness
-        ));
+        let mut drive = json!({ "joint": "slide" });
+        if let Some(eta) = self.eta {
+            drive["efficiency"] = json!(eta);
+        }
+        let mut spring = json!({ "joint": "slide", "stiffness": self.stiffness });
+        if self.damping != 0.0 {
+            spring["damping"] = json!(self.damping);
+        }
+        let mut run = Run::new(block(MASS).with(json!({
+            "actuators": { "drive": drive }, "springs": { "spring": spring }, "start": { "position": 0.1 },
+            "forces": { "load": { "at": "block.origin" } },
+        })));
         run.set("solver.tolerance", tolerance);
         run
     }

@@ -41,9 +41,9 @@ fn a_slider_crank_at_constant_speed_has_the_torque_of_its_piston() {
         let first = -r * sin - r * r * sin * cos / root;
         let second = -r * cos - r * r * (cos * cos - sin * sin) / root - (r * r * sin * cos).powi(2) / root.powi(3);
         is_close(crank.get("crank.angle"), phi, 1e-12 * phi);
-        is_close(crank.get("slide.position"), r * cos + root, 1e-13);
-        is_close(crank.get("slide.speed"), first * omega, 1e-11);
-        is_close(crank.get("slide.acceleration"), second * omega * omega, 1e-9);
+        is_close(crank.get("guide.position"), r * cos + root, 1e-13);
+        is_close(crank.get("guide.speed"), first * omega, 1e-11);
+        is_close(crank.get("guide.acceleration"), second * omega * omega, 1e-9);
         is_close(crank.get("motor.acting_torque"), m * first * second * omega * omega, 1e-9);
         assert!(crank.get("energy.drift").abs() < 1e-8, "{}", crank.get("energy.drift"));
         crank.step(h);

@@ -5,57 +5,30 @@ mod limits;
 mod profiles;
 mod switches;
 
+use crate::support::definition::{self, G, With, block, rod, weight};
 use crate::support::{GEAR, Run, changed};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 const MASS: f64 = 2.0;
-const G: f64 = 9.81;
 
 /// A mass on a vertical slide, lifted by a drive with this motion.
 fn lift(motion: &Value) -> Value {
-    json!({
-        "name": "Lift",
-        "bodies": { "ground": {}, "load": { "mass": MASS, "inertia": 1, "center": [0, 0] } },
-        "joints": {
-            "slide": {
-                "type": "prismatic", "first": "ground.origin", "second": "load.origin", "axis_angle": PI / 2.0,
-                    "angle": 0,
-            },
-        },
+    block(MASS).with(json!({
+        "joints": { "slide": { "axis_angle": PI / 2.0 } }, "start": { "position": 0.5 }, "gravity": weight(),
         "actuators": { "winch": { "joint": "slide", "motion": motion } },
-        "guess": { "slide": 0 },
-        "start": { "joint": "slide", "position": 0.5, "speed": 0 },
-        "gravity": { "acceleration": G, "up_angle": PI / 2.0 },
-    })
+    }))
 }
 
 /// A crank of radius 0.1 m with a rod of 0.35 m without mass and a piston of 3 kg, driven by a torque on the crank.
 fn slider_crank(motion: &Value) -> Value {
-    json!({
-        "name": "SliderCrank",
-        "bodies": {
-            "ground": {},
-            "crank": { "length": 0.1, "mass": 1.5, "shape": "uniform_rod" },
-            "rod": { "length": 0.35, "mass": 0, "shape": "uniform_rod" },
-            "piston": { "mass": 3, "inertia": 0, "center": [0, 0] },
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "piston.origin" },
-            "slide": {
-                "type": "prismatic", "first": "ground.origin", "second": "piston.origin", "axis_angle": 0, "angle": 0,
-            },
-        },
-        "actuators": { "motor": { "joint": "bearing", "motion": motion } },
-        "guess": { "crank": 0.3, "rod": -0.1, "slide": 0.44 },
-        "start": { "body": "crank", "angle": 0.3, "speed": 0 },
-    })
+    let bodies = [rod(0.1, 1.5), rod(0.35, 0.0), json!({ "mass": 3 })];
+    let motor = json!({ "joint": "bearing", "motion": motion });
+    definition::slider_crank(bodies, 0.3).with(json!({ "actuators": { "motor": motor } }))
 }
 
 fn opened(definition: &Value) -> Run {
-    Run::new(&definition.to_string())
+    Run::new(definition)
 }
 
 /// The gear whose actuator has a motion, with more changes.

@@ -1,4 +1,4 @@
-//! Profiles over time: steps of any size, kinks, short and late ones, tables.
+//! Motions over time, by inputs and by profiles: steps of any size, kinks, short and late ones, tables.
 use super::{G, MASS, gear, is_close, lift, opened, slider_crank};
 use serde_json::json;
 
@@ -22,6 +22,20 @@ fn steps_of_any_size_give_the_same_motion_and_force() {
             is_close(a, b, 1e-9 * a.abs().max(1.0));
         }
     }
+}
+
+/// Derivatives of the acceleration hold for one step, and the motion is the integral of their polynomial.
+#[test]
+fn a_motion_by_inputs_ends_a_step_where_its_acceleration_leads() {
+    let given = [("winch.motion.speed", 0.2), ("winch.motion.acceleration", -0.4)];
+    let mut lift = opened(&lift(&json!({ "position": 0.5 }))).with(&given).started();
+    lift.set_derivative("winch.motion.acceleration", 1, 3.0);
+    lift.set_derivative("winch.motion.acceleration", 2, -5.0);
+    let h = 0.5;
+    lift.step(h);
+    let travel = h * (0.2 + h * (-0.4 / 2.0 + h * (3.0 / 6.0 - h * 5.0 / 24.0)));
+    is_close(lift.get("slide.position"), 0.5 + travel, 1e-13);
+    is_close(lift.get("slide.speed"), 0.2 + h * (-0.4 + h * (3.0 / 2.0 - h * 5.0 / 6.0)), 1e-13);
 }
 
 #[test]

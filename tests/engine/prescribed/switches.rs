@@ -1,6 +1,6 @@
 //! A drive between motion and force, and saved states of both.
 use super::{G, MASS, gear, is_close, lift, opened};
-use crate::support::{GEAR, Run, assert_says, changed};
+use crate::support::assert_says;
 use linkage_fmu::mechanism::Model;
 use serde_json::json;
 
@@ -55,6 +55,7 @@ fn a_saved_state_goes_on_to_the_bit() {
     ];
     for motion in motions {
         let mut gear = gear(&motion, |gear| gear["friction"]["enabled"] = json!(true));
+        let fresh = gear.clone();
         let by_inputs = motion.get("position").is_some();
         if by_inputs {
             gear.set("actuator.motion.acceleration", 0.4);
@@ -62,15 +63,8 @@ fn a_saved_state_goes_on_to_the_bit() {
         let mut gear = gear.started();
         let names = ["crank.angle", "crank.speed", "actuator.acting_force", "joint1.force_x", "energy.drift"];
         for n in 0..12 {
-            let mut bytes = Vec::new();
-            gear.snapshot().write(&mut bytes).unwrap();
-            let mut twin = Run::new(&changed(GEAR, |definition| {
-                definition["actuators"]["actuator"]["motion"] = motion.clone();
-                definition["solver"] = json!({ "tolerance": 1e-10 });
-                definition["friction"]["enabled"] = json!(true);
-            }));
-            let read = twin.read_snapshot(&bytes).unwrap();
-            twin.restore(&read).unwrap();
+            let mut twin = fresh.clone();
+            twin.take(&gear.saved());
             let mut quiet = gear.clone();
             for run in [&mut gear, &mut twin, &mut quiet] {
                 if n == 5 {
@@ -90,14 +84,10 @@ fn a_saved_state_goes_on_to_the_bit() {
                 }
             }
             // Reading before the step changes nothing.
-            names.iter().for_each(|name| {
-                gear.get(name);
-            });
+            gear.bits(names);
             [&mut gear, &mut twin, &mut quiet].into_iter().for_each(|run| Model::step(run, 0.013).unwrap());
-            for name in names {
-                let bits = [&mut gear, &mut twin, &mut quiet].map(|run| run.get(name).to_bits());
-                assert!(bits[0] == bits[1] && bits[0] == bits[2], "{motion} {n} {name}: {bits:?}");
-            }
+            let bits = [&mut gear, &mut twin, &mut quiet].map(|run| run.bits(names));
+            assert!(bits[0] == bits[1] && bits[0] == bits[2], "{motion} {n}: {bits:?}");
         }
     }
 }

@@ -1,7 +1,9 @@
 //! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both
-//! kinds.
-use super::linkage::{Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider};
-use super::oracle;
+//! kinds. Bodies are posed first and joints placed in the plane afterwards, so that every loop closes by construction.
+use crate::support::oracle;
+use crate::support::oracle::linkage::{
+    Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider,
+};
 use crate::support::{Vec2, turned};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -137,7 +139,7 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
             } else {
                 Freedom::Revolute
             };
-            Joint { freedom, first, second }
+            Joint { name: format!("j{j}"), freedom, first, second }
         })
         .collect();
     let mut some = |deck: &mut Deck, body: usize| {
@@ -160,14 +162,14 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
         return Err(Discard::Short);
     }
     let loads = Loads {
-        actuator: (a, b, deck.between(-20.0, 20.0)),
+        pushes: vec![(a, b, deck.between(-20.0, 20.0))],
         gravity: (9.81, if deck.chance() { FRAC_PI_2 } else { deck.between(-PI, PI) }, deck.between(0.0, 2.0)),
-        force: (at, 10.0 * deck.point()),
-        torque: (1 + deck.below(moving), deck.between(-5.0, 5.0)),
+        forces: vec![(at, 10.0 * deck.point())],
+        torques: vec![(1 + deck.below(moving), deck.between(-5.0, 5.0))],
     };
-    let rider = Rider { to, angle: deck.between(-PI, PI), mass: deck.mass() };
+    let riders = vec![Rider { to, angle: deck.between(-PI, PI), mass: deck.mass() }];
     let start = (Coordinate::Angle(0), 0.0, 0.0);
-    let mut linkage = Linkage { kind: chain.name, bodies, joints, rider, loads, start, astray: Vec::new() };
+    let mut linkage = Linkage { kind: chain.name, bodies, joints, riders, loads, start, astray: Vec::new() };
     if linkage.joints.len() == 4 && chain.slides == 0 && excess(&linkage).1 < CROSSING {
         return Err(Discard::Crossing);
     }

@@ -2,13 +2,11 @@
 //!
 //! 100 linkages for each property; `LINKAGE_FMU_CASES=600 cargo test --test engine random_linkages` tests 600.
 pub mod generate;
-pub mod linkage;
-mod oracle;
 mod run;
 
-use crate::support::{Vec2, cases, read_all};
+use crate::support::oracle::linkage::{self, Coordinate, Linkage};
+use crate::support::{Vec2, cases, oracle, read_all};
 use generate::{CHAINS, Discard, build, grashof, linkages, numbers};
-use linkage::{Coordinate, Linkage};
 use linkage_fmu::mechanism::ModelError;
 use linkage_fmu::mechanism::curve::CurveError;
 use linkage_fmu::mechanism::reduced::ReductionError;
@@ -97,7 +95,7 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
     let [gap, drift] = motion.gap();
     within("closure", gap, rounding)?;
     within("closure of speeds", drift, rounding * fastest * farthest)?;
-    let mark = motion.point(linkage.loads.force.0);
+    let mark = motion.point(linkage.loads.forces[0].0);
     let [x, y] = ["mark.x", "mark.y"].map(|name| given(linkage, run.simulation.get(name)));
     within("marker", (mark - Vec2::new(x?, y?)).norm(), rounding)?;
     let solution = motion.solve();

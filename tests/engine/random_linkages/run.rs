@@ -1,7 +1,7 @@
 //! One model of a random linkage, read by the names of its variables.
-use super::linkage::{Coordinate, Freedom, Linkage};
-use super::oracle::Motion;
 use crate::support::Vec2;
+use crate::support::oracle::Motion;
+use crate::support::oracle::linkage::{Coordinate, Freedom, Linkage};
 use linkage_fmu::simulation::{Simulation, SimulationError};
 
 /// A simulation with the linkage that it was made from.
@@ -40,8 +40,8 @@ impl<'a> Run<'a> {
     /// Force and moment in every joint.
     pub fn reactions(&mut self) -> Result<Vec<(Vec2, f64)>, SimulationError> {
         let mut reactions = Vec::new();
-        for (j, joint) in self.linkage.joints.iter().enumerate() {
-            let name = Linkage::joint_name(j);
+        for joint in &self.linkage.joints {
+            let name = &joint.name;
             let mut get = |quantity| self.simulation.get(&format!("{name}.{quantity}"));
             let force = Vec2::new(get("force_x")?, get("force_y")?);
             let slides = matches!(joint.freedom, Freedom::Prismatic { .. });

@@ -1,5 +1,7 @@
 //! The independent integration of a block or a slider-crank with stops, in closed form but for Runge-Kutta's steps.
 
+use crate::support::numeric::runge_kutta;
+
 /// What a stop limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
@@ -131,14 +133,7 @@ impl Oracle {
 
     /// A step of Runge and Kutta.
     pub fn step(&self, load: f64, h: f64) -> [f64; 2] {
-        let f = |y: f64, v: f64| [v, self.acceleration(load, y, v)];
-        let (y, v) = (self.y, self.v);
-        let a = f(y, v);
-        let b = f(y + 0.5 * h * a[0], v + 0.5 * h * a[1]);
-        let c = f(y + 0.5 * h * b[0], v + 0.5 * h * b[1]);
-        let d = f(y + h * c[0], v + h * c[1]);
-        let sum = |n: usize| h / 6.0 * (a[n] + 2.0 * b[n] + 2.0 * c[n] + d[n]);
-        [y + sum(0), v + sum(1)]
+        runge_kutta(|_, [y, v]| [v, self.acceleration(load, y, v)], [self.y, self.v], h, 1)
     }
 
     /// The bumpers push as they do in this state.

@@ -5,6 +5,9 @@ use super::scene::{Scene, block, rigid};
 use crate::support::{Run, changed};
 use serde_json::json;
 
+/// A four-bar linkage that a bumper and a rigid stop limit, found by random scenes.
+const FOUR_BAR: &str = include_str!("../../fixtures/four_bar_between_stops.json");
+
 /// 5 ms of release in one step of 0.52 s, and any other.
 #[test]
 fn a_release_is_met_however_short() {
@@ -117,43 +120,7 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
 /// other side: its position is that of the stop to the bit, so that the flag is true and a lock that is engaged holds.
 #[test]
 fn rest_at_a_stop_is_at_the_stop_in_whatever_revolution_it_is_counted() {
-    let definition = json!({
-        "name": "Scene",
-        "bodies": {
-            "ground": { "points": { "a": [0.0, 0.0], "d": [0.45679669370187065, 0.0], "post": [0.2, 0.7] } },
-            "crank": {
-                "length": 0.35515352391385724, "mass": 5.383184001376022, "inertia": 0.07403431620696398,
-                "center": [0.22042932275433227, -0.021492749518821644],
-            },
-            "coupler": {
-                "length": 0.5651921891635404, "mass": 2.691592000688011, "inertia": 0.10780625084651567,
-                "center": [0.19205191309471836, -0.018472289916182206],
-            },
-            "follower": {
-                "length": 0.5234039169052543, "mass": 10.766368002752044, "inertia": 0.20005039601392613,
-                "center": [0.2957000887509702, 0.03671456618773459],
-            },
-        },
-        "joints": {
-            "a": { "type": "revolute", "first": "ground.a", "second": "crank.origin" },
-            "b": { "type": "revolute", "first": "crank.end", "second": "coupler.origin" },
-            "c": { "type": "revolute", "first": "coupler.end", "second": "follower.end" },
-            "d": { "type": "revolute", "first": "ground.d", "second": "follower.origin" },
-        },
-        "actuators": { "load": { "joint": "a" } },
-        "stops": {
-            "s0": {
-                "body": "crank", "limit": "lower", "angle": -3.1020440638990388, "rigid": false,
-                "stiffness": 10.507332165627965,
-            },
-            "s1": { "body": "crank", "limit": "upper", "angle": -2.2771213335831813 },
-        },
-        "locks": { "latch": { "stop": "s1", "at": "crank.end" } },
-        "start": { "body": "crank", "angle": -2.348081666313255, "speed": -2.9501375040218285 },
-        "guess": { "coupler": -0.42684736584334504, "crank": -2.348081666313255, "follower": -1.9451670171654327 },
-        "solver": { "tolerance": 2.3004947677142523e-8 },
-    });
-    let mut run = Run::new(&definition.to_string()).started();
+    let mut run = Run::new(FOUR_BAR).started();
     run.set("load.torque", 43.30438005112297);
     run.steps(7, 0.32297009838491525);
     assert!((run.get("crank.angle") + 2.2771213335831813).abs() < 1e-14 && run.is("s1.reached"));

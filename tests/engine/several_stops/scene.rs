@@ -2,6 +2,7 @@
 
 use super::oracle::{CRANK, Held, Machine, Oracle, POST, Quantity, ROD, Stop};
 use crate::support::Run;
+use crate::support::definition::{self, With};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -22,7 +23,7 @@ impl Scene {
         let stops = self.stops.iter().enumerate().map(|(k, stop)| {
             let mut out = match (self.machine, stop.quantity) {
                 (_, Quantity::Slide) | (Machine::Block(_), Quantity::Angle) => {
-                    json!({ "joint": "slide", "position": stop.value })
+                    json!({ "joint": self.slide(), "position": stop.value })
                 }
                 (_, Quantity::Angle) => json!({ "body": "crank", "angle": stop.value }),
                 (Machine::Block(_), _) => {
@@ -43,33 +44,18 @@ impl Scene {
         });
         let stops: Value = stops.collect::<serde_json::Map<_, _>>().into();
         let [y, v] = self.start;
-        let ground = json!({ "points": { "post": POST } });
-        let mut out = match self.machine {
-            Machine::Block(mass) => json!({
-                "bodies": { "ground": ground, "block": { "mass": mass } },
-                "joints": { "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" } },
-                "actuators": { "load": { "joint": "slide" } },
-                "start": { "joint": "slide", "position": y, "speed": v },
-                "guess": { "slide": y },
-            }),
-            Machine::Crank(inertia, mass) => json!({
-                "bodies": {
-                    "ground": ground,
-                    "crank": { "length": CRANK, "inertia": inertia },
-                    "rod": { "length": ROD },
-                    "block": { "mass": mass },
-                },
-                "joints": {
-                    "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-                    "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-                    "wrist": { "type": "revolute", "first": "rod.end", "second": "block.origin" },
-                    "slide": { "type": "prismatic", "first": "ground.origin", "second": "block.origin" },
-                },
-                "actuators": { "load": { "joint": "bearing" } },
-                "start": { "body": "crank", "angle": y, "speed": v },
-                "guess": { "crank": y, "rod": -(CRANK * y.sin() / ROD).asin(), "slide": Machine::slide(y)[0] },
-            }),
+        let (machine, drive) = match self.machine {
+            Machine::Block(mass) => (definition::block(mass).with(json!({ "guess": { "slide": y } })), "slide"),
+            Machine::Crank(inertia, mass) => {
+                let (crank, rod) = (json!({ "length": CRANK, "inertia": inertia }), json!({ "length": ROD }));
+                (definition::slider_crank([crank, rod, json!({ "mass": mass })], y), "bearing")
+            }
         };
+        let start = if drive == "slide" { "position" } else { "angle" };
+        let mut out = machine.with(json!({
+            "bodies": { "ground": { "points": { "post": POST } } },
+            "actuators": { "load": { "joint": drive } }, "start": { start: y, "speed": v },
+        }));
         out["name"] = json!("Stops");
         out["stops"] = stops;
         if let Some(stop) = self.lock {
@@ -77,6 +63,11 @@ impl Scene {
         }
         out["solver"] = json!({ "tolerance": 1e-11 });
         out.to_string()
+    }
+
+    /// Name of the prismatic joint.
+    fn slide(&self) -> &'static str {
+        if matches!(self.machine, Machine::Block(_)) { "slide" } else { "guide" }
     }
 
     pub fn run(&self) -> Run {

@@ -1,8 +1,7 @@
-//! A random linkage in plain data: what the definition's text says and what the oracle reads, from one source.
-//!
-//! Bodies are posed first and joints placed in the plane afterwards, so that every loop closes by construction.
-use crate::support::Vec2;
+//! A linkage in plain data, from which a definition is written, or which is read from one with nothing of the engine.
+use crate::support::{Vec2, turned};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Index of the ground among the bodies.
@@ -58,21 +57,23 @@ pub enum Freedom {
     },
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Joint {
+    pub name: String,
     pub freedom: Freedom,
     pub first: Attachment,
     pub second: Attachment,
 }
 
 /// Sizes of the loads and where they act; constant.
-#[derive(Clone, Copy)]
+#[derive(Clone, Default)]
 pub struct Loads {
-    pub actuator: (Attachment, Attachment, f64),
+    /// Forces that push two points apart [N].
+    pub pushes: Vec<(Attachment, Attachment, f64)>,
     /// Acceleration of free fall, upward direction, load factor.
     pub gravity: (f64, f64, f64),
-    pub force: (Attachment, Vec2),
-    pub torque: (usize, f64),
+    pub forces: Vec<(Attachment, Vec2)>,
+    pub torques: Vec<(usize, f64)>,
 }
 
 /// The angle of a body, or the position of a prismatic joint.
@@ -88,7 +89,7 @@ pub struct Linkage {
     pub kind: &'static str,
     pub bodies: Vec<Body>,
     pub joints: Vec<Joint>,
-    pub rider: Rider,
+    pub riders: Vec<Rider>,
     pub loads: Loads,
     pub start: (Coordinate, f64, f64),
     /// Added to each coordinate of the guess, in the order of [`Self::coordinates`].
@@ -96,10 +97,6 @@ pub struct Linkage {
 }
 
 impl Linkage {
-    pub fn joint_name(joint: usize) -> String {
-        format!("j{joint}")
-    }
-
     pub fn local(&self, at: Attachment) -> Vec2 {
         self.bodies[at.body].points[at.point].1
     }
@@ -127,7 +124,7 @@ impl Linkage {
     pub fn name(&self, coordinate: Coordinate) -> String {
         match coordinate {
             Coordinate::Angle(body) => self.bodies[body].name.clone(),
-            Coordinate::Position(joint) => Self::joint_name(joint),
+            Coordinate::Position(joint) => self.joints[joint].name.clone(),
         }
     }
 
@@ -172,11 +169,13 @@ impl Linkage {
             }
             bodies.insert(b.name.clone(), body);
         }
-        let mut rider = json!({ "fixed_to": self.text(self.rider.to), "angle": self.rider.angle });
-        add_mass(&mut rider, self.rider.mass);
-        bodies.insert("rider".into(), rider);
+        for own in &self.riders {
+            let mut rider = json!({ "fixed_to": self.text(own.to), "angle": own.angle });
+            add_mass(&mut rider, own.mass);
+            bodies.insert("rider".into(), rider);
+        }
         let joints: Map<String, Value> =
-            self.joints.iter().enumerate().map(|(j, joint)| (Self::joint_name(j), self.joint(joint))).collect();
+            self.joints.iter().map(|joint| (joint.name.clone(), self.joint(joint))).collect();
         let guess: Map<String, Value> = self
             .coordinates()
             .into_iter()
@@ -188,8 +187,8 @@ impl Linkage {
             Coordinate::Angle(_) => json!({ "body": self.name(coordinate), "angle": value, "speed": speed }),
             Coordinate::Position(_) => json!({ "joint": self.name(coordinate), "position": value, "speed": speed }),
         };
-        let Loads { actuator: (a, b, push), gravity: (g, up, factor), force: (at, force), torque: (on, torque) } =
-            self.loads;
+        let Loads { pushes, gravity: (g, up, factor), forces, torques } = &self.loads;
+        let (&(a, b, push), &(at, force), &(on, torque)) = (&pushes[0], &forces[0], &torques[0]);
         json!({
             "name": "Random",
             "description": self.kind,
@@ -228,5 +227,105 @@ fn add_mass(body: &mut Value, mass: Mass) {
 impl fmt::Debug for Linkage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.json())
+    }
+}
+
+/// Where the frame of a body is: the body that carries it, place and angle in that one's frame.
+type Frame = (usize, Vec2, f64);
+
+fn number(of: &Value, key: &str, default: f64) -> f64 {
+    of.get(key).map_or(default, |value| value.as_f64().unwrap())
+}
+
+fn vector(of: &Value) -> Vec2 {
+    let [x, y] = [0, 1].map(|axis| of[axis].as_f64().unwrap());
+    Vec2::new(x, y)
+}
+
+/// Mass of a body; its points with `origin` and `end`.
+fn mass_and_points(body: &Value) -> (Mass, Vec<(String, Vec2)>) {
+    let (mass, length) = (number(body, "mass", 0.0), number(body, "length", 0.0));
+    let center = body.get("center").map_or(Vec2::zeros(), vector);
+    let is_rod = body["shape"] == "uniform_rod";
+    let mass = match is_rod {
+        true => Mass { mass, center: Vec2::new(0.5 * length, 0.0), inertia: mass * length * length / 12.0 },
+        false => Mass { mass, center, inertia: number(body, "inertia", 0.0) },
+    };
+    let mut points = vec![("origin".to_owned(), Vec2::zeros()), ("end".to_owned(), Vec2::new(length, 0.0))];
+    let further = body["points"].as_object().into_iter().flatten();
+    points.extend(further.map(|(name, point)| (name.clone(), vector(point))));
+    (mass, points)
+}
+
+impl Linkage {
+    /// The linkage of a definition in SI units without couplings, with its gravity and no other load.
+    pub fn read(definition: &Value) -> Self {
+        let group = |name: &str| definition[name].as_object().into_iter().flatten();
+        let mut linkage = Self {
+            kind: "read",
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            riders: Vec::new(),
+            loads: Loads::default(),
+            start: (Coordinate::Angle(GROUND), 0.0, 0.0),
+            astray: Vec::new(),
+        };
+        let mut frames: BTreeMap<&str, Frame> = BTreeMap::new();
+        let own = group("bodies").filter(|(_, body)| body.get("fixed_to").is_none());
+        let (ground, moving): (Vec<_>, Vec<_>) = own.partition(|(name, _)| *name == "ground");
+        for (name, body) in ground.into_iter().chain(moving) {
+            let (mass, points) = mass_and_points(body);
+            frames.insert(name, (linkage.bodies.len(), Vec2::zeros(), 0.0));
+            let (name, position) = (name.clone(), Vec2::zeros());
+            linkage.bodies.push(Body { name, position, angle: 0.0, mass, length: None, points });
+        }
+        // Riders may be fixed to riders: outward from the bodies.
+        while let Some((name, body)) = group("bodies").find(|(name, body)| {
+            let to = body.get("fixed_to").and_then(|to| to.as_str().unwrap().split('.').next());
+            !frames.contains_key(name.as_str()) && to.is_some_and(|to| frames.contains_key(to))
+        }) {
+            let to = linkage.point(body["fixed_to"].as_str().unwrap());
+            let carrier = body["fixed_to"].as_str().unwrap().split('.').next().unwrap();
+            let (at, angle) = (linkage.local(to), frames[carrier].2 + number(body, "angle", 0.0));
+            let (mass, points) = mass_and_points(body);
+            frames.insert(name, (to.body, at, angle));
+            let placed =
+                points.into_iter().map(|(point, local)| (format!("{name}.{point}"), at + turned(local, angle)));
+            linkage.bodies[to.body].points.extend(placed);
+            linkage.riders.push(Rider { to, angle, mass });
+        }
+        for (name, joint) in group("joints") {
+            let [first, second] = ["first", "second"].map(|side| joint[side].as_str().unwrap());
+            let turn = |of: &str| frames[of.split('.').next().unwrap()].2;
+            let freedom = if joint["type"] == "revolute" {
+                Freedom::Revolute
+            } else {
+                let (axis, angle) = (number(joint, "axis_angle", 0.0), number(joint, "angle", 0.0));
+                let angle = angle + turn(first) - turn(second);
+                Freedom::Prismatic { axis: axis + turn(first), angle, position: 0.0 }
+            };
+            let [first, second] = [first, second].map(|at| linkage.point(at));
+            linkage.joints.push(Joint { name: name.clone(), freedom, first, second });
+        }
+        let gravity = &definition["gravity"];
+        let of_gravity = ["acceleration", "up_angle"].map(|key| number(gravity, key, 0.0));
+        linkage.loads.gravity = (of_gravity[0], of_gravity[1], number(gravity, "load_factor", 1.0));
+        linkage
+    }
+
+    /// A point of a body or of a rider by its name.
+    pub fn point(&self, name: &str) -> Attachment {
+        let (of, own) = name.split_once('.').unwrap();
+        let find = |body: usize, point: &str| self.bodies[body].points.iter().position(|(known, _)| known == point);
+        let found = (0..self.bodies.len()).find_map(|body| {
+            let point = if self.bodies[body].name == of { find(body, own) } else { find(body, name) };
+            point.map(|point| Attachment { body, point })
+        });
+        found.unwrap_or_else(|| panic!("no point {name}"))
+    }
+
+    /// A body, or the one that carries a rider, by its name.
+    pub fn body(&self, name: &str) -> usize {
+        self.point(&format!("{name}.origin")).body
     }
 }

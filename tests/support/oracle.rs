@@ -1,9 +1,12 @@
 //! The oracle: Newton and Euler's equations of all bodies in absolute coordinates, with the joints as constraints.
 //!
-//! In: a linkage's plain data and the values of its coordinates and speeds. Out: poses, how well the joints close,
-//! accelerations and joint reactions from one dense system. It knows nothing of the engine.
-use super::linkage::{Attachment, Coordinate, Freedom, GROUND, Joint, Linkage, Mass};
+//! In: a linkage's plain data, drawn at random or read from a definition, and the values of its coordinates and their
+//! derivatives. Out: poses, how well the joints close, accelerations and joint reactions from one dense system, or how
+//! far given ones are from a balance. It knows nothing of the engine.
+pub mod linkage;
+
 use crate::support::{Vec2, turned};
+use linkage::{Attachment, Coordinate, Freedom, GROUND, Joint, Linkage, Mass};
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 /// Vector [m] and angle [rad] of every body's frame, or their rates.
@@ -18,6 +21,8 @@ pub struct Motion<'a> {
     linkage: &'a Linkage,
     pub poses: Poses,
     pub rates: Poses,
+    /// Second derivatives, by the accelerations of the coordinates.
+    pub accelerations: Poses,
 }
 
 /// Accelerations and reactions.
@@ -36,14 +41,13 @@ impl<'a> Motion<'a> {
         let coordinates = linkage.coordinates();
         let read = |coordinate| {
             let found = coordinates.iter().zip(state).find(|(c, _)| **c == coordinate);
-            found.map_or([f64::NAN; 2], |(_, [value, speed, _])| [*value, *speed])
+            found.map_or([f64::NAN; 3], |(_, state)| *state)
         };
         let count = linkage.bodies.len();
-        let mut motion =
-            Self { linkage, poses: vec![(Vec2::zeros(), 0.0); count], rates: vec![(Vec2::zeros(), 0.0); count] };
+        let still = || vec![(Vec2::zeros(), 0.0); count];
+        let mut motion = Self { linkage, poses: still(), rates: still(), accelerations: still() };
         for b in (0..count).filter(|&b| linkage.rotates(b)) {
-            let [angle, speed] = read(Coordinate::Angle(b));
-            (motion.poses[b].1, motion.rates[b].1) = (angle, speed);
+            [motion.poses[b].1, motion.rates[b].1, motion.accelerations[b].1] = read(Coordinate::Angle(b));
         }
         // Bodies that prismatic joints hold to the ground, outward from it.
         let mut held = vec![false; count];
@@ -71,14 +75,21 @@ impl<'a> Motion<'a> {
                 }
                 let (from, to, sign) = if placed[a.body] { (a, b, 1.0) } else { (b, a, -1.0) };
                 let (mut point, mut velocity) = (motion.point(from), motion.velocity(from));
+                let mut acceleration = motion.acceleration_of(from);
                 if let Freedom::Prismatic { axis, .. } = joint.freedom {
-                    let [position, speed] = read(Coordinate::Position(j));
+                    let [position, speed, second] = read(Coordinate::Position(j));
                     let unit = turned(Vec2::x(), motion.poses[a.body].1 + axis);
+                    let (spin, alpha) = (motion.rates[a.body].1, motion.accelerations[a.body].1);
                     point += sign * position * unit;
-                    velocity += sign * (speed * unit + position * motion.rates[a.body].1 * perp(unit));
+                    velocity += sign * (speed * unit + position * spin * perp(unit));
+                    acceleration += sign * (second - position * spin * spin) * unit;
+                    acceleration += sign * (2.0 * speed * spin + position * alpha) * perp(unit);
                 }
                 motion.poses[to.body].0 = point - motion.arm(to);
                 motion.rates[to.body].0 = velocity - motion.rates[to.body].1 * perp(motion.arm(to));
+                let (arm, spin) = (motion.arm(to), motion.rates[to.body].1);
+                motion.accelerations[to.body].0 =
+                    acceleration - motion.accelerations[to.body].1 * perp(arm) + spin * spin * arm;
                 placed[to.body] = true;
             }
         }
@@ -91,6 +102,7 @@ impl<'a> Motion<'a> {
             linkage,
             poses: linkage.bodies.iter().map(|b| (b.position, b.angle)).collect(),
             rates: vec![(Vec2::zeros(), 0.0); linkage.bodies.len()],
+            accelerations: vec![(Vec2::zeros(), 0.0); linkage.bodies.len()],
         }
     }
 
@@ -104,6 +116,12 @@ impl<'a> Motion<'a> {
 
     pub fn velocity(&self, at: Attachment) -> Vec2 {
         self.rates[at.body].0 + self.rates[at.body].1 * perp(self.arm(at))
+    }
+
+    /// Acceleration of a point by those of the frames.
+    fn acceleration_of(&self, at: Attachment) -> Vec2 {
+        let (arm, (base, alpha), spin) = (self.arm(at), self.accelerations[at.body], self.rates[at.body].1);
+        base + alpha * perp(arm) - spin * spin * arm
     }
 
     /// Second point of a joint less its first, and the rate.
@@ -145,23 +163,25 @@ impl<'a> Motion<'a> {
     /// Potentials of the loads at constant sizes, one by one [J].
     pub fn potentials(&self) -> [f64; 4] {
         let loads = &self.linkage.loads;
-        let ((a, b, push), (g, up, factor), (at, pull)) = (loads.actuator, loads.gravity, loads.force);
+        let (g, up, factor) = loads.gravity;
         let weights =
             self.masses().into_iter().map(|(b, m)| m.mass * (self.poses[b].0 + turned(m.center, self.poses[b].1)));
         [
-            -push * (self.point(b) - self.point(a)).norm(),
+            loads.pushes.iter().map(|(a, b, push)| -push * (self.point(*b) - self.point(*a)).norm()).sum(),
             g * factor * weights.sum::<Vec2>().dot(&Vec2::new(up.cos(), up.sin())),
-            -pull.dot(&self.point(at)),
-            -loads.torque.1 * self.poses[loads.torque.0].1,
+            loads.forces.iter().map(|(at, pull)| -pull.dot(&self.point(*at))).sum(),
+            loads.torques.iter().map(|(on, torque)| -torque * self.poses[*on].1).sum(),
         ]
     }
 
     /// Every mass with the place of the body that carries it; centres in that body's frame.
     fn masses(&self) -> Vec<(usize, Mass)> {
         let bodies = self.linkage.bodies.iter().enumerate().skip(1);
-        let rider = self.linkage.rider;
-        let center = self.linkage.local(rider.to) + turned(rider.mass.center, rider.angle);
-        bodies.map(|(b, body)| (b, body.mass)).chain([(rider.to.body, Mass { center, ..rider.mass })]).collect()
+        let riders = self.linkage.riders.iter().map(|rider| {
+            let center = self.linkage.local(rider.to) + turned(rider.mass.center, rider.angle);
+            (rider.to.body, Mass { center, ..rider.mass })
+        });
+        bodies.map(|(b, body)| (b, body.mass)).chain(riders.filter(|(body, _)| *body != GROUND)).collect()
     }
 
     /// Constraint Jacobian (two rows a joint, three columns a body but the ground) and J a = gamma's right-hand side.
@@ -228,14 +248,43 @@ impl<'a> Motion<'a> {
             block += Matrix3::from(own);
             push(b, m.mass * (fall + spin * spin * r), r.perp(&(m.mass * fall)));
         }
-        let (a, b, size) = loads.actuator;
-        let along = (self.point(b) - self.point(a)).normalize() * size;
-        let (at, pull) = loads.force;
-        for (point, f) in [(a, -along), (b, along), (at, pull)] {
-            push(point.body, f, self.arm(point).perp(&f));
+        for &(a, b, size) in &loads.pushes {
+            let along = (self.point(b) - self.point(a)).normalize() * size;
+            for (point, f) in [(a, -along), (b, along)] {
+                push(point.body, f, self.arm(point).perp(&f));
+            }
         }
-        push(loads.torque.0, Vec2::zeros(), loads.torque.1);
+        loads.forces.iter().for_each(|(at, f)| push(at.body, *f, self.arm(*at).perp(f)));
+        loads.torques.iter().for_each(|(on, torque)| push(*on, Vec2::zeros(), *torque));
         (mass, force)
+    }
+
+    /// Largest violation of a body's balance of forces and moments, relative to the body's largest one, under these
+    /// forces and moments in the joints.
+    pub fn imbalance(&self, reactions: &[(Vec2, f64)]) -> f64 {
+        let ((jacobian, _), (mass, force)) = (self.constraints(), self.dynamics());
+        let frames = self.accelerations.iter().skip(1).flat_map(|(base, alpha)| [base.x, base.y, *alpha]);
+        let need = mass * DVector::from_iterator(force.len(), frames);
+        let multipliers =
+            self.linkage.joints.iter().zip(reactions).flat_map(|(joint, (f, moment))| match joint.freedom {
+                Freedom::Revolute => [f.x, f.y],
+                Freedom::Prismatic { axis, .. } => {
+                    [f.dot(&turned(Vec2::y(), self.poses[joint.first.body].1 + axis)), *moment]
+                }
+            });
+        let multipliers = DVector::from_iterator(jacobian.nrows(), multipliers);
+        let mut worst = 0.0_f64;
+        for body in 0..force.len() / 3 {
+            let (mut lack, mut size) = (0.0_f64, 0.0_f64);
+            for row in 3 * body..3 * body + 3 {
+                let parts = (0..jacobian.nrows()).map(|j| jacobian[(j, row)] * multipliers[j]);
+                let parts: Vec<f64> = parts.chain([-need[row], force[row]]).collect();
+                lack = lack.max(parts.iter().sum::<f64>().abs());
+                size = parts.iter().fold(size, |size, part| size.max(part.abs()));
+            }
+            worst = worst.max(if lack == 0.0 { 0.0 } else { lack / size });
+        }
+        worst
     }
 
     /// Solve [M -J^T; J 0] [accelerations; multipliers] = [forces; gamma].
