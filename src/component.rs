@@ -12,6 +12,7 @@ macro_rules! each {
         match $component {
             Component::Mechanism($model) => $answer,
             Component::Hydraulic($model) => $answer,
+            Component::Network($model) => $answer,
         }
     };
 }
@@ -27,7 +28,7 @@ pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
 use crate::format::{About, Experiment};
-use crate::hydraulics;
+use crate::hydraulics::{self, network};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism;
@@ -47,18 +48,22 @@ pub enum Component {
     Mechanism(mechanism::Model),
     /// A hydraulic actuator.
     Hydraulic(Box<hydraulics::Model>),
+    /// A hydraulic system: a supply network with cylinders.
+    Network(Box<network::Model>),
 }
 
 type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
 type Inspector = fn(&str) -> Inspection;
 
 /// Definition file of each kind of model, and how a component is made from its text and what was kept of its tables.
-const KINDS: [(&str, Constructor); 2] = [
+const KINDS: [(&str, Constructor); 3] = [
     ("mechanism.json", |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?))),
     ("hydraulics.json", |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?)))),
+    ("network.json", |text, _| Ok(Component::Network(Box::new(network::Model::from_json(text)?)))),
 ];
 /// How the text of each kind is inspected. A table apart, so that a library that inspects nothing is without the code.
-const INSPECTORS: [Inspector; KINDS.len()] = [mechanism::inspection::inspect, hydraulics::inspection::inspect];
+const INSPECTORS: [Inspector; KINDS.len()] =
+    [mechanism::inspection::inspect, hydraulics::inspection::inspect, network::inspection::inspect];
 
 #[cold]
 fn no_kind(file: &str) -> Refused {
@@ -115,6 +120,7 @@ impl Component {
         match self {
             Self::Mechanism(_) => KINDS[0].0,
             Self::Hydraulic(_) => KINDS[1].0,
+            Self::Network(_) => KINDS[2].0,
         }
     }
 
@@ -138,6 +144,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.warnings().to_vec(),
             Self::Hydraulic(model) => model.warnings(),
+            Self::Network(model) => model.warnings(),
         }
     }
 
@@ -145,7 +152,7 @@ impl Component {
     pub fn remarks(&self) -> Vec<String> {
         match self {
             Self::Mechanism(model) => model.remarks(),
-            Self::Hydraulic(_) => Vec::new(),
+            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
         }
     }
 
@@ -163,7 +170,7 @@ impl Component {
     pub fn vectors(&self) -> Vec<Vector> {
         match self {
             Self::Mechanism(model) => model.vectors(),
-            Self::Hydraulic(_) => Vec::new(),
+            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
         }
     }
 
@@ -172,7 +179,7 @@ impl Component {
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         match self {
             Self::Mechanism(model) => model.impacts_of(flag),
-            Self::Hydraulic(_) => None,
+            Self::Hydraulic(_) | Self::Network(_) => None,
         }
     }
 
@@ -180,7 +187,7 @@ impl Component {
     pub fn input_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::INPUT_ORDER,
-            Self::Hydraulic(_) => hydraulics::INPUT_ORDER,
+            Self::Hydraulic(_) | Self::Network(_) => hydraulics::INPUT_ORDER,
         }
     }
 
@@ -188,7 +195,7 @@ impl Component {
     pub fn output_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::OUTPUT_ORDER,
-            Self::Hydraulic(_) => hydraulics::OUTPUT_ORDER,
+            Self::Hydraulic(_) | Self::Network(_) => hydraulics::OUTPUT_ORDER,
         }
     }
 
@@ -263,6 +270,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.take_warning(),
             Self::Hydraulic(model) => model.take_warning(),
+            Self::Network(model) => model.take_warning(),
         }
     }
 
@@ -271,7 +279,7 @@ impl Component {
     pub fn start_warning(&mut self) -> Option<String> {
         match self {
             Self::Mechanism(model) => model.start_warning(),
-            Self::Hydraulic(_) => None,
+            Self::Hydraulic(_) | Self::Network(_) => None,
         }
     }
 
@@ -318,6 +326,8 @@ mod tests {
         assert!(Component::from_definition("mechanism.json", "{}").is_err());
         let actuator = Component::from_definition("hydraulics.json", r#"{ "name": "Actuator" }"#).unwrap();
         assert_eq!(actuator.definition_file(), "hydraulics.json");
+        let system = r#"{ "name": "System", "nodes": { "line": { "volume": 1e-3 } } }"#;
+        assert_eq!(Component::from_definition("network.json", system).unwrap().definition_file(), "network.json");
         assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
     }
 }

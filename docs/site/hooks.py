@@ -20,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ELSEWHERE = {
     "modelDescription/mechanism.schema.json": "reference/mechanism.schema.json",
     "modelDescription/hydraulics.schema.json": "reference/hydraulics.schema.json",
+    "modelDescription/network.schema.json": "reference/network.schema.json",
     "modelDescription/study.schema.json": "reference/study.schema.json",
     "ARCHITECTURE.md": "contributing/architecture.md",
     "CONTRIBUTING.md": "contributing/index.md",

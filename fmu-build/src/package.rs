@@ -337,8 +337,8 @@ mod tests {
         let workspace = Workspace::locate();
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
         assert!(message("nowhere").ends_with(
-            "there is no such file or folder; give the path of a mechanism.json or a hydraulics.json or of a folder \
-             that contains one"
+            "there is no such file or folder; give the path of a mechanism.json or a hydraulics.json or a \
+             network.json or of a folder that contains one"
         ));
         assert!(message("fmu-build").ends_with("put the definition there"));
     }

@@ -5,6 +5,7 @@
 
 use linkage_fmu::format::{Element, Key, Kind, Names, Range, Short, Table};
 use linkage_fmu::hydraulics::definition as hydraulics;
+use linkage_fmu::hydraulics::network::definition as network;
 use linkage_fmu::mechanism::definition as mechanism;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -19,20 +20,28 @@ const ANY: &str = "from -1e100 to 1e100";
 const CIRCUIT: &str = "circuit";
 
 /// The definition files and their elements; those of a circuit stand in both.
-fn files() -> [(&'static str, Vec<Element>); 2] {
+fn files() -> [(&'static str, Vec<Element>); 3] {
     [
         ("mechanism.json", [&mechanism::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
         ("hydraulics.json", [&hydraulics::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
+        ("network.json", network::ELEMENTS.to_vec()),
     ]
 }
 
-/// Name of an element in a page. What only hydraulics.json has is named with the file.
+/// The elements of this definition file, the whole first.
+pub fn elements(definition_file: &str) -> Vec<Element> {
+    let own = files().into_iter().find(|(file, _)| *file == definition_file);
+    own.map_or_else(Vec::new, |(_, elements)| elements)
+}
+
+/// Name of an element in a page. What mechanism.json does not have is named with the first file that has it.
 fn mark(file: &str, element: &Element) -> String {
-    let is_elsewhere = file == "hydraulics.json" && !files()[0].1.iter().any(|other| other.table == element.table);
-    match (element.name, is_elsewhere) {
+    let has = |elements: &[Element]| elements.iter().any(|other| other.table == element.table);
+    let first = files().into_iter().find(|(_, elements)| has(elements)).map_or("", |(first, _)| first);
+    match (element.name, first) {
         ("", _) => file.to_owned(),
-        (name, false) => name.to_owned(),
-        (name, true) => format!("{file} {name}"),
+        (name, "mechanism.json") => name.to_owned(),
+        (name, first) => format!("{first} {name}"),
     }
 }
 
@@ -264,7 +273,8 @@ mod tests {
 
     /// The committed pages of elements.
     fn committed() -> BTreeMap<String, String> {
-        let folders = ["mechanism", "hydraulics"].map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
+        let folders =
+            ["mechanism", "hydraulics", "network"].map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
         let pages = folders.into_iter().flat_map(|(name, files)| {
             files.map(move |file| {
                 let path = file.unwrap().path();

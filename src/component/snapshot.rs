@@ -2,7 +2,8 @@
 //!
 //! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know the contents of a snapshot.
 use super::{Component, Refused};
-use crate::{hydraulics, mechanism};
+use crate::hydraulics::{self, network};
+use crate::mechanism;
 
 /// All that decides how a component goes on.
 #[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
@@ -12,6 +13,8 @@ pub enum Snapshot {
     Mechanism(mechanism::Snapshot),
     /// Of a hydraulic actuator.
     Hydraulic(Box<hydraulics::Snapshot>),
+    /// Of a hydraulic system.
+    Network(Box<network::Snapshot>),
 }
 
 impl Component {
@@ -20,6 +23,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
             Self::Hydraulic(model) => Snapshot::Hydraulic(Box::new(model.snapshot())),
+            Self::Network(model) => Snapshot::Network(Box::new(model.snapshot())),
         }
     }
 
@@ -30,6 +34,7 @@ impl Component {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
             (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
+            (Self::Network(model), Snapshot::Network(snapshot)) => model.snapshot_into(snapshot),
             (component, snapshot) => *snapshot = component.snapshot(),
         }
     }
@@ -43,6 +48,7 @@ impl Component {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
             (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
+            (Self::Network(model), Snapshot::Network(snapshot)) => Ok(model.restore(snapshot)?),
             _ => Err(Refused("the saved state belongs to another type of model".to_owned())),
         }
     }
@@ -55,6 +61,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
             Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(Box::new(model.read_snapshot(bytes)?))),
+            Self::Network(model) => Ok(Snapshot::Network(Box::new(model.read_snapshot(bytes)?))),
         }
     }
 }
@@ -65,6 +72,7 @@ impl Snapshot {
         match self {
             Self::Mechanism(snapshot) => snapshot.has_motion(),
             Self::Hydraulic(snapshot) => snapshot.has_motion(),
+            Self::Network(snapshot) => snapshot.has_motion(),
         }
     }
 
@@ -76,6 +84,7 @@ impl Snapshot {
         match self {
             Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
             Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
+            Self::Network(snapshot) => Ok(snapshot.write(out)?),
         }
     }
 }

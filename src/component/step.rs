@@ -97,6 +97,7 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+            Self::Network(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
         }
     }
 
@@ -104,7 +105,7 @@ impl Component {
     pub fn has_events(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_events(),
-            Self::Hydraulic(_) => false,
+            Self::Hydraulic(_) | Self::Network(_) => false,
         }
     }
 
@@ -126,7 +127,7 @@ impl Component {
                 Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
                 Err(error) => stepped(error).map(Paused::from),
             },
-            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
+            Self::Hydraulic(_) | Self::Network(_) => self.step_from(Some(point), h).map(Paused::from),
         }
     }
 
@@ -138,7 +139,7 @@ impl Component {
     pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
-            Self::Hydraulic(_) => Ok(false),
+            Self::Hydraulic(_) | Self::Network(_) => Ok(false),
         }
     }
 
@@ -155,7 +156,7 @@ impl Component {
     pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
         match self {
             Self::Mechanism(model) => model.take_occurrences(point),
-            Self::Hydraulic(_) => Vec::new(),
+            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
         }
     }
 
@@ -164,7 +165,7 @@ impl Component {
     pub fn take_growth(&mut self) -> Option<String> {
         match self {
             Self::Mechanism(model) => model.take_growth(),
-            Self::Hydraulic(_) => None,
+            Self::Hydraulic(_) | Self::Network(_) => None,
         }
     }
 }

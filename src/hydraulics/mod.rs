@@ -14,6 +14,7 @@ pub(crate) mod inputs;
 pub mod inspection;
 mod interface;
 mod model;
+pub mod network;
 mod outputs;
 pub(crate) mod plausibility;
 mod snapshot;

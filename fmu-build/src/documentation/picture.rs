@@ -37,6 +37,17 @@ pub enum Picture {
     },
 }
 
+/// What is drawn of a network without cylinders.
+const PLAIN: Cylinder = Cylinder { bore: 0.05, rod: 0.03, stroke: 0.3, closed_length: 0.4, length: 0.55 };
+
+/// Owners of the parameters and of the length of the first cylinder of a hydraulic model; none without cylinders.
+fn first_cylinder(component: &Component) -> Option<[String; 2]> {
+    let position = component.interface().list().iter().find(|v| v.name.ends_with(".stroke_position"))?;
+    let owner = position.name.strip_suffix(".stroke_position")?.to_owned();
+    let length = if matches!(component, Component::Hydraulic(_)) { "actuator".to_owned() } else { owner.clone() };
+    Some([owner, length])
+}
+
 impl Picture {
     /// What is drawn of this model, whose definition has this text.
     ///
@@ -62,7 +73,10 @@ impl Picture {
                 }
                 Ok(Self::Mechanism { name, scene: Box::new(scene), start, typical })
             }
-            Component::Hydraulic(_) => {
+            Component::Hydraulic(_) | Component::Network(_) => {
+                let Some([cylinder, actuator]) = first_cylinder(component) else {
+                    return Ok(Self::Cylinder { name, cylinder: PLAIN });
+                };
                 let mut model = component.clone();
                 let mut value = |name: &str| -> Result<f64> {
                     let reference =
@@ -70,11 +84,11 @@ impl Picture {
                     Ok(model.real(reference)?)
                 };
                 let cylinder = Cylinder {
-                    bore: value("cylinder.bore")?,
-                    rod: value("cylinder.rod")?,
-                    stroke: value("cylinder.stroke")?,
-                    closed_length: value("cylinder.closed_length")?,
-                    length: value("actuator.length")?,
+                    bore: value(&format!("{cylinder}.bore"))?,
+                    rod: value(&format!("{cylinder}.rod"))?,
+                    stroke: value(&format!("{cylinder}.stroke"))?,
+                    closed_length: value(&format!("{cylinder}.closed_length"))?,
+                    length: value(&format!("{actuator}.length"))?,
                 };
                 Ok(Self::Cylinder { name, cylinder })
             }

@@ -4,8 +4,7 @@
 //! laws.
 
 use linkage_fmu::format::{Element, Json, Key, Kind, Names, Node, Range, Short, parse, quoted};
-use linkage_fmu::hydraulics::definition as hydraulics;
-use linkage_fmu::mechanism::definition::{self as mechanism, CouplingKind};
+use linkage_fmu::mechanism::definition::CouplingKind;
 
 /// Rules about keys that go together, which are merged into the elements of their names.
 const RULES: &str = include_str!("rules.json");
@@ -17,8 +16,7 @@ const SOUND: &str = "what is put together here is JSON";
 /// The text of the schema of this definition file.
 pub fn schema(definition_file: &str) -> String {
     let is_mechanism = definition_file == "mechanism.json";
-    let own: &[Element] = if is_mechanism { &mechanism::ELEMENTS } else { &hydraulics::ELEMENTS };
-    let elements = [own, &hydraulics::CIRCUIT].concat();
+    let elements = crate::reference::elements(definition_file);
     let schema = Schema { elements: &elements, takes_expressions: is_mechanism };
     let rules = if is_mechanism { Value::read(RULES) } else { Value::Object(Vec::new()) };
     let [first, end] = if is_mechanism { ["A-Za-z", ", \"maxLength\": 200"] } else { ["A-Za-z_", ""] };
@@ -31,7 +29,11 @@ pub fn schema(definition_file: &str) -> String {
         ("$schema".into(), Value::Raw("\"https://json-schema.org/draft/2020-12/schema\"".into())),
         (
             "title".into(),
-            Value::text(if is_mechanism { "Mechanism of linkage-fmu" } else { "Hydraulic actuator of linkage-fmu" }),
+            Value::text(match definition_file {
+                "mechanism.json" => "Mechanism of linkage-fmu",
+                "network.json" => "Hydraulic system of linkage-fmu",
+                _ => "Hydraulic actuator of linkage-fmu",
+            }),
         ),
     ]);
     let mut definitions = Value::Object(vec![("name".into(), Value::read(&name("")))]);

@@ -9,7 +9,7 @@ use crate::numerics::dual::Number;
 impl Equations {
     /// Resistance in series with the edges of chamber `side` for flow out of it [Pa s2/m6].
     #[inline]
-    pub(super) fn resistance<T: Number>(&self, side: usize, length: T) -> T {
+    pub(crate) fn resistance<T: Number>(&self, side: usize, length: T) -> T {
         let restrictor = T::constant(self.restrictors[side]);
         let inverse = self.per_cushion_length[side];
         if inverse == 0.0 {

@@ -1,0 +1,344 @@
+//! What the elements of a network must be to each other.
+//!
+//! In: a definition whose numbers are in range. Out: faults of names and connections; warnings about a network that
+//! runs, but is probably not the one that is meant. It must not know laws.
+use super::{HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS};
+use crate::format::{DefinitionError, Faults, Range};
+use crate::hydraulics::definition::check_pressure;
+use crate::inspection::Finding;
+use crate::numerics::decimal::Decimal;
+use crate::variables::nearest;
+
+/// A port that an element names.
+struct Link<'a> {
+    group: &'static str,
+    name: &'a str,
+    key: &'static str,
+    port: &'a str,
+}
+
+impl Link<'_> {
+    fn path(&self) -> String {
+        format!("{}.{}.{}", self.group, self.name, self.key)
+    }
+
+    /// Whether oil passes; a pilot, a lock and an accumulator only feel the pressure.
+    fn carries_flow(&self) -> bool {
+        !matches!(self.key, "pilot" | "at")
+    }
+}
+
+impl HydraulicSystem {
+    /// The ports that all elements name, in the order of the file.
+    fn links(&self) -> Vec<Link<'_>> {
+        let mut all = Vec::new();
+        macro_rules! links {
+            ($($group:ident: $($key:ident)*;)*) => {$(
+                for (name, element) in self.$group.iter() {
+                    let group = stringify!($group);
+                    $({
+                        let key = stringify!($key).trim_start_matches("r#");
+                        all.push(Link { group, name, key, port: &element.$key });
+                    })*
+                }
+            )*};
+        }
+        links! {
+            pumps: from to;
+            accumulators: at;
+            resistances: from to;
+            checks: from to;
+            reliefs: from to;
+            priorities: from to;
+            sequences: from to pilot;
+            pilot_checks: from to pilot;
+            counterbalances: from to pilot;
+            bypasses: from to;
+            valves: supply r#return a b;
+            pressure_locks: at;
+        }
+        all
+    }
+
+    /// Faults of names, sizes and connections.
+    pub(super) fn find_connection_faults(&self, faults: &mut Faults) {
+        let (ports, links) = (Ports::new(self), self.links());
+        self.find_name_faults(faults);
+        for link in &links {
+            match ports.find(link.port) {
+                None => faults.push(unknown(&ports, link)),
+                Some(port)
+                    if port >= ports.volumes && matches!((link.group, link.key), ("pumps", "to") | (_, "at")) =>
+                {
+                    let allowed = "a node, or a chamber such as cylinder.a; a reservoir has a given pressure";
+                    faults.push(DefinitionError::value(link.path(), format!("\"{}\"", link.port), allowed));
+                }
+                Some(_) => {}
+            }
+        }
+        for (index, link) in links.iter().enumerate().filter(|(_, link)| link.carries_flow()) {
+            let of_same = |other: &&Link<'_>| {
+                other.group == link.group && other.name == link.name && other.port == link.port && other.carries_flow()
+            };
+            if let Some(other) = links[..index].iter().find(of_same) {
+                let message =
+                    format!("\"{}\" is its port {} too; connect each port to another place", link.port, other.key);
+                faults.push(DefinitionError::key(link.path(), message));
+            }
+            // A node may serve several valves; a chamber has one.
+            let is_working =
+                |one: &Link<'_>| one.group == "valves" && matches!(one.key, "a" | "b") && one.port.contains('.');
+            let of_other = |other: &&Link<'_>| is_working(other) && other.name != link.name && other.port == link.port;
+            if let (true, Some(other)) = (is_working(link), links[..index].iter().find(of_other)) {
+                let message = format!(
+                    "\"{}\" is connected to {} already; connect one valve only, or both through a node",
+                    link.port,
+                    other.path()
+                );
+                faults.push(DefinitionError::key(link.path(), message));
+            }
+        }
+        self.find_size_faults(&ports, faults);
+        self.find_number_faults(faults);
+    }
+
+    fn find_name_faults(&self, faults: &mut Faults) {
+        let mut names: Vec<(&'static str, String)> = Vec::new();
+        self.elements(&mut |group, name| {
+            let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(is_word) {
+                let allowed = "a word: ASCII letters, digits and underscores, beginning with a letter";
+                faults.push(DefinitionError::value(format_args!("{group}.{name}"), format!("\"{name}\""), allowed));
+            }
+            if let Some((other, _)) = names.iter().find(|(_, known)| known == name) {
+                let message = format!("{other}.{name} has this name already; give each element another name");
+                faults.push(DefinitionError::key(format_args!("{group}.{name}"), message));
+            }
+            names.push((group, name.to_owned()));
+        });
+    }
+
+    fn find_size_faults(&self, ports: &Ports, faults: &mut Faults) {
+        let dynamic = self.valves.iter().filter(|(_, valve)| valve.frequency.is_some()).count();
+        let paths = self.path_count() + self.pumps.len();
+        let components = ports.volumes + 2 * dynamic + 4 * self.cylinders.len() + TOTALS;
+        for (key, what, count, most) in [
+            ("cylinders", "cylinders", self.cylinders.len(), MOST_CYLINDERS),
+            ("valves", "valves", self.valves.len(), MOST_VALVES),
+            ("nodes", "components of the state", components, MOST_COMPONENTS),
+            ("nodes", "ports", ports.names().len(), MOST_COMPONENTS),
+            ("resistances", "flow paths, four for each valve", paths, MOST_PATHS),
+        ] {
+            if count > most {
+                let message = format!("the network has {count} {what}; at most {most}: split it into two FMUs");
+                faults.push(DefinitionError::key(key, message));
+            }
+        }
+        if self.nodes.is_empty() && self.cylinders.is_empty() {
+            faults.push(DefinitionError::key("nodes", "there is neither a node nor a cylinder; give one of them"));
+        }
+    }
+
+    /// Number of flow paths without pumps.
+    pub fn path_count(&self) -> usize {
+        self.resistances.len()
+            + self.checks.len()
+            + self.reliefs.len()
+            + self.priorities.len()
+            + self.sequences.len()
+            + self.pilot_checks.len()
+            + self.counterbalances.len()
+            + self.bypasses.len()
+            + 4 * self.valves.len()
+    }
+
+    fn find_number_faults(&self, faults: &mut Faults) {
+        let ambient = self.fluid.ambient_pressure;
+        let mut pressure = |path: String, value: f64| faults.keep(check_pressure(&path, value, ambient));
+        for (name, reservoir) in self.reservoirs.iter() {
+            pressure(format!("reservoirs.{name}.pressure"), reservoir.pressure);
+        }
+        for (name, node) in self.nodes.iter() {
+            pressure(format!("nodes.{name}.start_pressure"), node.start_pressure);
+        }
+        for (name, cylinder) in self.cylinders.iter() {
+            for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {
+                pressure(format!("cylinders.{name}.chamber_{side}.start_pressure"), chamber.start_pressure);
+            }
+        }
+        for (name, accumulator) in self.accumulators.iter() {
+            pressure(format!("accumulators.{name}.precharge_pressure"), accumulator.precharge_pressure);
+        }
+        for (name, node) in self.nodes.iter() {
+            let path = |key: &str| format!("nodes.{name}.{key}");
+            if node.volume == 0.0 {
+                let allowed = "> 0 m3: where elements meet without a volume their flows and the pressure are an \
+                               algebraic loop; give it the volume of its lines";
+                faults.push(DefinitionError::value(path("volume"), 0, allowed));
+            } else if node.hose_volume > node.volume {
+                let allowed =
+                    format!("at most the volume of the node, {} m3, of which it is a part", Decimal(node.volume));
+                faults.push(DefinitionError::value(path("hose_volume"), Decimal(node.hose_volume), allowed));
+            }
+        }
+        for (name, pump) in self.pumps.iter() {
+            if pump.r#type == PumpType::Compensated && pump.max_pressure <= pump.full_pressure {
+                let allowed = format!("above full_pressure = {} Pa", Decimal(pump.full_pressure));
+                let path = format!("pumps.{name}.max_pressure");
+                faults.push(DefinitionError::value(path, Decimal(pump.max_pressure), allowed));
+            }
+        }
+        for (name, valve) in self.valves.iter() {
+            if !(-1.0..=1.0).contains(&valve.command) {
+                let path = format!("valves.{name}.command");
+                faults.push(DefinitionError::value(path, Decimal(valve.command), "a number from -1 to 1"));
+            }
+        }
+        for (name, bypass) in self.bypasses.iter() {
+            faults.keep(Range::Unit.check(format_args!("bypasses.{name}.open"), bypass.open));
+        }
+        for (name, cylinder) in self.cylinders.iter() {
+            let path = |key: &str| format!("cylinders.{name}.{key}");
+            if cylinder.rod >= cylinder.bore {
+                let allowed = format!("below bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
+                faults.push(DefinitionError::value(path("rod"), Decimal(cylinder.rod), allowed));
+            }
+            for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {
+                if chamber.hose_volume > chamber.dead_volume {
+                    let allowed =
+                        format!("at most dead_volume = {} m3, of which it is a part", Decimal(chamber.dead_volume));
+                    let path = path(&format!("chamber_{side}.hose_volume"));
+                    faults.push(DefinitionError::value(path, Decimal(chamber.hose_volume), allowed));
+                }
+            }
+            let [least, most] = cylinder.lengths();
+            if let Some(length) = cylinder.length.filter(|length| !(least..=most).contains(length)) {
+                let allowed = format!("within the travel, {} m to {} m", Decimal(least), Decimal::rounded(most));
+                faults.push(DefinitionError::value(path("length"), Decimal(length), allowed));
+            }
+        }
+        for (name, cylinder) in self.cylinders.iter() {
+            let inputs = [
+                ("speed", Range::Finite, cylinder.speed),
+                ("reduced_mass", Range::NonNegative, cylinder.reduced_mass),
+                ("holding_force", Range::Finite, cylinder.holding_force),
+                ("lower_limit", Range::NonNegative, cylinder.lower_limit),
+                ("upper_limit", Range::NonNegative, cylinder.upper_limit),
+            ];
+            for (key, range, value) in inputs {
+                faults.keep(range.check(format_args!("cylinders.{name}.{key}"), value));
+            }
+        }
+        for (name, lock) in self.pressure_locks.iter() {
+            if lock.hysteresis > lock.release_pressure {
+                let allowed = format!("at most release_pressure = {} Pa", Decimal(lock.release_pressure));
+                let path = format!("pressure_locks.{name}.hysteresis");
+                faults.push(DefinitionError::value(path, Decimal(lock.hysteresis), allowed));
+            }
+        }
+    }
+
+    /// The highest pressure that pumps and reservoirs give [Pa].
+    fn highest(&self) -> f64 {
+        let relief = self.reliefs.iter().fold(f64::INFINITY, |least, (_, relief)| relief.pressure.min(least));
+        let of_pump = |pump: &super::Pump| match pump.r#type {
+            PumpType::Compensated => pump.max_pressure,
+            PumpType::Fixed => relief,
+        };
+        let pumps = self.pumps.iter().map(|(_, pump)| of_pump(pump));
+        let given = self.reservoirs.iter().map(|(_, reservoir)| reservoir.pressure);
+        let starts = self.nodes.iter().map(|(_, node)| node.start_pressure);
+        pumps.chain(given).chain(starts).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Warnings about a network that is probably not the one that is meant.
+    pub fn warnings(&self) -> Vec<Finding> {
+        let (mut all, links, highest) = (Vec::new(), self.links(), self.highest());
+        let ports = Ports::new(self);
+        let mut warn = |path: String, message: String, remedy: &str| all.push(Finding::warning(path, message, remedy));
+        let feeds = |port: &str, except: &str| {
+            ports.find(port).is_some_and(|index| index >= ports.volumes)
+                || links.iter().any(|link| {
+                    link.port == port && link.name != except && (link.carries_flow() || link.group == "accumulators")
+                })
+        };
+        for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
+            if !feeds(link.port, link.name) {
+                let message =
+                    format!("nothing but this valve is connected to \"{}\": it has no {}", link.port, link.key);
+                warn(link.path(), message, "connect a pump, an accumulator, a reservoir or another element there");
+            }
+        }
+        for name in &ports.names()[ports.nodes..ports.volumes] {
+            if !feeds(name, "") {
+                let (cylinder, side) = name.split_once('.').unwrap_or((name, ""));
+                let message = format!("nothing is connected to its chamber {side}: its oil is shut in");
+                warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to it");
+            }
+        }
+        for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Fixed) {
+            // The flow of a relief valve at a tenth above its pressure.
+            let relief = |least: f64, (_, relief): (&str, &super::Relief)| {
+                if relief.from == pump.to { least + 0.1 * relief.pressure * relief.conductance } else { least }
+            };
+            let flow = self.reliefs.iter().fold(0.0, relief);
+            if flow < pump.max_flow {
+                let message = format!(
+                    "is {} m3/s; relief valves at \"{}\" take {} m3/s at a tenth above their pressure",
+                    Decimal(pump.max_flow),
+                    pump.to,
+                    Decimal::rounded(flow)
+                );
+                let remedy = "give a relief valve there a larger conductance, or take a compensated pump";
+                warn(format!("pumps.{name}.max_flow"), message, remedy);
+            }
+        }
+        for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Compensated) {
+            let below = self.reliefs.iter().find(|(_, one)| one.from == pump.to && one.pressure <= pump.full_pressure);
+            if let Some((relief, one)) = below {
+                let message = format!(
+                    "is {} Pa, above reliefs.{relief}.pressure = {} Pa",
+                    Decimal(pump.full_pressure),
+                    Decimal(one.pressure)
+                );
+                warn(format!("pumps.{name}.full_pressure"), message, "raise the pressure of the relief valve");
+            }
+        }
+        for (name, accumulator) in self.accumulators.iter().filter(|(_, one)| one.precharge_pressure >= highest) {
+            let message = format!(
+                "is {} Pa, not below the highest pressure of pumps, reservoirs and start, {} Pa: it never takes oil",
+                Decimal(accumulator.precharge_pressure),
+                Decimal(highest)
+            );
+            warn(format!("accumulators.{name}.precharge_pressure"), message, "lower the precharge pressure");
+        }
+        for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
+            let message = format!(
+                "is {} Pa, not below the highest pressure of pumps, reservoirs and start, {} Pa: it never releases",
+                Decimal(lock.release_pressure),
+                Decimal(highest)
+            );
+            warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure");
+        }
+        let coarse = self.experiment.coarse();
+        all.extend(coarse.map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
+        all
+    }
+}
+
+impl super::Cylinder {
+    /// Least and largest length [m].
+    pub fn lengths(&self) -> [f64; 2] {
+        [self.closed_length, self.closed_length + self.stroke]
+    }
+}
+
+/// A port that nothing has.
+fn unknown(ports: &Ports, link: &Link<'_>) -> DefinitionError {
+    let near = nearest(ports.names().iter().map(String::as_str), link.port);
+    let allowed = match near.is_empty() {
+        true => "declare it under nodes with a volume, or under reservoirs".to_owned(),
+        false => format!("the nearest are {}; declare a node with a volume, or name a port", near.join(", ")),
+    };
+    DefinitionError::unknown(link.path(), link.port, allowed)
+}

@@ -1,0 +1,195 @@
+//! The definition of a hydraulic system: the content of `network.json`, with all checks.
+//!
+//! In: the text of the file. Out: a [`HydraulicSystem`] whose numbers are in range and whose elements fit together; the
+//! list of its parameters. It must not know the laws of the elements, nor FMI. SI units; pressures are gauge, relative
+//! to the ambient pressure.
+mod connections;
+mod ports;
+mod sections;
+
+use crate::format::{
+    About, DefinitionError, Described, Element, Experiment, Faults, Key, Keyed, Named, Numbers, Owner, Slot, Visit,
+    element, keys, read_with,
+};
+use crate::hydraulics::definition::{Fluid, Leakage, Seal, Solver};
+pub use ports::Ports;
+pub use sections::*;
+
+/// The elements of a definition for its schema and reference.
+pub const ELEMENTS: [Element; 24] = [
+    Element::of::<HydraulicSystem>(""),
+    Element::of::<About>("about"),
+    Element::of::<Fluid>("fluid"),
+    Element::of::<Reservoir>("reservoir"),
+    Element::of::<Line>("node"),
+    Element::of::<Pump>("pump"),
+    Element::of::<Accumulator>("accumulator"),
+    Element::of::<Resistance>("resistance"),
+    Element::of::<Check>("check"),
+    Element::of::<Relief>("relief"),
+    Element::of::<Priority>("priority"),
+    Element::of::<Sequence>("sequence"),
+    Element::of::<PilotCheck>("pilot_check"),
+    Element::of::<Counterbalance>("counterbalance"),
+    Element::of::<Bypass>("bypass"),
+    Element::of::<Valve>("valve"),
+    Element::of::<Cylinder>("cylinder"),
+    Element::of::<Chamber>("chamber"),
+    Element::of::<Leakage>("leakage"),
+    Element::of::<Seal>("seal"),
+    Element::of::<PressureLock>("pressure_lock"),
+    Element::of::<Coupling>("coupling"),
+    Element::of::<Solver>("solver"),
+    Element::of::<Experiment>("experiment"),
+];
+
+/// Most components of the state of a network.
+pub const MOST_COMPONENTS: usize = 96;
+/// Most cylinders.
+pub const MOST_CYLINDERS: usize = 12;
+/// Most valves.
+pub const MOST_VALVES: usize = 16;
+/// Most flow paths: flow elements, pumps, and four for each valve.
+pub const MOST_PATHS: usize = 96;
+/// Integrals over the whole network: three volumes and six energies.
+pub const TOTALS: usize = 9;
+
+keys! {
+    /// A hydraulic system: supply, lines, valves and cylinders. Numbers are in SI units. Pressures are relative to the
+    /// ambient pressure. A port is the name of a reservoir or node, or `cylinder.a` or `cylinder.b`.
+    pub struct HydraulicSystem {
+        /// Path of the schema, for completion in an editor. The FMU does not read it.
+        schema as "$schema": Option<String>;
+        /// Name of the FMU: a letter or underscore, then letters, digits or underscores.
+        name: String => element().required();
+        /// Description, one line of text.
+        description: String;
+        /// Author, copyright and licence of the model, for the description of the FMU.
+        about: About => Key::PLAIN.brief();
+        /// Oil with entrained air.
+        fluid: Fluid;
+        /// Reservoirs and other ports with a given pressure.
+        reservoirs: Named<Reservoir>;
+        /// Nodes: lines and galleries with a volume of oil.
+        nodes: Named<Line>;
+        /// Pumps.
+        pumps: Named<Pump>;
+        /// Accumulators.
+        accumulators: Named<Accumulator>;
+        /// Restrictors, orifices and lines with resistance.
+        resistances: Named<Resistance>;
+        /// Check valves.
+        checks: Named<Check>;
+        /// Relief valves.
+        reliefs: Named<Relief>;
+        /// Priority valves.
+        priorities: Named<Priority>;
+        /// Sequence valves.
+        sequences: Named<Sequence>;
+        /// Pilot operated check valves.
+        pilot_checks: Named<PilotCheck>;
+        /// Counterbalance valves.
+        counterbalances: Named<Counterbalance>;
+        /// By-passes.
+        bypasses: Named<Bypass>;
+        /// Valves with four ports.
+        valves: Named<Valve>;
+        /// Cylinders.
+        cylinders: Named<Cylinder>;
+        /// Locks that pressure releases.
+        pressure_locks: Named<PressureLock>;
+        /// Coupling with the mechanisms that the cylinders drive.
+        coupling: Coupling;
+        /// Settings of the time integration.
+        solver: Solver;
+        /// Default experiment of the FMU.
+        experiment: Experiment;
+    }
+}
+
+impl HydraulicSystem {
+    /// Read and check a definition.
+    ///
+    /// # Errors
+    /// A message with the key, its value and what is allowed.
+    pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
+        let (system, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
+        faults.first()?;
+        Ok(system)
+    }
+
+    /// Read a definition, with all its faults, keys that nobody knows among them.
+    ///
+    /// # Errors
+    /// All faults for which the text cannot be read as a hydraulic system.
+    pub fn with_faults(text: &str) -> Result<(Self, Faults), Faults> {
+        let mut system = Self::default();
+        let mut faults = read_with("hydraulic system", text, &Numbers::default(), &mut system);
+        if !faults.are_of_unknown_keys() {
+            return Err(faults);
+        }
+        system.find_faults(&mut faults);
+        Ok((system, faults))
+    }
+
+    /// Check each number and what the elements must be to each other.
+    ///
+    /// # Errors
+    /// The first fault, with its key, its value and what is allowed.
+    pub fn check(&self) -> Result<(), DefinitionError> {
+        let mut faults = Faults::default();
+        self.find_faults(&mut faults);
+        faults.first()
+    }
+
+    /// Call `visit` with every numeric parameter and its value, in the order of the file.
+    pub fn parameters(&mut self, visit: &mut Visit) {
+        for (index, key) in Self::TABLE.keys.iter().enumerate() {
+            match self.slot(index) {
+                Slot::Object(section) => {
+                    Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
+                }
+                Slot::Group(group) => {
+                    let mut at = 0;
+                    while let Some((name, Slot::Object(element))) = group.entry(at) {
+                        Owner { group: Some(key.name), name, is_rotary: false }.parameters(element, &Some, visit);
+                        at += 1;
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Faults of each number, of the names, and of the connections.
+    fn find_faults(&self, faults: &mut Faults) {
+        let mut letters = self.name.chars();
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if !letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') || !letters.all(is_word) {
+            let allowed = "a C identifier: ASCII letters, digits and underscores, not beginning with a digit";
+            faults.push(DefinitionError::value("name", format!("\"{}\"", self.name), allowed));
+        }
+        faults.keep(self.about.check());
+        faults.keep(self.experiment.check());
+        let before = faults.len();
+        self.clone().parameters(&mut |parameter, value| parameter.check(*value, faults));
+        // Numbers in range are compared.
+        if faults.len() == before {
+            self.find_connection_faults(faults);
+        }
+    }
+
+    /// Calls `visit` with the group and the name of every element, in the order of the file.
+    pub fn elements(&self, visit: &mut dyn FnMut(&'static str, &str)) {
+        let mut copy = self.clone();
+        for (index, key) in Self::TABLE.keys.iter().enumerate() {
+            if let Slot::Group(group) = copy.slot(index) {
+                let mut at = 0;
+                while let Some((name, _)) = group.entry(at) {
+                    visit(key.name, name);
+                    at += 1;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,397 @@
+//! The variables of a network: inputs, outputs, parameters, with units and dependencies.
+//!
+//! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
+use super::definition::{HydraulicSystem, Mode};
+use super::layout::{Input, Layout, Part, Total};
+use super::outputs::{Ahead, Output};
+use crate::format::Role;
+use crate::variables::{
+    Causality, Details, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables,
+};
+
+/// Quantity of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// A Real that the host sets between steps, by its index.
+    Input(usize),
+    /// A number of the definition, by its index among the parameters.
+    Parameter(usize),
+    /// What a step does with the foreseen motion: `coupling.mode`.
+    Mode,
+    /// Computed from the state.
+    Output(Output),
+    /// Whether a lock is engaged.
+    Lock(usize),
+}
+
+/// Name, text and unit of each input of a cylinder, in the order of [`Part::ALL`].
+const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
+    ("length", "Length; within a step its value at the beginning plus the integral of the speed", Unit::Metre),
+    ("speed", "Rate of the length", Unit::MetrePerSecond),
+    (
+        "acceleration",
+        "Acceleration, for derivatives of outputs only; 0: that of the reduced mass, if it is told",
+        Unit::MetrePerSecondSquared,
+    ),
+    ("reduced_mass", "Mass of what the cylinder moves, reduced to it; 0: unknown, no preview", Unit::Kilogram),
+    ("reduced_mass_derivative", "Derivative of the reduced mass with respect to the length", Unit::KilogramPerMetre),
+    ("holding_force", "Force of the cylinder that holds what it moves at rest", Unit::Newton),
+    (
+        "holding_force_derivative",
+        "Derivative of the holding force with respect to the length; 0: unknown",
+        Unit::NewtonPerMetre,
+    ),
+    ("lower_limit", "Least length that stops and locks leave to what the cylinder moves", Unit::Metre),
+    ("upper_limit", "Largest length that they leave; 0 as the least one: unknown", Unit::Metre),
+];
+
+/// Name, text, unit and quantity of each output of the foreseen motion of a cylinder.
+const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
+    (
+        "force",
+        "Force at the beginning of the next step of the line with the impulse and the first moment foreseen",
+        Unit::Newton,
+        Ahead::Force,
+    ),
+    ("force_rate", "Rate of that line", Unit::NewtonPerSecond, Ahead::ForceRate),
+    ("force_mean", "Mean force foreseen over the next step", Unit::Newton, Ahead::ForceMean),
+    ("length", "Length foreseen at the end of the next step", Unit::Metre, Ahead::Length),
+    ("speed", "Speed foreseen at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
+    (
+        "start_acceleration",
+        "Acceleration under the force at the beginning of the next step",
+        Unit::MetrePerSecondSquared,
+        Ahead::StartAcceleration,
+    ),
+    (
+        "acceleration",
+        "Acceleration under the force foreseen at the end of the next step",
+        Unit::MetrePerSecondSquared,
+        Ahead::Acceleration,
+    ),
+];
+
+/// Name, text, unit and quantity of each output of the whole network.
+const TOTALS: [(&str, &str, Unit, Output); 11] = [
+    (
+        "volume.from_reservoirs",
+        "Oil from the reservoirs since the start",
+        Unit::CubicMetre,
+        Output::Total(Total::Reservoirs),
+    ),
+    ("volume.leaked", "Oil lost by external leakage since the start", Unit::CubicMetre, Output::Total(Total::Leaked)),
+    (
+        "volume.compressed",
+        "Oil taken by the elasticity of oil, hoses, walls and gas since the start",
+        Unit::CubicMetre,
+        Output::Total(Total::Compressed),
+    ),
+    (
+        "volume.balance",
+        "Oil from the reservoirs less what has leaked, is compressed or fills the cylinders: 0 but for rounding",
+        Unit::CubicMetre,
+        Output::VolumeBalance,
+    ),
+    ("energy.pumps", "Hydraulic work of the pumps since the start", Unit::Joule, Output::Total(Total::PumpWork)),
+    (
+        "energy.reservoirs",
+        "Energy from the reservoirs since the start",
+        Unit::Joule,
+        Output::Total(Total::ReservoirWork),
+    ),
+    ("energy.piston", "Work of the cylinders since the start", Unit::Joule, Output::Total(Total::PistonWork)),
+    (
+        "energy.seal_friction",
+        "Energy lost in the seals since the start",
+        Unit::Joule,
+        Output::Total(Total::SealFriction),
+    ),
+    (
+        "energy.compression",
+        "Energy taken by the elasticity of oil, hoses, walls and gas since the start",
+        Unit::Joule,
+        Output::Total(Total::Compression),
+    ),
+    (
+        "energy.throttling",
+        "Energy lost in valves, restrictors, lines and leakages since the start",
+        Unit::Joule,
+        Output::Total(Total::Throttling),
+    ),
+    (
+        "energy.balance",
+        "Energy of pumps and reservoirs less all other energies: 0 but for the integration",
+        Unit::Joule,
+        Output::EnergyBalance,
+    ),
+];
+
+/// The variables as they come up.
+struct Builder<'a> {
+    system: &'a HydraulicSystem,
+    layout: Layout,
+    list: Vec<Variable>,
+    quantities: Vec<Quantity>,
+    /// Inputs on which flows depend.
+    flow: Vec<Reference>,
+    /// Inputs on which the foreseen motion depends, but for accelerations. Accelerations are none of them, as a
+    /// mechanism's depend on the forces: a host that orders by these lists would find an algebraic loop.
+    foreseen: Vec<Reference>,
+}
+
+impl Builder<'_> {
+    fn push(&mut self, name: String, description: String, quantity: Quantity, row: Row) {
+        self.list.push(Variable {
+            name,
+            description,
+            kind: row.kind,
+            causality: row.causality,
+            variability: row.variability,
+            unit: row.unit,
+            start: row.start,
+            dependencies: row.dependencies,
+            details: row.details,
+        });
+        self.quantities.push(quantity);
+    }
+
+    fn input(&mut self, name: String, description: String, unit: Unit, start: f64) {
+        let details = Details { nominal: (start != 0.0).then_some(start.abs()), ..Details::default() };
+        let index = self.list.len();
+        let row = Row { start: Some(Value::Real(start)), details, ..Row::real(Causality::Input, unit) };
+        self.push(name, description, Quantity::Input(index), row);
+    }
+
+    fn output(&mut self, name: String, description: String, unit: Unit, output: Output, dependencies: &[Reference]) {
+        let row = Row { dependencies: dependencies.to_vec(), ..Row::real(Causality::Output, unit) };
+        self.push(name, description, Quantity::Output(output), row);
+    }
+
+    fn inputs(&mut self) {
+        let system = self.system;
+        for (name, one) in system.reservoirs.iter() {
+            let text = format!("Pressure of {name}, relative to the ambient pressure");
+            self.input(format!("{name}.pressure"), text, Unit::Pascal, one.pressure);
+        }
+        for (name, _) in system.pumps.iter() {
+            self.input(format!("{name}.speed"), format!("Relative speed of {name}; 0: off"), Unit::One, 1.0);
+        }
+        for (name, one) in system.valves.iter() {
+            let text = format!("Command of {name}, from -1 to 1");
+            self.input(format!("{name}.command"), text, Unit::One, one.command);
+        }
+        for (name, one) in system.bypasses.iter() {
+            self.input(format!("{name}.open"), format!("Opening of {name}, from 0 to 1"), Unit::One, one.open);
+        }
+        for (name, one) in system.cylinders.iter() {
+            let [least, most] = one.lengths();
+            for (part, (key, text, unit)) in Part::ALL.into_iter().zip(PARTS) {
+                let start = match part {
+                    Part::Length => one.length.unwrap_or(0.5 * (least + most)),
+                    Part::Speed => one.speed,
+                    Part::Mass => one.reduced_mass,
+                    Part::Load => one.holding_force,
+                    Part::LowerLimit => one.lower_limit,
+                    Part::UpperLimit => one.upper_limit,
+                    _ => 0.0,
+                };
+                self.input(format!("{name}.{key}"), format!("{text}, of {name}"), unit, start);
+            }
+        }
+        let text = "Next step of the host; 0: as the last one, at first the step of the default experiment".to_owned();
+        self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
+    }
+
+    fn outputs(&mut self) {
+        let (system, layout, flow) = (self.system, self.layout, self.flow.clone());
+        for (index, (name, _)) in system.nodes.iter().enumerate() {
+            let text = format!("Pressure in {name}, relative to the ambient pressure");
+            self.output(format!("{name}.pressure"), text, Unit::Pascal, Output::Pressure(index), &[]);
+        }
+        for (index, (name, _)) in system.reservoirs.iter().enumerate() {
+            let output = Output::ReservoirFlow(index);
+            self.output(format!("{name}.flow"), format!("Flow into {name}"), Unit::CubicMetrePerSecond, output, &flow);
+        }
+        let mut paths = Vec::new();
+        system.elements(&mut |group, name| {
+            if !matches!(
+                group,
+                "reservoirs" | "nodes" | "pumps" | "accumulators" | "valves" | "cylinders" | "pressure_locks"
+            ) {
+                paths.push(name.to_owned());
+            }
+        });
+        let valves = 4 * layout.valves;
+        let pumps = system.pumps.names().into_iter().map(str::to_owned).enumerate();
+        let pumps = pumps.map(|(index, name)| (paths.len() + valves + index, name)).collect::<Vec<_>>();
+        for (index, name) in paths.into_iter().enumerate().chain(pumps) {
+            let text = format!("Flow of {name} from its first to its second port");
+            self.output(format!("{name}.flow"), text, Unit::CubicMetrePerSecond, Output::Flow(index), &flow);
+        }
+        for (index, (name, valve)) in system.valves.iter().enumerate() {
+            let command = [layout.command(index) as Reference];
+            let dependencies: &[Reference] = if valve.frequency.is_some() { &[] } else { &command };
+            let text = format!("Position of the spool of {name}");
+            self.output(format!("{name}.position"), text, Unit::One, Output::Spool(index), dependencies);
+            for (port, (key, text)) in [
+                ("supply_flow", "Flow from the supply into"),
+                ("return_flow", "Flow into the return from"),
+                ("flow_a", "Flow out of port a of"),
+                ("flow_b", "Flow out of port b of"),
+            ]
+            .into_iter()
+            .enumerate()
+            {
+                let output = Output::ValveFlow(index, port);
+                self.output(
+                    format!("{name}.{key}"),
+                    format!("{text} {name}"),
+                    Unit::CubicMetrePerSecond,
+                    output,
+                    &flow,
+                );
+            }
+        }
+        for (index, (name, _)) in system.accumulators.iter().enumerate() {
+            let output = Output::OilVolume(index);
+            self.output(format!("{name}.oil_volume"), format!("Oil in {name}"), Unit::CubicMetre, output, &[]);
+        }
+        for index in 0..layout.cylinders {
+            self.cylinder(index);
+        }
+        for (name, text, unit, output) in TOTALS {
+            self.output(name.to_owned(), text.to_owned(), unit, output, &[]);
+        }
+        for (index, (name, _)) in system.pressure_locks.iter().enumerate() {
+            let row = Row {
+                kind: Kind::Boolean,
+                variability: Variability::Discrete,
+                unit: None,
+                ..Row::real(Causality::Output, Unit::One)
+            };
+            let text = format!("Whether the pressure leaves {name} engaged");
+            self.push(format!("{name}.engaged"), text, Quantity::Lock(index), row);
+        }
+    }
+
+    fn cylinder(&mut self, index: usize) {
+        let (system, layout, flow) = (self.system, self.layout, self.flow.clone());
+        let Some((name, _)) = system.cylinders.iter().nth(index) else { return };
+        let of = |part| layout.of_cylinder(index, part) as Reference;
+        let (length, speed) = ([of(Part::Length)], [of(Part::Speed)]);
+        let named = |key: &str| format!("{name}.{key}");
+        let text = format!("Force of {name}, positive pushing its ends apart");
+        self.output(named("force"), text, Unit::Newton, Output::Force(index), &speed);
+        let text = format!("Stiffness of the oil along {name}");
+        self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
+        let text = format!("Derivative of the seal friction of {name} with respect to the speed");
+        self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
+        let text = format!("Position of the piston of {name}, from the closed length");
+        self.output(named("stroke_position"), text, Unit::Metre, Output::Position(index), &length);
+        for (side, letter) in ["a", "b"].into_iter().enumerate() {
+            let text = format!("Pressure in chamber {letter} of {name}, relative to the ambient pressure");
+            let output = Output::Pressure(layout.chamber(index) + side);
+            self.output(named(&format!("chamber_{letter}.pressure")), text, Unit::Pascal, output, &[]);
+            let text = format!("Flow into chamber {letter} of {name}");
+            let output = Output::ChamberFlow(index, side);
+            self.output(named(&format!("chamber_{letter}.flow")), text, Unit::CubicMetrePerSecond, output, &flow);
+        }
+        let foreseen = self.foreseen.clone();
+        let accelerations =
+            (0..layout.cylinders).map(|index| layout.of_cylinder(index, Part::Acceleration) as Reference);
+        let mut all: Vec<Reference> = foreseen.iter().copied().chain(accelerations).collect();
+        all.sort_unstable();
+        for (key, text, unit, ahead) in PREVIEW {
+            let is_acceleration = matches!(ahead, Ahead::StartAcceleration | Ahead::Acceleration);
+            let dependencies = if is_acceleration { &all } else { &foreseen };
+            let output = Output::Preview(index, ahead);
+            self.output(named(&format!("preview.{key}")), format!("{text}, of {name}"), unit, output, dependencies);
+        }
+    }
+
+    fn parameters(&mut self) {
+        let mut index = 0;
+        self.system.clone().parameters(&mut |parameter, value| {
+            let tunable = parameter.role == Role::Tolerance;
+            let row = Row {
+                variability: if tunable { Variability::Tunable } else { Variability::Fixed },
+                start: Some(Value::Real(*value)),
+                details: Details { bounds: parameter.range.bounds(), ..Details::default() },
+                ..Row::real(Causality::Parameter, parameter.unit)
+            };
+            self.push(parameter.name.concat(), parameter.description.concat(), Quantity::Parameter(index), row);
+            index += 1;
+        });
+        let words = Mode::ALL.map(|mode| format!("\"{}\"", mode.word())).join(" or ");
+        let row = Row {
+            kind: Kind::Enumeration,
+            variability: Variability::Fixed,
+            unit: None,
+            start: Some(Value::Item(self.system.coupling.mode.word().to_owned())),
+            details: Details { items: &Mode::WORDS, ..Details::default() },
+            ..Row::real(Causality::Parameter, Unit::One)
+        };
+        let text = format!("Motion of a step: {words}; foreseen, or that of the inputs");
+        self.push("coupling.mode".to_owned(), text, Quantity::Mode, row);
+    }
+}
+
+/// Attributes of a variable.
+struct Row {
+    kind: Kind,
+    causality: Causality,
+    variability: Variability,
+    unit: Option<Unit>,
+    start: Option<Value>,
+    dependencies: Vec<Reference>,
+    details: Details,
+}
+
+impl Row {
+    /// Of a continuous Real.
+    fn real(causality: Causality, unit: Unit) -> Self {
+        Self {
+            kind: Kind::Real,
+            causality,
+            variability: Variability::Continuous,
+            unit: Some(unit),
+            start: None,
+            dependencies: Vec::new(),
+            details: Details::default(),
+        }
+    }
+}
+
+/// The variables of a network. Inputs come first: the reference of an input is its index.
+pub fn variables(system: &HydraulicSystem) -> (Vec<Variable>, Vec<Quantity>) {
+    let layout = Layout::new(system);
+    let is_ahead = |input: &usize| !matches!(layout.input(*input), Input::Cylinder(_, Part::Acceleration));
+    let lengths = (0..layout.cylinders).map(|index| layout.of_cylinder(index, Part::Length));
+    let mut builder = Builder {
+        system,
+        layout,
+        list: Vec::new(),
+        quantities: Vec::new(),
+        flow: (0..layout.flow_inputs()).chain(lengths).map(|index| index as Reference).collect(),
+        foreseen: (0..layout.inputs()).filter(is_ahead).map(|index| index as Reference).collect(),
+    };
+    builder.inputs();
+    builder.outputs();
+    builder.parameters();
+    (builder.list, builder.quantities)
+}
+
+/// The connection of each cylinder with what it moves: force and motion as a drive of a mechanism names them, then the
+/// terms of the one element. The force is the mean over the next step, which suits a host that holds it as an input.
+pub fn terminals<Q: Copy>(system: &HydraulicSystem, variables: &Variables<Q>) -> Vec<Terminal> {
+    let of = |(name, _): (&str, &super::definition::Cylinder)| {
+        let find = |key: &str| variables.find(&format!("{name}.{key}"));
+        let force = find("preview.force_mean").map(|variable| Member { name: "force".to_owned(), variable });
+        let inputs =
+            PARTS.iter().filter_map(|(key, ..)| Some(Member { name: (*key).to_owned(), variable: find(key)? }));
+        let members = force.into_iter().chain(inputs).collect();
+        let description = format!("Force and motion of {name}");
+        Terminal { name: name.to_owned(), kind: "length".to_owned(), description, members }
+    };
+    system.cylinders.iter().map(of).collect()
+}

@@ -1,0 +1,218 @@
+//! The laws of a network: flows between ports, elasticity of oil, hoses, walls and gas, forces of the cylinders.
+//!
+//! In: the numbers of the elements; pressures, spools, motions of the cylinders, inputs. Out: flows, rates of the
+//! state, forces, powers. All laws are smooth and generic over [`Number`](crate::numerics::dual::Number), so that values
+//! and exact derivatives share one law. It must not know time, nor how the laws are integrated.
+mod build;
+mod flows;
+mod rates;
+
+use super::layout::Layout;
+use crate::hydraulics::circuit::Equations;
+use crate::numerics::decimal::Decimal;
+use crate::numerics::dual::Number;
+pub use flows::Point;
+pub use rates::{Drive, Element};
+
+/// Part of the clearance within which a spool is at an edge.
+const ON_EDGE: f64 = 1e-3;
+/// Absolute pressure, as a part of the ambient pressure, below which oil cavitates.
+const CAVITATES: f64 = 0.1;
+
+/// The laws of one network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Laws {
+    pub layout: Layout,
+    /// Names of the pressures that are states.
+    pub names: Vec<String>,
+    ambient: f64,
+    /// The oil, of whose circuit only the law of the bulk modulus is used.
+    oil: Equations,
+    nodes: Vec<Node>,
+    paths: Vec<Path>,
+    pumps: Vec<Pump>,
+    valves: Vec<Valve>,
+    pub cylinders: Vec<Cylinder>,
+    accumulators: Vec<Accumulator>,
+    pub locks: Vec<Lock>,
+}
+
+/// A volume that does not change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    volume: f64,
+    /// Compliance of its hoses [m3/Pa].
+    hoses: f64,
+}
+
+/// Gas of an accumulator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Accumulator {
+    /// Its port.
+    at: usize,
+    volume: f64,
+    /// Precharge pressure, absolute [Pa].
+    precharge: f64,
+    exponent: f64,
+}
+
+/// A flow path between two ports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Path {
+    from: usize,
+    to: usize,
+    law: Law,
+    /// Pressure drop d_t between laminar and turbulent flow [Pa].
+    transition: f64,
+    /// Chambers at its ends whose restrictors and cushions throttle it, by their index among all chambers.
+    outlets: [Option<usize>; 2],
+}
+
+/// The law of a flow path; K = rated flow / sqrt(rated pressure drop).
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Law {
+    /// The same in both directions; the laminar resistance in series [Pa s/m3].
+    Open { k: f64, laminar: f64 },
+    /// An edge of a valve, which opens with its spool moved to the positive (0) or the negative side (1).
+    Edge { k: f64, valve: usize, side: usize },
+    /// Open as far as an input tells.
+    Bypass { k: f64, input: usize },
+    /// Other square roots of K forward and back, and pilots that open.
+    Gated { roots: [f64; 2], cracking: f64, check_width: f64, pilot: Pilot, laminar: f64 },
+    /// Linear above a pressure at `from`.
+    Relief { conductance: f64, pressure: f64, width: f64 },
+    /// Linear above a pressure drop.
+    Linear { conductance: f64, cracking: f64, width: f64 },
+}
+
+/// What opens a gated path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pilot {
+    /// Nothing: it is open.
+    None,
+    /// Forward: the pressure at a port is above a limit.
+    Above { port: usize, pressure: f64, width: f64 },
+    /// Back: the pressure at a port is above `ratio` times that at `to`.
+    Ratio { port: usize, ratio: f64, width: f64 },
+    /// Back: the pressure at `to` plus `ratio` times that at a port is above a limit.
+    Sum { port: usize, ratio: f64, pressure: f64, width: f64 },
+}
+
+/// A pump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pump {
+    from: usize,
+    to: usize,
+    /// Input of its speed.
+    speed: usize,
+    max_flow: f64,
+    /// Pressures of full and of no flow [Pa], of a compensated pump.
+    band: Option<[f64; 2]>,
+}
+
+/// The spool of a valve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Valve {
+    clearance: f64,
+    overlap: f64,
+    /// Natural frequency [rad/s], damping ratio, and the index among the spools with dynamics; none: it is the command.
+    pub dynamics: Option<(f64, f64, usize)>,
+}
+
+impl Valve {
+    /// Positions of the spool at which an edge opens, and the distance from one within which the spool is at it.
+    pub fn edges(&self) -> ([f64; 2], f64) {
+        ([self.overlap, -self.overlap], ON_EDGE * self.clearance)
+    }
+}
+
+/// A cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    /// Oil, seals, cushions, walls.
+    pub laws: Equations,
+    internal: f64,
+    external: [f64; 2],
+    /// Whether each chamber has a restrictor or a cushion.
+    throttles: [bool; 2],
+}
+
+/// A lock that pressure releases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lock {
+    /// Its port.
+    pub at: usize,
+    /// Pressure at which it releases, and that below which it engages [Pa].
+    pub release: f64,
+    pub engage: f64,
+}
+
+impl Laws {
+    /// Ambient pressure p_0 [Pa].
+    pub fn ambient(&self) -> f64 {
+        self.ambient
+    }
+
+    /// Number of flow paths; pumps follow them.
+    pub fn path_count(&self) -> usize {
+        self.paths.len()
+    }
+
+    /// Valves in the order of the definition.
+    pub fn valves(&self) -> &[Valve] {
+        &self.valves
+    }
+
+    /// Oil in an accumulator [m3] at the pressure of its port.
+    pub fn oil_volume<T: Number>(&self, accumulator: usize, y: &[T]) -> T {
+        let one = &self.accumulators[accumulator];
+        T::constant(one.volume) - one.gas(y[one.at], self.ambient)
+    }
+
+    /// Number of accumulators.
+    pub fn accumulator_count(&self) -> usize {
+        self.accumulators.len()
+    }
+
+    /// Pressure of an accumulator and its precharge pressure [Pa].
+    pub fn charge(&self, accumulator: usize, y: &[f64]) -> [f64; 2] {
+        let one = &self.accumulators[accumulator];
+        [y[one.at], one.precharge - self.ambient]
+    }
+
+    /// Volume of all chambers [m3].
+    pub fn chamber_volume<T: Number>(&self, y: &[T]) -> T {
+        let of = |(index, one): (usize, &Cylinder)| one.laws.volumes(y[self.layout.motion(index)]);
+        let volumes = self.cylinders.iter().enumerate().map(of);
+        volumes.fold(T::constant(0.0), |sum, [a, b]| sum + a + b)
+    }
+
+    /// Whether all absolute pressures are above 0.
+    pub fn has_pressures(&self, y: &[f64]) -> bool {
+        y[..self.layout.volumes()].iter().all(|p| *p > -self.ambient)
+    }
+
+    /// The lowest of the pressures, at which an integration came no further, in words.
+    #[cold]
+    pub fn lowest_pressure(&self, y: &[f64]) -> String {
+        let volumes = &y[..self.layout.volumes()];
+        let (index, lowest) = volumes
+            .iter()
+            .enumerate()
+            .fold((0, f64::INFINITY), |least, (index, p)| if *p < least.1 { (index, *p) } else { least });
+        let remedy = if lowest + self.ambient < CAVITATES * self.ambient {
+            ", which cavitates; give fluid.air_fraction a larger value, or connect a check valve from a reservoir"
+        } else {
+            ", the lowest pressure"
+        };
+        format!("{} = {} Pa{remedy}", self.names[index], Decimal::rounded(lowest))
+    }
+
+    /// Position of the spool of a valve.
+    pub fn spool<T: Number>(&self, valve: usize, y: &[T], u: &[T]) -> T {
+        match self.valves[valve].dynamics {
+            Some((_, _, spool)) => y[self.layout.spool(spool)],
+            None => u[self.layout.command(valve)],
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Hydraulic systems: a supply network with any number of cylinders.
+//!
+//! In: the definition of a network, the motions of the cylinders, commands. Out: pressures, flows, forces, volumes,
+//! energies, and the motions with what the cylinders move, foreseen over the next step. It must not know mechanisms,
+//! nor FMI.
+//!
+//! ```text
+//! definition -> layout, laws -> system -> state -> outputs, model -> snapshot
+//! ```
+pub mod definition;
+mod inputs;
+pub mod inspection;
+mod interface;
+mod laws;
+mod layout;
+mod model;
+mod outputs;
+mod snapshot;
+mod state;
+mod system;
+
+pub use model::Model;
+pub use snapshot::Snapshot;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,49 @@
+//! Results of a model for its present state and inputs.
+//!
+//! In: settings, a state. Out: flows and a foreseen motion, each found once. It must not know variables.
+use crate::hydraulics::network::layout::Layout;
+use crate::hydraulics::network::outputs::Present;
+use crate::hydraulics::network::state::{Foreseen, Setting, State};
+
+/// Results for the present state and inputs.
+#[derive(Debug)]
+pub struct Cache {
+    pub(super) present: Option<Box<Present<f64>>>,
+    pub(super) is_present: bool,
+    /// Room for a foreseen motion, and whether it is one from here.
+    pub(super) foreseen: Box<Foreseen>,
+    pub(super) is_foreseen: bool,
+}
+
+impl Clone for Cache {
+    /// A copy computes its own results.
+    fn clone(&self) -> Self {
+        Self { present: None, is_present: false, foreseen: self.foreseen.clone(), is_foreseen: false }
+    }
+}
+
+impl Cache {
+    pub fn new(layout: &Layout) -> Self {
+        Self { present: None, is_present: false, foreseen: Box::new(Foreseen::nothing(layout)), is_foreseen: false }
+    }
+
+    /// Room for the largest network.
+    #[cfg(test)]
+    pub fn make_large(&mut self) {
+        self.foreseen.make_large();
+    }
+
+    /// The state, the parameters or inputs have changed.
+    pub fn clear(&mut self) {
+        (self.is_present, self.is_foreseen) = (false, false);
+    }
+
+    /// The motion foreseen over a step of size h [s] from the present state and inputs.
+    pub fn foresee(&mut self, setting: &Setting<'_>, state: &State, h: f64) -> &mut Foreseen {
+        if !self.is_foreseen || self.foreseen.h.to_bits() != h.to_bits() {
+            state.foresee(setting, h, &mut self.foreseen);
+            self.is_foreseen = true;
+        }
+        &mut self.foreseen
+    }
+}

@@ -1,0 +1,130 @@
+//! Initialisation and steps of a model.
+//!
+//! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
+//! It must not know outputs.
+use super::{Model, Warnings, input_range};
+use crate::format::Range;
+use crate::hydraulics::definition::{ABOVE_VACUUM, check_pressure, is_pressure};
+use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::network::definition::Mode;
+use crate::hydraulics::network::layout::{Input, Part};
+use crate::hydraulics::network::state::State;
+use crate::hydraulics::state::interrupted;
+use crate::integrator::SHORTEST;
+use crate::variables::Reference;
+
+/// Relative difference of two steps that rounding of times explains.
+const SAME_STEP: f64 = 1e-9;
+
+impl Model {
+    /// Put the network at its start under the present parameters and inputs.
+    ///
+    /// # Errors
+    /// The present parameters give no network, or a cylinder does not have its present length.
+    pub fn initialize(&mut self) -> Result<(), HydraulicsError> {
+        self.state = None;
+        self.cache.clear();
+        self.warnings = Warnings::default();
+        self.started()?;
+        self.parameters.setting(&self.inputs).check_lengths(0.0, &self.cache.foreseen.motions)
+    }
+
+    /// Put the network at its start if it has no state yet.
+    #[inline]
+    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
+        if self.state.is_none() {
+            self.parameters.system.check()?;
+            let layout = &self.parameters.laws.layout;
+            for (index, value) in self.inputs.values.iter().enumerate().take(layout.reservoirs) {
+                check_pressure(&self.name_of(index as Reference), *value, self.parameters.laws.ambient())?;
+            }
+            self.state = Some(State::at_start(&self.parameters.laws, &self.parameters.system, &self.inputs));
+        }
+        Ok(())
+    }
+
+    /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
+    /// at the end. On an error the state is what it was, but for [`HydraulicsError::Interrupted`]: the state and the
+    /// inputs are then those at the time reached.
+    ///
+    /// # Errors
+    /// Not initialised, h out of range, a length that a cylinder does not have, the integration stopped, or
+    /// `solver.max_steps` was met.
+    pub fn step(&mut self, h: f64) -> Result<(), HydraulicsError> {
+        if !(h.is_finite() && h > 0.0) {
+            return Err(HydraulicsError::StepSize { h });
+        }
+        self.check_inputs_at(h)?;
+        let Self { parameters, inputs, state: Some(state), cache, warnings, .. } = self else {
+            return Err(HydraulicsError::NotInitialised);
+        };
+        let (setting, layout) = (parameters.setting(inputs), &parameters.laws.layout);
+        setting.check_lengths(0.0, &cache.foreseen.motions)?;
+        if h < SHORTEST {
+            let y = state.y.clone();
+            inputs.leave(layout, h, &y);
+            cache.clear();
+            return Ok(());
+        }
+        let moves = (0..layout.cylinders).any(|index| setting.get(index, Part::Mass) > 0.0);
+        let follows = parameters.system.coupling.mode == Mode::Follow;
+        // A step that fails leaves no trace.
+        let warned = *warnings;
+        let mut predicted = None;
+        if moves || !follows {
+            let said = inputs.values[layout.horizon()];
+            if moves && said > 0.0 && (said - h).abs() > SAME_STEP * h {
+                warnings.horizon(said, h);
+            }
+            let foreseen = cache.foresee(&setting, state, h);
+            warnings.foreseen(&setting, foreseen);
+            predicted = foreseen.error.is_none().then(|| foreseen.predicted(layout));
+        }
+        let reached = if follows {
+            cache.is_foreseen = false;
+            state.follow(&setting, h, &mut cache.foreseen).inspect_err(|_| *warnings = warned)?
+        } else {
+            let foreseen = &mut cache.foreseen;
+            if let Some(error) = foreseen.error.take() {
+                (cache.is_foreseen, *warnings) = (false, warned);
+                return Err(error);
+            }
+            setting.check_lengths(h, &foreseen.motions).inspect_err(|_| *warnings = warned)?;
+            state.keep(&setting, foreseen)
+        };
+        warnings.watch(&setting, state, h);
+        state.arrive(&setting, reached, predicted.as_ref().filter(|_| reached == h));
+        inputs.leave(layout, reached, &state.y);
+        cache.clear();
+        if reached < h { Err(interrupted(&parameters.system.solver, reached, h)) } else { Ok(()) }
+    }
+
+    /// Refuse a step of size h at the end of which an input is out of range.
+    fn check_inputs_at(&self, h: f64) -> Result<(), HydraulicsError> {
+        let (inputs, laws) = (&self.inputs, &self.parameters.laws);
+        if !inputs.ahead {
+            // An input without derivatives keeps its value, which was in range.
+            return Ok(());
+        }
+        for index in (0..inputs.values.len()).filter(|index| inputs.changes(*index)) {
+            let (value, rates) = inputs.end(index, h);
+            let input = laws.layout.input(index);
+            let name = |what: &str| [what, &self.name_of(index as Reference), " at the end of the step"].concat();
+            let is_reservoir = matches!(input, Input::Reservoir(_));
+            let is_allowed = match input {
+                Input::Reservoir(_) => is_pressure(value, laws.ambient()),
+                Input::Cylinder(_, Part::Length) => true,
+                input => input_range(input).contains(value),
+            };
+            if !is_allowed {
+                let allowed = if is_reservoir { ABOVE_VACUUM.to_owned() } else { input_range(input).text() };
+                return Err(HydraulicsError::Value { name: name(""), value, allowed });
+            }
+            if let Some(value) = rates.into_iter().find(|rate| !rate.is_finite()) {
+                let name = name("a derivative of ");
+                return Err(HydraulicsError::Value { name, value, allowed: Range::Finite.text() });
+            }
+        }
+        Ok(())
+    }
+}

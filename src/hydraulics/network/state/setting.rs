@@ -1,0 +1,72 @@
+//! Laws, settings and inputs of one step.
+//!
+//! In: what a model has at the beginning of a step. Out: the jobs of its integrations; lengths that are refused. It
+//! must not know the state.
+use crate::hydraulics::definition::Solver;
+use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::network::definition::MOST_CYLINDERS;
+use crate::hydraulics::network::inputs::Inputs;
+use crate::hydraulics::network::laws::{Drive, Laws};
+use crate::hydraulics::network::layout::Part;
+use crate::hydraulics::network::system::{Job, Motion};
+
+/// Length beyond the ends of a cylinder's travel that rounding explains [m].
+const SLACK: f64 = 1e-9;
+
+/// Laws, settings and inputs of one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting<'a> {
+    pub laws: &'a Laws,
+    pub solver: &'a Solver,
+    pub inputs: &'a Inputs,
+    /// Names of the cylinders.
+    pub names: &'a [String],
+}
+
+impl Setting<'_> {
+    /// Value of an input of a cylinder.
+    #[inline]
+    pub fn get(&self, cylinder: usize, part: Part) -> f64 {
+        self.inputs.values[self.laws.layout.of_cylinder(cylinder, part)]
+    }
+
+    pub(super) fn job(&self, motions: [Motion; MOST_CYLINDERS]) -> Job<'_> {
+        let Solver { tolerance, max_steps } = *self.solver;
+        Job { laws: self.laws, inputs: self.inputs, motions, tolerance, max_steps }
+    }
+
+    /// The motion of all cylinders by the inputs.
+    pub(super) fn given(&self) -> [Motion; MOST_CYLINDERS] {
+        let layout = &self.laws.layout;
+        std::array::from_fn(|index| match index < layout.cylinders {
+            true => Motion::Given(self.inputs.motion(layout, index)),
+            false => Motion::Own(Drive::Held(0.0)),
+        })
+    }
+
+    /// Refuse lengths that the cylinders do not have at the beginning of a step of size h, and motions by the inputs
+    /// that lead to such lengths within it. `h` is 0 for the beginning alone.
+    pub fn check_lengths(&self, h: f64, motions: &[Motion]) -> Result<(), HydraulicsError> {
+        for (index, (cylinder, motion)) in self.laws.cylinders.iter().zip(motions).enumerate() {
+            let [least, most] = cylinder.laws.lengths();
+            let mut farthest = self.get(index, Part::Length);
+            let beyond = |length: f64| (least - length).max(length - most);
+            if let (true, Motion::Given([length, speed])) = (h > 0.0, motion)
+                && length.spread(h) > 0.0
+            {
+                let mut add = |t: f64| {
+                    let there = length.at(t);
+                    farthest = if beyond(there) > beyond(farthest) { there } else { farthest };
+                };
+                add(h);
+                speed.passages(0.0, h, &mut add);
+            }
+            if beyond(farthest) > SLACK {
+                let name = format!("{}.length{}", self.names[index], if h > 0.0 { " within the step" } else { "" });
+                let allowed = format!("from closed_length = {least} m to closed_length + stroke = {most} m");
+                return Err(HydraulicsError::Value { name, value: farthest, allowed });
+            }
+        }
+        Ok(())
+    }
+}

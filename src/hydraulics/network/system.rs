@@ -1,0 +1,424 @@
+//! A network as a system of differential equations, and its way through a step.
+//!
+//! In: laws, inputs as functions of time, what moves the cylinders, a state. Out: the state at the end of a step. A
+//! step of the integration ends where an input is clipped, a cushion begins or an edge of a valve opens. It must not
+//! know variables, nor what the host does with the motion.
+use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
+use super::inputs::{Inputs, limits};
+use super::laws::{Drive, Laws};
+use super::layout::Layout;
+use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::circuit::FREE;
+use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::inputs::Polynomial;
+use crate::integrator::{Direction, IntegrationError, Integrator, Statistics, Step, System};
+use crate::numerics::dual::{Dual, Number};
+
+/// Number of components of which a Jacobian takes the derivatives at once.
+const AT_ONCE: usize = 8;
+/// Capacity for small networks.
+const SMALL: usize = 32;
+/// Part of the size of the spool position that holds where the spool is at rest.
+const SPOOL_FLOOR: f64 = 0.1;
+/// Speed of a cylinder below which errors are absolute [m/s].
+const SPEED_FLOOR: f64 = 0.01;
+/// Part of the stroke below which a length is on the border of a cushion.
+const ON_BORDER: f64 = 1e-9;
+/// Most instants within a step at which its integration stops.
+const INSTANTS: usize = 24;
+
+/// Memory of the integration, with room for the components of the network.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Memory {
+    /// Up to [`SMALL`] components.
+    Small(Box<Integrator<SMALL>>),
+    /// Up to [`MOST_COMPONENTS`].
+    Large(Box<Integrator<MOST_COMPONENTS>>),
+}
+
+/// The same expression for either capacity.
+macro_rules! sized {
+    ($memory:expr, $own:ident => $answer:expr) => {
+        match $memory {
+            Memory::Small($own) => $answer,
+            Memory::Large($own) => $answer,
+        }
+    };
+}
+
+impl Memory {
+    /// Before the first step of a network.
+    pub fn new(layout: &Layout) -> Self {
+        match layout.components() <= SMALL {
+            true => Self::Small(Box::default()),
+            false => Self::Large(Box::default()),
+        }
+    }
+
+    /// The memory of any network.
+    #[cfg(test)]
+    pub fn large() -> Self {
+        Self::Large(Box::default())
+    }
+
+    /// Become the same as another one of the same network.
+    pub fn copy_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Small(own), Self::Small(other)) => own.copy_from(other),
+            (Self::Large(own), Self::Large(other)) => own.copy_from(other),
+            (own, other) => own.clone_from(other),
+        }
+    }
+
+    /// Go on from a state on another path.
+    pub fn branch_off(&mut self) {
+        sized!(self, own => own.branch_off());
+    }
+
+    /// Work done so far.
+    pub fn statistics(&self) -> Statistics {
+        sized!(self, own => own.statistics())
+    }
+
+    /// All fields, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        sized!(self, own => own.record(record))
+    }
+}
+
+/// What moves a cylinder over a step.
+#[derive(Clone, Copy, Debug)]
+pub enum Motion {
+    /// Length and speed as polynomials.
+    Given([Polynomial; 2]),
+    /// Its force moves what is along it, or a stop holds it.
+    Own(Drive<f64>),
+}
+
+/// One step: its laws, its inputs, what moves the cylinders.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    pub laws: &'a Laws,
+    pub inputs: &'a Inputs,
+    pub motions: [Motion; MOST_CYLINDERS],
+    pub tolerance: f64,
+    /// Attempts at steps after which it is interrupted.
+    pub max_steps: f64,
+}
+
+/// Flow inputs that act on a network at the time t [s].
+#[inline]
+fn flow_inputs<const N: usize>(laws: &Laws, inputs: &Inputs, t: f64) -> [f64; N] {
+    let mut u = [0.0; N];
+    for (index, u) in u.iter_mut().enumerate().take(laws.layout.flow_inputs()) {
+        let value = if inputs.ahead { inputs.polynomial(index).quadratic_at(t) } else { inputs.values[index] };
+        let [least, most] = limits(laws.layout.input(index));
+        *u = value.clamp(least, most);
+    }
+    u
+}
+
+impl Job<'_> {
+    /// What moves each cylinder at the time t [s].
+    #[inline]
+    fn drives<T: Number>(&self, t: f64) -> [Drive<T>; MOST_CYLINDERS] {
+        self.motions.map(|motion| match motion {
+            Motion::Given(motion) => Drive::Given(motion.map(|one| T::constant(one.at(t)))),
+            Motion::Own(drive) => drive.constant(),
+        })
+    }
+}
+
+impl<T: Number> Drive<T> {
+    /// With values that nothing changes.
+    fn constant<U: Number>(&self) -> Drive<U> {
+        let of = |value: T| U::constant(value.value());
+        match self {
+            Self::Given(motion) => Drive::Given(motion.map(of)),
+            Self::Held(length) => Drive::Held(of(*length)),
+            Self::Element(element) => Drive::Element(element.constant()),
+        }
+    }
+}
+
+impl<const N: usize> System<N> for Job<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    #[inline]
+    fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
+        let count = self.laws.layout.cylinders;
+        self.laws.rates(&self.drives(t)[..count], &flow_inputs::<N>(self.laws, self.inputs, t), t, y)
+    }
+
+    /// The norm of an error is over the leading components of the network, whatever the capacity.
+    #[inline]
+    fn scale(&mut self, y: &[f64; N], _f: &[f64; N]) -> [f64; N] {
+        let (laws, layout) = (self.laws, &self.laws.layout);
+        let share = (layout.leading() as f64 / N as f64).sqrt();
+        let mut scale = [FREE; N];
+        for index in 0..layout.volumes() {
+            scale[index] = share * (y[index] + laws.ambient()).max(laws.ambient());
+        }
+        for (omega, _, spool) in laws.valves().iter().filter_map(|valve| valve.dynamics) {
+            let own = layout.spool(spool);
+            let size = share * (SPOOL_FLOOR + y[own].abs());
+            (scale[own], scale[own + 1]) = (size, omega * size);
+        }
+        for (index, cylinder) in laws.cylinders.iter().enumerate() {
+            let (own, [least, most]) = (layout.motion(index), cylinder.laws.lengths());
+            (scale[own], scale[own + 1]) = (share * (most - least), share * y[own + 1].abs().max(SPEED_FLOOR));
+        }
+        scale
+    }
+
+    #[inline]
+    fn admits(&mut self, y: &[f64; N]) -> bool {
+        self.laws.has_pressures(y)
+    }
+
+    fn jacobian(&mut self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
+        let (leading, cylinders) = (self.laws.layout.leading(), self.laws.layout.cylinders);
+        let (drives, u) = (self.drives(t), flow_inputs::<N>(self.laws, self.inputs, t).map(Dual::constant));
+        let mut rows = [[0.0; N]; N];
+        for first in (0..leading).step_by(AT_ONCE) {
+            let mut duals: [Dual<AT_ONCE>; N] = y.map(Dual::constant);
+            for k in 0..AT_ONCE.min(leading - first) {
+                duals[first + k] = Dual::variable(y[first + k], k);
+            }
+            let rates = self.laws.rates(&drives[..cylinders], &u, Dual::constant(t), &duals);
+            let count = AT_ONCE.min(leading - first);
+            for (row, rate) in rows.iter_mut().zip(rates) {
+                row[first..first + count].copy_from_slice(&rate.slope[..count]);
+            }
+        }
+        rows
+    }
+}
+
+/// A level of a component at which a step of the integration ends: of a spool at which an edge opens, of a length at
+/// which a cushion begins. The last number: a distance within which the component is there.
+type Level = (usize, f64, f64);
+
+impl Job<'_> {
+    /// Calls `visit` with all levels.
+    fn levels(&self, visit: &mut impl FnMut(Level)) {
+        let layout = &self.laws.layout;
+        for valve in self.laws.valves() {
+            if let Some((_, _, spool)) = valve.dynamics {
+                let (edges, near) = valve.edges();
+                edges.into_iter().for_each(|edge| visit((layout.spool(spool), edge, near)));
+            }
+        }
+        for (index, cylinder) in self.laws.cylinders.iter().enumerate() {
+            if let Motion::Own(Drive::Element(_)) = self.motions[index] {
+                let [least, most] = cylinder.laws.lengths();
+                for border in cylinder.laws.borders().into_iter().flatten() {
+                    visit((layout.motion(index), border, ON_BORDER * (most - least)));
+                }
+            }
+        }
+    }
+
+    /// Instants within a step of size h at which an input is clipped or a given length passes the border of a cushion,
+    /// ascending, then the end.
+    fn instants(&self, h: f64) -> ([f64; INSTANTS + 1], usize) {
+        let (mut all, mut count) = ([h; INSTANTS + 1], 0);
+        let mut add = |t: f64| {
+            if count < INSTANTS {
+                (all[count], count) = (t, count + 1);
+            }
+        };
+        let layout = &self.laws.layout;
+        if self.inputs.ahead {
+            for input in (0..layout.flow_inputs()).filter(|input| self.inputs.changes(*input)) {
+                for limit in limits(layout.input(input)).into_iter().filter(|limit| limit.is_finite()) {
+                    self.inputs.polynomial(input).passages(limit, h, &mut add);
+                }
+            }
+        }
+        for (cylinder, motion) in self.laws.cylinders.iter().zip(&self.motions) {
+            if let Motion::Given([length, _]) = motion {
+                for border in cylinder.laws.borders().into_iter().flatten() {
+                    length.passages(border, h, &mut add);
+                }
+            }
+        }
+        all[..count].sort_unstable_by(f64::total_cmp);
+        all[count] = h;
+        (all, count + 1)
+    }
+
+    /// Integrate the state over a step of size h [s], with as many steps as `max_steps` allows. Returns the time
+    /// reached; lengths and speeds that are given are those of the inputs there.
+    ///
+    /// # Errors
+    /// No motion was found, or a component is beyond the largest number; state and memory are then undefined.
+    pub fn advance(&self, memory: &mut Memory, y: &mut [f64], h: f64) -> Result<f64, HydraulicsError> {
+        let reached = sized!(memory, own => self.advance_in(own, y, h))?;
+        for (index, motion) in self.motions.iter().enumerate().take(self.laws.layout.cylinders) {
+            let own = self.laws.layout.motion(index);
+            match motion {
+                Motion::Given(motion) => y[own..own + 2].copy_from_slice(&motion.map(|one| one.at(reached))),
+                Motion::Own(Drive::Held(length)) => y[own..own + 2].copy_from_slice(&[*length, 0.0]),
+                Motion::Own(_) => {}
+            }
+        }
+        let all: f64 = y.iter().map(|component| 0.0 * component).sum();
+        if all == 0.0 { Ok(reached) } else { Err(HydraulicsError::Overflow { time: reached }) }
+    }
+
+    #[inline(never)]
+    fn advance_in<const N: usize>(
+        &self,
+        memory: &mut Integrator<N>,
+        state: &mut [f64],
+        h: f64,
+    ) -> Result<f64, HydraulicsError> {
+        let (mut system, mut t) = (*self, 0.0);
+        let mut y = [0.0; N];
+        y[..state.len()].copy_from_slice(state);
+        memory.refresh();
+        let most = memory.attempts().saturating_add(self.max_steps as u64);
+        let (instants, count) = self.instants(h);
+        'step: for &end in &instants[..count] {
+            while t < end {
+                if memory.attempts() >= most {
+                    break 'step;
+                }
+                let step =
+                    memory.step(&mut system, t, &y, end, self.tolerance).map_err(|error| self.stuck(error, t, &y))?;
+                let step = match self.passed(&step) {
+                    None => step,
+                    Some((level, direction)) => to_level(memory, &mut system, step, level, direction),
+                };
+                y = step.end;
+                t = if step.reached { end } else { t + step.h };
+            }
+        }
+        state.copy_from_slice(&y[..state.len()]);
+        Ok(t)
+    }
+
+    /// The first level that a step has passed.
+    #[inline]
+    fn passed<const N: usize>(&self, step: &Step<N>) -> Option<(Level, Direction)> {
+        let mut found = None;
+        self.levels(&mut |(component, level, near)| {
+            let (start, end) = (step.start[component], step.end[component]);
+            if found.is_none() && (start - level) * (end - level) < 0.0 && (start - level).abs() > near {
+                let direction = if end > start { Direction::Rising } else { Direction::Falling };
+                found = Some(((component, level, near), direction));
+            }
+        });
+        found
+    }
+
+    /// Why the integration comes no further from the state y.
+    #[cold]
+    fn stuck(&self, IntegrationError::StepTooSmall { .. }: IntegrationError, t: f64, y: &[f64]) -> HydraulicsError {
+        HydraulicsError::Stuck { time: t, what: self.laws.lowest_pressure(y) }
+    }
+}
+
+/// The step again, up to the level of a component.
+#[cold]
+fn to_level<S: System<N>, const N: usize>(
+    memory: &mut Integrator<N>,
+    system: &mut S,
+    step: Step<N>,
+    (component, level, _): Level,
+    direction: Direction,
+) -> Step<N> {
+    let dense = memory.dense(system, &step);
+    match dense.first_passage(component, level, direction, false) {
+        Some(part) if part > 0.0 && part < 1.0 => memory.retake(system, &step, part * step.h),
+        _ => step,
+    }
+}
+
+/// A network and the derivative of its motion along one direction: the variational equations, by dual numbers. M is
+/// twice the capacity N.
+struct Tangent<'a, const N: usize> {
+    job: Job<'a>,
+    drives: [Drive<Dual<1>>; MOST_CYLINDERS],
+    /// Change of the flow inputs along the direction.
+    ports: [f64; N],
+}
+
+impl<const N: usize, const M: usize> System<M> for Tangent<'_, N> {
+    fn derivative(&mut self, t: f64, y: &[f64; M]) -> [f64; M] {
+        let duals: [Dual<1>; N] = std::array::from_fn(|k| Dual { value: y[k], slope: [y[N + k]] });
+        let values = flow_inputs::<N>(self.job.laws, self.job.inputs, t);
+        let u: [Dual<1>; N] = std::array::from_fn(|k| Dual { value: values[k], slope: [self.ports[k]] });
+        let mut drives = self.drives;
+        for (drive, motion) in drives.iter_mut().zip(&self.job.motions) {
+            if let (Drive::Given([length, speed]), Motion::Given(motion)) = (drive, motion) {
+                let changed = length.slope[0] + t * speed.slope[0];
+                (length.value, speed.value) = (motion[0].at(t), motion[1].at(t));
+                length.slope = [changed];
+            }
+        }
+        let count = self.job.laws.layout.cylinders;
+        let rates = self.job.laws.rates(&drives[..count], &u, Dual::constant(t), &duals);
+        std::array::from_fn(|k| if k < N { rates[k].value } else { rates[k - N].slope[0] })
+    }
+
+    fn scale(&mut self, y: &[f64; M], f: &[f64; M]) -> [f64; M] {
+        let values: [f64; N] = std::array::from_fn(|k| y[k]);
+        let scale = self.job.scale(&values, &std::array::from_fn(|k| f[k]));
+        // The derivative is as exact as the motion, which the control of its errors sees to.
+        std::array::from_fn(|k| if k < N { scale[k] * (N as f64 / M as f64).sqrt() } else { FREE })
+    }
+
+    fn admits(&mut self, y: &[f64; M]) -> bool {
+        self.job.laws.has_pressures(y)
+    }
+}
+
+impl Job<'_> {
+    /// The state y at the end of a step of size h, with its derivative along a direction: of the state at the start, of
+    /// the flow inputs, and of what moves the cylinders, with lengths and speeds at the start. None if no motion is
+    /// found.
+    pub fn advance_change(
+        &self,
+        y: &[f64],
+        (change, ports): (&[f64], &[f64]),
+        drives: [Drive<Dual<1>>; MOST_CYLINDERS],
+        h: f64,
+    ) -> Option<Vec<Dual<1>>> {
+        match Memory::new(&self.laws.layout) {
+            Memory::Small(_) => self.change_in::<SMALL, { 2 * SMALL }>(y, (change, ports), drives, h),
+            Memory::Large(_) => {
+                self.change_in::<MOST_COMPONENTS, { 2 * MOST_COMPONENTS }>(y, (change, ports), drives, h)
+            }
+        }
+    }
+
+    fn change_in<const N: usize, const M: usize>(
+        &self,
+        y: &[f64],
+        (change, ports): (&[f64], &[f64]),
+        drives: [Drive<Dual<1>>; MOST_CYLINDERS],
+        h: f64,
+    ) -> Option<Vec<Dual<1>>> {
+        let mut all = [0.0; M];
+        all[..y.len()].copy_from_slice(y);
+        all[N..N + change.len()].copy_from_slice(change);
+        let mut own = [0.0; N];
+        own[..ports.len()].copy_from_slice(ports);
+        let mut system = Tangent::<N> { job: *self, drives, ports: own };
+        let mut memory = Integrator::<M>::default();
+        let (mut t, most) = (0.0, self.max_steps as u64);
+        let (instants, count) = self.instants(h);
+        for &end in &instants[..count] {
+            if memory.advance_from(&mut system, &mut t, &mut all, end, self.tolerance, most) != Ok(true) {
+                return None;
+            }
+            t = end;
+            memory.refresh();
+        }
+        Some((0..y.len()).map(|k| Dual { value: all[k], slope: [all[N + k]] }).collect())
+    }
+}
+
+const _: () = assert!(TOTALS < SMALL);

@@ -1,0 +1,347 @@
+//! Networks against reference values, balances, differences, and other ways through the same steps.
+#![allow(clippy::unwrap_used)]
+mod derivatives;
+
+use super::Model;
+
+/// The circuit of the hydraulic actuator as a network.
+const ACTUATOR: &str = r#"{
+  "name": "Actuator",
+  "reservoirs": { "supply": { "pressure": 20.7e6 }, "tank": { "pressure": 0.35e6 } },
+  "cylinders": { "ram": {
+    "length": 0.5, "speed": 0.1,
+    "chamber_a": { "start_pressure": 6e6, "restrictor_flow": 5e-5, "cushion_length": 0.03, "cushion_flow": 1.2e-5 },
+    "chamber_b": { "start_pressure": 8e6, "cushion_length": 0.03, "cushion_flow": 1.2e-5 },
+    "leakage": {}, "seal": {} } },
+  "valves": { "valve": { "supply": "supply", "return": "tank", "a": "ram.a", "b": "ram.b", "frequency": 60 } },
+  "reliefs": { "relief_a": { "from": "ram.a", "to": "tank" }, "relief_b": { "from": "ram.b", "to": "tank" } },
+  "checks": { "suction_a": { "from": "tank", "to": "ram.a", "conductance": 1e-10, "width": 1e5 },
+              "suction_b": { "from": "tank", "to": "ram.b", "conductance": 1e-10, "width": 1e5 } },
+  "coupling": { "mode": "follow" }
+}"#;
+
+/// Time, pressures of the chambers, spool and force of H0: hydraulics alone under a given motion.
+const H0: [[f64; 5]; 7] = [
+    [0.01, 472_875.119_061, 10_911_388.851_1, 0.392_357_384_677, -11_544.873_288],
+    [0.05, -13_523.705_699, 15_140_206.366_84, 0.400_000_108_367, -16_965.284_908_2],
+    [0.1, -25_100.951_360, 16_924_908.076_86, 0.4, -18_942.329_747_3],
+    [0.3, 1_077_695.348_164, 10_525_627.852_58, 0.4, -10_137.109_840_7],
+    [0.6, 19_288_133.033_38, 1_180_703.038_019, 0.4, 29_019.574_619_3],
+    [0.7, 20_758_479.107_34, 407_524.025_005, 0.4, 32_867.054_710_5],
+    [1.0, 28_266_440.307_96, 40_292.352_995, 0.4, 45_186.816_675_9],
+];
+
+struct Host(Model);
+
+impl Host {
+    fn of(text: &str) -> Self {
+        Self(Model::from_json(text).unwrap())
+    }
+
+    fn reference(&self, name: &str) -> u32 {
+        self.0.variables().find(name).unwrap_or_else(|| panic!("{name}"))
+    }
+
+    fn set(&mut self, name: &str, value: f64) {
+        self.0.set_real(self.reference(name), value).unwrap();
+    }
+
+    fn get(&mut self, name: &str) -> f64 {
+        self.0.real(self.reference(name)).unwrap()
+    }
+
+    fn rate(&mut self, name: &str, order: i32, value: f64) {
+        self.0.set_input_derivative(self.reference(name), order, value).unwrap();
+    }
+
+    /// All outputs that are numbers.
+    fn outputs(&mut self) -> Vec<f64> {
+        let list = self.0.variables().list();
+        let is = |v: &crate::variables::Variable| v.is_output() && v.kind == crate::variables::Kind::Real;
+        let outputs: Vec<u32> = (0..list.len()).filter(|i| is(&list[*i])).map(|i| i as u32).collect();
+        outputs.into_iter().map(|output| self.0.real(output).unwrap()).collect()
+    }
+}
+
+#[test]
+fn the_circuit_of_the_actuator_meets_its_reference() {
+    for step in [1e-3, 0.01] {
+        let mut host = Host::of(ACTUATOR);
+        host.set("solver.tolerance", 1e-12);
+        host.set("valve.command", 0.4);
+        host.0.initialize().unwrap();
+        let mut time = 0.0;
+        for [at, p_a, p_b, spool, force] in H0 {
+            while time < at - 1e-9 {
+                host.rate("ram.speed", 1, -0.15);
+                host.0.step(step).unwrap();
+                time += step;
+            }
+            for (name, expected, size) in [
+                ("ram.chamber_a.pressure", p_a, p_a + 101_325.0),
+                ("ram.chamber_b.pressure", p_b, p_b + 101_325.0),
+                ("valve.position", spool, 0.4),
+            ] {
+                let value = host.get(name);
+                assert!((value - expected).abs() < 1e-10 * size, "{step} {time} {name} {value} {expected}");
+            }
+            let value = host.get("ram.force");
+            assert!((value - force).abs() < 1e-10 * 4.5e4, "{step} {time} force {value} {force}");
+        }
+        assert!(host.get("volume.balance").abs() < 1e-12 * 1e-3);
+        assert!(host.get("energy.balance").abs() < 1e-10 * host.get("energy.throttling"));
+    }
+}
+
+const SYSTEM: &str = include_str!("../../../modelDescription/HydraulicSystem/resources/network.json");
+
+impl Host {
+    fn start(text: &str) -> Self {
+        let mut host = Self::of(text);
+        host.0.initialize().unwrap();
+        host
+    }
+
+    fn run(&mut self, end: f64, step: f64) {
+        (0..(end / step).round() as usize).for_each(|_| self.0.step(step).unwrap());
+    }
+}
+
+/// The door opens before the gear moves; the lock releases at once; both stand at their limits at the end.
+#[test]
+fn the_system_opens_its_door_first() {
+    let mut host = Host::start(SYSTEM);
+    let lock = host.reference("uplock.engaged");
+    assert!(host.0.boolean(lock).unwrap());
+    let (mut open, mut moved, mut down, mut released) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+    for step in 0..12_000 {
+        host.0.step(1e-3).unwrap();
+        let time = f64::from(step + 1) * 1e-3;
+        let (door, gear) = (host.get("door.length"), host.get("gear.length"));
+        let first = |at: &mut f64, is: bool| *at = if at.is_nan() && is { time } else { *at };
+        first(&mut open, door > 0.495 - 1e-6);
+        first(&mut moved, gear < 0.735 - 1e-4);
+        first(&mut down, gear < 0.4185 + 1e-6);
+        first(&mut released, !host.0.boolean(lock).unwrap());
+    }
+    assert!(released < 0.1 && open > released && moved > open && down > moved, "{released} {open} {moved} {down}");
+    assert!(host.get("volume.balance").abs() < 1e-12 * 3e-4, "{}", host.get("volume.balance"));
+    assert!(host.get("energy.balance").abs() < 1e-7 * host.get("energy.throttling"));
+    assert_eq!(host.0.warnings(), []);
+}
+
+/// Steps that are split, restored, or continued from bytes give the same bits.
+#[test]
+fn states_go_on_to_the_bit() {
+    for mode in ["preview", "follow"] {
+        let mut host = Host::of(SYSTEM);
+        host.0.set_text(host.reference("coupling.mode"), mode).unwrap();
+        host.0.initialize().unwrap();
+        host.run(0.3, 1e-3);
+        let snapshot = host.0.snapshot();
+        let mut bytes = Vec::new();
+        snapshot.write(&mut bytes).unwrap();
+        host.run(0.2, 1e-3);
+        let expected = host.outputs();
+        host.0.restore(&snapshot).unwrap();
+        // Reading outputs on the way changes nothing.
+        for _ in 0..200 {
+            host.outputs();
+            host.0.step(1e-3).unwrap();
+        }
+        assert_eq!(host.outputs(), expected, "{mode}");
+        let mut other = Host::of(SYSTEM);
+        let read = other.0.read_snapshot(&bytes).unwrap();
+        other.0.restore(&read).unwrap();
+        other.run(0.2, 1e-3);
+        assert_eq!(other.outputs(), expected, "{mode}");
+        for end in (0..bytes.len()).step_by(7) {
+            assert!(other.0.read_snapshot(&bytes[..end]).is_err());
+        }
+        host.0.reset();
+        host.0.set_text(host.reference("coupling.mode"), mode).unwrap();
+        host.0.initialize().unwrap();
+        host.run(0.5, 1e-3);
+        assert_eq!(host.outputs(), expected, "{mode}");
+    }
+}
+
+/// The same network with room for small and for large ones.
+#[test]
+fn the_capacity_does_not_matter() {
+    let mut host = Host::start(SYSTEM);
+    let mut large = Host::start(SYSTEM);
+    large.0.state.as_mut().unwrap().make_large();
+    large.0.cache.make_large();
+    for host in [&mut host, &mut large] {
+        host.set("solver.tolerance", 1e-9);
+        host.run(0.5, 5e-3);
+    }
+    for name in
+        ["supply", "down_line", "up_line", "gear.chamber_a", "gear.chamber_b", "door.chamber_a", "door.chamber_b"]
+    {
+        let [one, two] = [&mut host, &mut large].map(|host| host.get(&format!("{name}.pressure")));
+        // Each errs by the tolerance, and by some of the steps before.
+        assert!((one - two).abs() <= 1e-8 * (one + 101_325.0), "{name} {one} {two}");
+    }
+    assert!((host.get("door.length") - large.get("door.length")).abs() < 1e-9);
+}
+
+/// A network with every kind of element and two cylinders that move a mass each, against an integration by SciPy of the
+/// equations of the documentation (tests/networks/integrate.py, DOP853 at 1e-12).
+#[test]
+fn two_cylinders_meet_an_independent_integration() {
+    let text = include_str!("../../../tests/networks/two_cylinders.json");
+    let expected = include_str!("../../../tests/networks/two_cylinders.txt");
+    for step in [2e-3, 1e-2] {
+        let mut host = Host::start(text);
+        let mut steps = 0;
+        let mut largest: f64 = 0.0;
+        for line in expected.lines() {
+            let [time, name, value] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+            let [time, value] = [time, value].map(|number| number.parse::<f64>().unwrap());
+            while f64::from(steps) * step < time - 1e-9 {
+                host.0.step(step).unwrap();
+                steps += 1;
+            }
+            let (owner, part) = name.rsplit_once('.').unwrap_or((name, ""));
+            let (variable, size) = match part {
+                "a" | "b" => (format!("{owner}.chamber_{part}.pressure"), value + 101_325.0),
+                "" => (format!("{name}.pressure"), value + 101_325.0),
+                "length" => (name.to_owned(), value),
+                "speed" => (name.to_owned(), 0.1),
+                "position" => (name.to_owned(), 0.6),
+                _ => continue,
+            };
+            largest = largest.max((host.get(&variable) - value).abs() / size);
+        }
+        assert!(largest < 1e-9, "{step} {largest:e}");
+        let moved = host.get("volume.from_reservoirs").abs().max(1e-4);
+        assert!(host.get("volume.balance").abs() < 1e-12 * moved, "{}", host.get("volume.balance"));
+        assert!(host.get("energy.balance").abs() < 1e-10 * host.get("energy.throttling"));
+    }
+}
+
+/// Faults of a definition by their texts.
+#[test]
+fn faults_of_a_network_are_named_with_a_remedy() {
+    let refused = |from: &str, to: &str| {
+        assert!(SYSTEM.contains(from), "{from}");
+        Model::from_json(&SYSTEM.replace(from, to)).unwrap_err().to_string()
+    };
+    for (from, to, words) in [
+        ("\"door_line\":", "\"selector\":", &["valves.selector", "resistances.selector has this name already"][..]),
+        (
+            "\"to\": \"door.a\", \"rated",
+            "\"to\": \"door.c\", \"rated",
+            &["resistances.door_line.to", "door.c", "there is none"],
+        ),
+        ("\"b\": \"up_line\"", "\"b\": \"down_line\"", &["valves.selector.b", "is its port a too"]),
+        ("\"volume\": 4e-4,", "\"volume\": 0,", &["nodes.supply.volume", "algebraic loop", "volume of its lines"]),
+        ("\"to\": \"supply\", \"max", "\"to\": \"reservoir\", \"max", &["pumps.engine_pump.to", "a node"]),
+        ("\"max_pressure\": 20.7e6", "\"max_pressure\": 19e6", &["pumps.engine_pump.max_pressure", "full_pressure"]),
+        ("\"length\": 0.735", "\"length\": 0.9", &["cylinders.gear.length", "within the travel"]),
+        ("\"rod\": 0.025", "\"rod\": 0.05", &["cylinders.gear.rod", "chamber B"]),
+        ("\"hysteresis\": 2e6", "\"hysteresis\": 7e6", &["pressure_locks.uplock.hysteresis", "release_pressure"]),
+        ("\"command\": 1", "\"command\": 2", &["valves.selector.command", "-1 to 1"]),
+        (
+            "\"reservoir\": { \"pressure\": 0.35e6 }",
+            "\"reservoir\": { \"pressure\": -2e5 }",
+            &["reservoirs.reservoir.pressure"],
+        ),
+    ] {
+        let text = refused(from, to);
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    }
+    let two = r#""valves": {
+        "one": { "supply": "supply", "return": "reservoir", "a": "gear.a", "b": "gear.b" },
+        "two": { "supply": "supply", "return": "reservoir", "a": "door.a", "b": "gear.b" },"#;
+    let text = refused("\"valves\": {", two);
+    assert!(text.contains("valves.two.b") && text.contains("valves.one.b"), "{text}");
+}
+
+/// Warnings about networks that run, but are probably not those that are meant.
+#[test]
+fn implausible_networks_are_warned_of() {
+    let warned = |from: &str, to: &str| {
+        assert!(SYSTEM.contains(from), "{from}");
+        let model = Model::from_json(&SYSTEM.replace(from, to)).unwrap();
+        model.warnings().iter().map(|one| one.to_string()).collect::<Vec<_>>().join("\n")
+    };
+    for (from, to, words) in [
+        ("\"max_flow\": 1.5e-4,", "\"max_flow\": 1e-3, \"type\": \"fixed\",", ["pumps.engine_pump.max_flow", "relief"]),
+        ("\"precharge_pressure\": 10e6", "\"precharge_pressure\": 30e6", ["precharge_pressure", "never takes oil"]),
+        ("\"release_pressure\": 6e6", "\"release_pressure\": 30e6", ["uplock.release_pressure", "never releases"]),
+        ("\"pressure\": 24e6", "\"pressure\": 18e6", ["pumps.engine_pump.full_pressure", "supply_relief"]),
+    ] {
+        let text = warned(from, to);
+        assert!(words.iter().all(|word| text.contains(word)), "{text}");
+    }
+    let text = SYSTEM.replace("\"down_line\": {", "\"lonely\": { \"volume\": 1e-4 }, \"down_line\": {");
+    let text = text.replace("\"supply\": \"supply\", \"return\"", "\"supply\": \"lonely\", \"return\"");
+    let all = Model::from_json(&text).unwrap().warnings();
+    assert!(
+        all.iter().any(|one| one.to_string().contains("valves.selector.supply: nothing but this valve")),
+        "{all:?}"
+    );
+}
+
+/// A refused call leaves the state as it was; calls out of order are refused by name.
+#[test]
+fn refused_calls_change_nothing() {
+    let mut host = Host::of(SYSTEM);
+    assert!(host.0.step(1e-3).is_err());
+    host.0.initialize().unwrap();
+    host.run(0.01, 1e-3);
+    let before = host.outputs();
+    for h in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(host.0.step(h).is_err());
+    }
+    for (name, value) in [
+        ("gear_dump.open", 1.1),
+        ("engine_pump.speed", -1.0),
+        ("gear.reduced_mass", -1.0),
+        ("reservoir.pressure", -2e5),
+        ("gear.length", f64::NAN),
+        ("supply.pressure", 1.0),
+    ] {
+        assert!(host.0.set_real(host.reference(name), value).is_err(), "{name}");
+    }
+    assert!(host.0.set_boolean(host.reference("uplock.engaged"), true).is_err());
+    assert_eq!(host.outputs(), before);
+    host.set("gear.length", 0.2);
+    let error = host.0.step(1e-3).unwrap_err().to_string();
+    assert!(error.contains("gear.length") && error.contains("closed_length"), "{error}");
+    host.set("gear.length", 0.735);
+    assert_eq!(host.outputs(), before);
+    host.set("selector.command", 3.0);
+    host.run(0.01, 1e-3);
+    assert!(host.0.take_warning().unwrap().contains("selector.command is 3"));
+}
+
+/// Cost of a step of 1 ms of the system with its two cylinders, printed for the report.
+#[test]
+#[ignore = "measures time"]
+fn cost_of_a_step() {
+    for (what, open) in [("moving", 0.4), ("gear moving", 2.0)] {
+        let mut host = Host::start(SYSTEM);
+        host.run(open, 1e-3);
+        let forces = ["gear.preview.force_mean", "door.preview.force_mean"].map(|name| host.reference(name));
+        let before = host.0.statistics();
+        let start = std::time::Instant::now();
+        for _ in 0..400 {
+            for force in forces {
+                host.0.real(force).unwrap();
+            }
+            host.0.step(1e-3).unwrap();
+        }
+        let each = start.elapsed().as_secs_f64() / 400.0;
+        let after = host.0.statistics();
+        println!(
+            "{what}: {:.2} us a step, {} evaluations each, {:?}",
+            each * 1e6,
+            (after.evaluations - before.evaluations) as f64 / 400.0,
+            after.by_method
+        );
+    }
+}
