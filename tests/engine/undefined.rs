@@ -284,7 +284,7 @@ fn a_reference_of_another_kind_is_refused_by_name() {
         run.set_boolean(angle, true).unwrap_err().to_string(),
     ];
     refusals.iter().for_each(|refusal| assert_says(refusal, &["crank.angle", "is a Real variable, not a"]));
-    assert_says(run.real(flag).unwrap_err(), &["friction.enabled", "is a Boolean, not a Real"]);
+    assert_says(run.real(flag).unwrap_err(), &["friction.enabled", "is a Boolean variable, not a Real"]);
     assert_says(run.real(u32::MAX).unwrap_err(), &["4294967295", "references run from 0"]);
 }
 
