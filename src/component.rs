@@ -26,7 +26,7 @@ mod tables;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
-use crate::format::{About, Experiment};
+use crate::format::{About, Described, Experiment, Json, Member, Table, parse};
 use crate::hydraulics;
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
@@ -35,6 +35,7 @@ pub use crate::mechanism::Pauses;
 use crate::variables::{Interface, Reference, Terminal, Vector};
 pub use refusal::{NoValue, Refused};
 pub use snapshot::Snapshot;
+use std::cmp::Ordering;
 use std::sync::Arc;
 pub use step::{Interrupted, Paused, Stepped};
 pub use tables::TABLES;
@@ -107,6 +108,23 @@ impl Component {
         match KINDS.iter().zip(INSPECTORS).find(|((name, _), _)| *name == file) {
             Some((_, inspect)) => Ok(inspect(text)),
             None => Err(no_kind(file)),
+        }
+    }
+
+    /// Name of the definition file of the kind of model that a text describes: the one of which it has the most keys
+    /// that no other kind has. None if no key tells, as in a text that is no JSON.
+    pub fn kind_of(text: &str) -> Option<&'static str> {
+        let Json::Object(members) = parse("definition", text).ok()?.json else { return None };
+        let tables = [mechanism::definition::Mechanism::TABLE, hydraulics::definition::HydraulicActuator::TABLE];
+        let own = |kind: usize| {
+            let has = |table: &Table, member: &Member| table.position(&member.key).is_some();
+            let others = |member: &Member| (0..tables.len()).any(|other| other != kind && has(tables[other], member));
+            members.iter().filter(|member| has(tables[kind], member) && !others(member)).count()
+        };
+        match own(0).cmp(&own(1)) {
+            Ordering::Greater => Some(KINDS[0].0),
+            Ordering::Less => Some(KINDS[1].0),
+            Ordering::Equal => None,
         }
     }
 
@@ -318,6 +336,10 @@ mod tests {
         assert!(Component::from_definition("mechanism.json", "{}").is_err());
         let actuator = Component::from_definition("hydraulics.json", r#"{ "name": "Actuator" }"#).unwrap();
         assert_eq!(actuator.definition_file(), "hydraulics.json");
+        let ram = r#"{ "name": "Ram", "circuit": { "cylinder": { "bore": 0.03, "rod": 0.018 } } }"#;
+        assert_eq!(Component::kind_of(ram), Some("hydraulics.json"));
+        assert_eq!(Component::kind_of(mechanism::GEAR), Some("mechanism.json"));
+        assert_eq!(Component::kind_of(r#"{ "name": "Ram" }"#), None);
         assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
     }
 }
