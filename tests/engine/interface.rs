@@ -24,8 +24,8 @@ fn the_names_are_the_contract() {
         joint4.force_x joint4.force_y joint4.force joint4.friction_torque joint4.slip_speed \
         actuator.length actuator.speed actuator.acceleration actuator.reduced_mass \
         actuator.reduced_mass_derivative actuator.static_load actuator.additional_force actuator.required_force \
-        actuator.holding_force actuator.holding_force_derivative actuator.breakaway_force_forward \
-        actuator.breakaway_force_backward actuator.self_locking \
+        actuator.holding_force actuator.holding_force_derivative actuator.lower_limit actuator.upper_limit \
+        actuator.breakaway_force_forward actuator.breakaway_force_backward actuator.self_locking \
         wheel.x wheel.y wheel.velocity_x wheel.velocity_y wheel.acceleration_x wheel.acceleration_y \
         leg.drag wheel.drag \
         retracted upstop.torque upstop.impact_count upstop.impact_time upstop.impact_impulse \
