@@ -322,7 +322,9 @@ fn a_horizon_of_0_is_the_last_step() {
     let scene = Scene { end: 0.5, ..retraction() };
     for host in HOSTS {
         let [told, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
-        assert_eq!(told, own, "{host:?}");
+        // The last step has another last bit.
+        let [angle, force] = differences(&told, &own);
+        assert!(angle < 1e-13 && force < 1e-8, "{host:?}: {angle:e} rad, {force:e} N");
     }
     let of_one = one_system(&scene);
     let [angle, _] = differences(&pair(&scene, Host::Held, &|_| 5e-3, false), &of_one);
@@ -379,4 +381,26 @@ fn a_bumper_is_met_in_long_steps() {
         println!("bumper {host:?} {h}: {angle:.1e} rad");
         assert!(angle < most, "{host:?} {h}: {angle:e} rad");
     }
+}
+
+/// Limits of the gear's actuator: the lengths at its stops, the present one while a stop or a lock holds it.
+#[test]
+fn limits_are_the_lengths_at_the_stops_or_the_present_one() {
+    let mut gear = Mechanism(mechanism::Model::from_json(GEAR).unwrap());
+    gear.set("actuator.force", -3e4);
+    gear.0.initialize().unwrap();
+    let limits =
+        |gear: &mut Mechanism| ["lower_limit", "length", "upper_limit"].map(|n| gear.get(&format!("actuator.{n}")));
+    let [lower, length, upper] = limits(&mut gear);
+    assert!(lower == length && (upper - 0.736_680_967_661_896).abs() < 1e-12, "{lower} {length} {upper}");
+    gear.switch("downlock.engage", true);
+    assert_eq!(limits(&mut gear), [length; 3]);
+    gear.switch("downlock.engage", false);
+    gear.set("actuator.force", 3e4);
+    gear.0.step(0.05).unwrap();
+    let [lower, now, upper_now] = limits(&mut gear);
+    assert!(lower == length && now > length && upper_now == upper, "{lower} {now} {upper_now}");
+    gear.0.step(0.2).unwrap();
+    let [lower, now, upper_now] = limits(&mut gear);
+    assert!(lower == length && now == upper && upper_now == upper, "{lower} {now} {upper_now}");
 }

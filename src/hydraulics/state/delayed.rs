@@ -176,8 +176,8 @@ impl State {
         }
     }
 
-    /// Tell the mechanism of a step of size h [s] from here. `last`: size of the step before [s]; `lead`: by how much the
-    /// motion foreseen leads there. A force in addition makes the mechanism catch up in two steps.
+    /// Tell the mechanism of a step of size h [s] from here. `last`: size of the step before [s]; `lead`: by how much
+    /// the motion foreseen leads there. A force in addition makes the mechanism catch up in two steps.
     pub fn tell(
         &mut self,
         setting: &Setting<'_>,
