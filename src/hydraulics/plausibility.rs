@@ -91,7 +91,6 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::hydraulics::Model;
 
     fn warned(json: &str) -> Vec<String> {

@@ -139,7 +139,7 @@ fn oil_that_is_shut_in_is_compressed_by_the_piston() {
     circuit.fluid.air_fraction = 0.0;
     let (laws, mut state) = (Equations::new(&circuit), [0.0; CIRCUIT]);
     (state[0], state[1]) = (8e6, 10e6);
-    let (length, way) = (0.58, -2e-3);
+    let (length, way) = (0.58, -5e-4);
     let moved = laws.displaced(&state, length, way);
     let [before, after] = [laws.volumes(length - way), laws.volumes(length)];
     for side in [0, 1] {
