@@ -27,7 +27,7 @@ mod tables;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
-use crate::format::{About, Experiment};
+use crate::format::{About, Described, Experiment, Json, Member, Table, parse};
 use crate::hydraulics::{self, network};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
@@ -113,6 +113,26 @@ impl Component {
             Some((_, inspect)) => Ok(inspect(text)),
             None => Err(no_kind(file)),
         }
+    }
+
+    /// Name of the definition file of the kind of model that a text describes: the one of which it has the most keys
+    /// that no other kind has. None if no key tells, as in a text that is no JSON.
+    pub fn kind_of(text: &str) -> Option<&'static str> {
+        let Json::Object(members) = parse("definition", text).ok()?.json else { return None };
+        let tables: [&Table; KINDS.len()] = [
+            mechanism::definition::Mechanism::TABLE,
+            hydraulics::definition::HydraulicActuator::TABLE,
+            network::definition::HydraulicSystem::TABLE,
+        ];
+        let has = |kind: usize, member: &Member| tables[kind].position(&member.key).is_some();
+        let is_own = |kind: usize, member: &Member| {
+            has(kind, member) && (0..tables.len()).all(|other| other == kind || !has(other, member))
+        };
+        let own = |kind: usize| members.iter().filter(|member| is_own(kind, member)).count();
+        let counts: [usize; KINDS.len()] = std::array::from_fn(own);
+        let most = counts.iter().copied().max().filter(|most| *most > 0)?;
+        let mut kinds = (0..KINDS.len()).filter(|kind| counts[*kind] == most);
+        kinds.next().filter(|_| kinds.next().is_none()).map(|kind| KINDS[kind].0)
     }
 
     /// Name of the definition file of this kind of model.
@@ -328,6 +348,11 @@ mod tests {
         assert_eq!(actuator.definition_file(), "hydraulics.json");
         let system = r#"{ "name": "System", "nodes": { "line": { "volume": 1e-3 } } }"#;
         assert_eq!(Component::from_definition("network.json", system).unwrap().definition_file(), "network.json");
+        assert_eq!(Component::kind_of(system), Some("network.json"));
+        let ram = r#"{ "name": "Ram", "circuit": { "cylinder": { "bore": 0.03, "rod": 0.018 } } }"#;
+        assert_eq!(Component::kind_of(ram), Some("hydraulics.json"));
+        assert_eq!(Component::kind_of(mechanism::GEAR), Some("mechanism.json"));
+        assert_eq!(Component::kind_of(r#"{ "name": "Ram" }"#), None);
         assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
     }
 }

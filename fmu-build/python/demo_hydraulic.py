@@ -50,7 +50,14 @@ COMMAND = {"command.ramp_amplitude": 0.65, "command.ramp_time": 0.1}
 """The valve opens to 0.65 within 0.1 s."""
 ELEMENT = tuple(
     f"actuator.{term}"
-    for term in ("reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative")
+    for term in (
+        "reduced_mass",
+        "reduced_mass_derivative",
+        "holding_force",
+        "holding_force_derivative",
+        "lower_limit",
+        "upper_limit",
+    )
 )
 """What the gear tells of itself as one element at the actuator."""
 OF_GEAR = ("crank.angle", "crank.speed", "actuator.length", "actuator.speed", "energy.kinetic", "energy.potential")
@@ -166,7 +173,7 @@ class Pair:
         for part in (self.gear, self.hydraulics):
             part.slave.reset()
         self.gear.choose("downstop.enabled", False)
-        self.hydraulics.write({**COMMAND, "preview.horizon": STEP})
+        self.hydraulics.write(COMMAND)
         if scheme.two_passes:
             self.hydraulics.slave.setInteger([self.hydraulics.references["coupling.mode"]], [FOLLOW])
         for part in (self.gear, self.hydraulics):

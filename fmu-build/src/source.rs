@@ -102,11 +102,13 @@ impl Source {
     }
 
     /// Name of the definition file of this kind of model in an FMU: the one that ends the file's own name, as in
-    /// `gear.mechanism.json`, else the first.
+    /// `gear.mechanism.json`, else the one that the keys in the file tell, else the first.
     pub fn kind(&self) -> &'static str {
         let own = self.definition.file_name().unwrap_or_default().to_string_lossy();
         let files = Component::definition_files();
-        files.into_iter().find(|file| own.ends_with(file)).unwrap_or(files[0])
+        let told =
+            || Component::kind_of(&String::from_utf8(files::read(&self.definition, LARGEST_DEFINITION).ok()?).ok()?);
+        files.into_iter().find(|file| own.ends_with(file)).or_else(told).unwrap_or(files[0])
     }
 
     /// The definition's text, with the contents of the file of shared parameters that it names.

@@ -42,8 +42,8 @@ fn structure([gear, hydraulics]: [&[Variable]; 2]) -> Result<String> {
     let mut connections: Vec<[(usize, &str); 2]> = told.map(|v| [(0, v.name.as_str()), (1, v.name.as_str())]).collect();
     connections.push([(1, "preview.force_mean"), (0, "actuator.force")]);
     let of_gear = [("downstop.enabled", Value::Boolean(false))];
-    let of_hydraulics = [("command.ramp_amplitude", 0.65), ("command.ramp_time", 0.1), ("preview.horizon", 1e-3)]
-        .map(|(name, value)| (name, Value::Real(value)));
+    let of_hydraulics =
+        [("command.ramp_amplitude", 0.65), ("command.ramp_time", 0.1)].map(|(name, value)| (name, Value::Real(value)));
     let parts = [
         Part { name: "gear", file: "LandingGearRetraction.fmu", variables: gear, values: &of_gear },
         Part { name: "hydraulics", file: "HydraulicActuator.fmu", variables: hydraulics, values: &of_hydraulics },

@@ -30,8 +30,12 @@ pub enum Input {
     Load,
     /// Derivative of that force with respect to the length [N/m]; 0: unknown.
     LoadDerivative,
-    /// The next step of the host [s].
+    /// The next step of the host [s]; 0: as the last one.
     Horizon,
+    /// Least length to which what the actuator moves can be pushed [m].
+    LowerLimit,
+    /// Largest length to which it can be pushed [m]; 0: unknown.
+    UpperLimit,
 }
 
 impl Input {
@@ -48,6 +52,8 @@ impl Input {
         Self::Load,
         Self::LoadDerivative,
         Self::Horizon,
+        Self::LowerLimit,
+        Self::UpperLimit,
     ];
 
     /// Whether the motion foreseen depends on it. `told`: the motion was told of before the inputs.
@@ -66,7 +72,7 @@ impl Input {
 }
 
 /// Number of inputs.
-pub const INPUTS: usize = 11;
+pub const INPUTS: usize = 13;
 /// Largest order of the derivatives of the speed.
 pub const SPEED_ORDER: usize = 4;
 

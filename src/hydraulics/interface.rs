@@ -3,7 +3,7 @@
 //! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
 use super::definition::{HydraulicActuator, Mode, Role};
 use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
-use super::inputs::Input::{Length, Speed, Supply, Tank};
+use super::inputs::Input::{Length, LowerLimit, Speed, Supply, Tank, UpperLimit};
 use super::outputs::Output;
 use crate::variables::{
     Causality, Details, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables,
@@ -63,17 +63,36 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of the holding force with respect to the length; 0: unknown",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step", Unit::Second),
+    ("preview.horizon", "Size of the next communication step; 0: as the last one", Unit::Second),
+    (
+        "actuator.lower_limit",
+        "Least length at the stops of what the actuator moves; the present length while a stop or a lock holds it",
+        Unit::Metre,
+    ),
+    ("actuator.upper_limit", "Largest length at the stops, likewise; 0: unknown", Unit::Metre),
 ];
 
 /// Inputs that the acceleration at the beginning of the foreseen motion depends on: it is that of the element under the
 /// present force; without a mass, that of the input.
-const START_ACCELERATION: &[Input] = &[Speed, Acceleration, Mass, MassDerivative, Load];
+const START_ACCELERATION: &[Input] = &[Length, Speed, Acceleration, Mass, MassDerivative, Load, LowerLimit, UpperLimit];
 /// Inputs that the acceleration at its end depends on: where no motion is foreseen, it is that of the input.
 const FORESEEN_ACCELERATION: &[Input] = &Input::ALL;
 /// Inputs that all other outputs of the foreseen motion depend on. The acceleration is none of them, as the mechanism's
 /// depends on the force: a host that orders by these lists would find an algebraic loop.
-const FORESEEN: &[Input] = &[Length, Speed, Command, Supply, Tank, Mass, MassDerivative, Load, LoadDerivative, Horizon];
+const FORESEEN: &[Input] = &[
+    Length,
+    Speed,
+    Command,
+    Supply,
+    Tank,
+    Mass,
+    MassDerivative,
+    Load,
+    LoadDerivative,
+    Horizon,
+    LowerLimit,
+    UpperLimit,
+];
 /// Inputs that flows depend on.
 const FLOW: &[Input] = &[Length, Supply, Tank];
 
@@ -309,8 +328,9 @@ pub fn starts(actuator: &HydraulicActuator) -> [f64; Input::ALL.len()] {
         Speed => actuator.actuator.speed,
         Supply => actuator.circuit.supply.pressure,
         Tank => actuator.circuit.tank.pressure,
-        Horizon => actuator.experiment.step_size,
-        Acceleration | Command | Mass | MassDerivative | Load | LoadDerivative => 0.0,
+        Acceleration | Command | Mass | MassDerivative | Load | LoadDerivative | Horizon | LowerLimit | UpperLimit => {
+            0.0
+        }
     })
 }
 

@@ -13,7 +13,7 @@ use super::error::HydraulicsError;
 use super::inputs::{INPUTS, Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
-use super::state::{Blind, Foreseen, Preview, State, dynamic};
+use super::state::{Blind, Foreseen, Preview, SAME_STEP, State, dynamic};
 use crate::format::{About, DefinitionError, Experiment, Range};
 use crate::integrator::Statistics;
 use crate::variables::{Reference, Terminal, Variables};
@@ -34,6 +34,11 @@ pub struct Model {
     /// What the present state and inputs give, while they are the present ones.
     pub(super) cache: Cache,
     pub(super) warnings: Warnings,
+}
+
+/// Whether two steps [s] are the same but for rounding.
+pub(super) fn is_same_step(one: f64, two: f64) -> bool {
+    (one - two).abs() <= SAME_STEP * two
 }
 
 /// Results for the present state and inputs.
@@ -70,7 +75,7 @@ impl Cache {
         h: f64,
     ) -> &Result<Foreseen, Blind> {
         // A failure too belongs to its step.
-        if self.foreseen.as_ref().is_some_and(|(of, _)| of.to_bits() != h.to_bits()) {
+        if self.foreseen.as_ref().is_some_and(|(of, _)| !is_same_step(*of, h)) {
             self.forget_foresight();
         }
         let see = || (h, state.foresee(&parameters.setting(inputs), h).map_err(|(blind, _)| blind));
@@ -169,7 +174,7 @@ impl Model {
         }
         if output.is_foreseen() {
             if cache.preview.is_none() {
-                let h = inputs.get(Input::Horizon);
+                let h = parameters.horizon(inputs, state);
                 cache.read = true;
                 let foreseen = cache.foresee(parameters, inputs, state, h);
                 if let Err(blind) = foreseen {
@@ -207,8 +212,7 @@ impl Model {
                     let allowed = || format!("a number {ABOVE_VACUUM}; -fluid.ambient_pressure is {} Pa", -ambient);
                     return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
-                Input::Mass => Range::NonNegative,
-                Input::Horizon => Range::Positive,
+                Input::Mass | Input::Horizon => Range::NonNegative,
                 _ => Range::Finite,
             },
             Some(Quantity::Output(_)) => return Err(HydraulicsError::Output { name: self.name_of(reference) }),
@@ -427,8 +431,8 @@ fn preview(
 ) -> Preview<f64> {
     let (laws, speed) = (&parameters.laws, inputs.get(Input::Speed));
     match foreseen {
-        Some(Foreseen { element, end, reached, start_force, .. }) if *reached == h => {
-            Preview::new(laws, element, (*start_force, speed), end, h)
+        Some(seen @ Foreseen { element, end, start_force, course, h, .. }) if seen.is_whole() => {
+            Preview::new(laws, element, (*start_force, speed), (end, *course), *h)
         }
         _ => {
             let force = laws.force(state.pressures(), speed);

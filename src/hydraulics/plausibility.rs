@@ -1,8 +1,10 @@
 //! Numbers of a circuit that look wrong: in another unit, or against one another.
 //!
 //! In: values by name. Out: warnings. It must not know laws.
+use super::definition::Circuit;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
+use std::f64::consts::FRAC_PI_4;
 
 /// Numbers beyond which another unit is probable: name, least and largest plausible value, unit, what to check.
 const PLAUSIBLE: [(&str, f64, f64, &str, &str); 13] = [
@@ -21,6 +23,45 @@ const PLAUSIBLE: [(&str, f64, f64, &str, &str); 13] = [
     ("valve.frequency", 0.5, 1e4, "Hz", "write the frequency in Hz"),
 ];
 
+/// Flows that limit the speed, by their names: each with the chamber, A or B, whose area it is for, and what to do.
+const THROTTLES: [(&str, usize, &str); 5] = [
+    ("valve.rated_flow", 0, "state the flow at which the valve is rated"),
+    ("restrictor_a.rated_flow", 0, "state it, 0 for no restrictor"),
+    ("restrictor_b.rated_flow", 1, "state it, 0 for no restrictor"),
+    ("cushion_a.rated_flow", 0, "state it, 0 for no cushion"),
+    ("cushion_b.rated_flow", 1, "state it, 0 for no cushion"),
+];
+/// Part of the speed of the default cylinder below which a default flow throttles another cylinder.
+const THROTTLED: f64 = 0.5;
+
+/// Warnings about flows that a definition leaves at their defaults, which suit the default cylinder, where the cylinder
+/// is so much larger that they limit its speed.
+fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Finding>) {
+    let default = Circuit::default();
+    let (bore, rod) = (default.cylinder.bore, default.cylinder.rod);
+    let areas = |bore: f64, rod: f64| [bore * bore, bore * bore - rod * rod].map(|square| FRAC_PI_4 * square);
+    let [Some(own_bore), Some(own_rod)] = ["cylinder.bore", "cylinder.rod"].map(value) else { return };
+    let defaults = [
+        default.valve.rated_flow,
+        default.restrictor_a.rated_flow,
+        default.restrictor_b.rated_flow,
+        default.cushion_a.rated_flow,
+        default.cushion_b.rated_flow,
+    ];
+    for ((name, side, remedy), flow) in THROTTLES.into_iter().zip(defaults) {
+        let [speed, usual] = [areas(own_bore, own_rod)[side], areas(bore, rod)[side]].map(|area| flow / area);
+        if flow > 0.0 && value(name) == Some(flow) && speed < THROTTLED * usual {
+            let message = format!(
+                "is {} m3/s, the default for a bore of {} m: it limits the speed to {} m/s at the rated pressure drop",
+                Decimal(flow),
+                Decimal(bore),
+                Decimal::rounded(speed)
+            );
+            all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
+        }
+    }
+}
+
 /// Warnings about a circuit whose keys stand under `path`, which is empty or ends with a dot; `value`: the start value
 /// of a variable by its name.
 pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<Finding> {
@@ -32,6 +73,7 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
             all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
         }
     }
+    throttled(path, &value, &mut all);
     let mut compare = |name: &str, other: &str, ordered: fn(f64, f64) -> bool, words: &str, remedy: &str| {
         if let (Some(one), Some(two)) = (value(name), value(other))
             && !ordered(one, two)
@@ -45,4 +87,22 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
     let remedy = "raise relief.pressure: the relief valves are always open";
     compare("relief.pressure", "supply.pressure", |a, b| a > b, "not above", remedy);
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::hydraulics::Model;
+
+    fn warned(json: &str) -> Vec<String> {
+        Model::from_json(json).unwrap().warnings().into_iter().map(|finding| finding.path).collect()
+    }
+
+    #[test]
+    fn a_default_flow_that_throttles_a_larger_cylinder_is_named() {
+        assert!(warned(r#"{ "name": "A" }"#).is_empty());
+        let larger = r#"{ "name": "A", "circuit": { "cylinder": { "bore": 0.085, "rod": 0.05 },
+            "valve": { "rated_flow": 1.5e-4 } } }"#;
+        let paths = ["restrictor_a", "cushion_a", "cushion_b"].map(|name| format!("circuit.{name}.rated_flow"));
+        assert_eq!(warned(larger), paths);
+    }
 }

@@ -14,7 +14,7 @@ use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// Version of the record.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// All values that decide how a model continues.
 #[derive(Clone, Debug)]
@@ -114,7 +114,7 @@ impl Model {
         inputs.record(record)?;
         // Inputs that change within a step may be out of their ranges where `solver.max_steps` has ended it.
         let horizon = inputs.get(Input::Horizon);
-        if horizon <= 0.0 {
+        if horizon < 0.0 {
             return Err(Damaged(format!("preview.horizon = {horizon}")).into());
         }
         let mut moves = false;

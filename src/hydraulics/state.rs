@@ -4,6 +4,7 @@
 //! A step of the integration ends where a cushion begins or ends and where the command has a kink. It must not know
 //! variables, nor outputs.
 mod delayed;
+mod limits;
 mod march;
 mod preview;
 
@@ -11,13 +12,19 @@ use super::circuit::{CIRCUIT, DYNAMIC, Equations};
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs, Surroundings};
-use super::systems::{Driven, ELEMENT, SPEED};
+use super::systems::{Driven, ELEMENT, LENGTH, SPEED};
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::Integrator;
 pub use delayed::Told;
 pub use march::interrupted;
 use march::{Instants, Levels, March, finite};
 pub use preview::{Blind, Foreseen, Preview};
+
+/// Difference of two steps that is rounding, as of t[n+1] - t[n], as a part of them.
+pub const SAME_STEP: f64 = 1e-9;
+
+/// Part of the longest step that counts in the next one.
+const FADING: f64 = 0.95;
 
 /// Where a hydraulic actuator is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +39,11 @@ pub struct State {
     pub coupled: Integrator<ELEMENT>,
     /// What the last step foresaw; none if it foresaw nothing.
     pub last: Option<Last>,
+    /// Size of the last step [s], and the next one of a host that tells none; 0 before the first.
+    pub step: f64,
+    pub horizon: f64,
+    /// Way that the piston owes the oil [m]: that of the mechanism less that of the motions kept.
+    pub owed: f64,
     /// Length at the end of the last step, and the way of the step [m].
     pub arrival: Option<[f64; 2]>,
     /// What the mechanism has been told of the next step, in the mode delayed.
@@ -49,14 +61,26 @@ pub fn dynamic(circuit: &[f64; CIRCUIT]) -> [f64; DYNAMIC] {
 pub struct Last {
     /// Size of the step [s].
     pub step: f64,
+    /// Length at its beginning [m].
+    pub start_length: f64,
     /// Speed at its beginning [m/s].
     pub start_speed: f64,
+    /// Whether a motion was foreseen from rest, or what the actuator moves was held without a limit.
+    pub rests: bool,
+    /// Whether the mechanism had the force that was foreseen for the step.
+    pub is_known: bool,
+    /// Whether the actuator has kept a motion that the mechanism did not make, as its force was for another step.
+    pub owes: bool,
+    /// Length foreseen at its end [m].
+    pub end_length: f64,
     /// Speed foreseen at its end [m/s].
     pub speed: f64,
     /// Correction r of the load [N].
     pub correction: f64,
     /// Holding force at its beginning [N].
     pub load: f64,
+    /// Holding force that was expected at its end [N], in the mode delayed.
+    pub expected_load: Option<f64>,
 }
 
 /// Laws, settings and inputs of one step.
@@ -76,6 +100,13 @@ impl Setting<'_> {
             tank: self.inputs.polynomial(Input::Tank),
             command: self.command(time),
         }
+    }
+
+    /// Least and largest length to which what the actuator moves can be pushed [m]; no largest one where
+    /// none is told.
+    pub fn limits(&self) -> [f64; 2] {
+        let [lower, upper] = [Input::LowerLimit, Input::UpperLimit].map(|input| self.inputs.get(input));
+        [lower, if upper == 0.0 { f64::INFINITY } else { upper }]
     }
 
     /// The command from the time [s] since the start on.
@@ -123,6 +154,9 @@ impl State {
             driven: Integrator::default(),
             coupled: Integrator::default(),
             last: None,
+            step: 0.0,
+            horizon: 0.0,
+            owed: 0.0,
             arrival: None,
             told: None,
         }
@@ -131,6 +165,12 @@ impl State {
     /// Time since the start [s].
     pub fn time(&self) -> f64 {
         self.time[0]
+    }
+
+    /// The next step [s] of a host that tells none: as the last one, at first this one. Where steps change from one to
+    /// the next, the longest of the last ones: a force for a step that is too short makes the oil swing.
+    pub fn next_step(&self, first: f64) -> f64 {
+        if self.horizon > 0.0 { self.horizon } else { first }
     }
 
     /// Pressures of the chambers [Pa].
@@ -178,15 +218,36 @@ impl State {
     }
 
     /// The step of size h is done: what it leaves to the next. `end`: length at its end.
-    pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, end: f64, foreseen: Option<&Foreseen>) {
+    pub fn arrive(
+        &mut self,
+        setting: &Setting<'_>,
+        (h, is_known, keeps): (f64, bool, bool),
+        end: f64,
+        foreseen: Option<&Foreseen>,
+    ) {
         self.told = None;
+        let is_steady = self.step == 0.0 || (self.step - h).abs() <= SAME_STEP * h;
+        (self.horizon, self.step) = (if is_steady { h } else { h.max(FADING * self.horizon) }, h);
+        if keeps {
+            self.owed = self.owed(setting) - self.repaid(setting, h);
+        }
         let get = |input| setting.inputs.get(input);
-        self.last = foreseen.filter(|foreseen| foreseen.reached == h).map(|foreseen| Last {
+        let [length, speed] = [Input::Length, Input::Speed].map(get);
+        let is_locked = setting.limits() == [length; 2];
+        self.last = foreseen.filter(|foreseen| foreseen.is_whole()).map(|foreseen| Last {
             step: h,
-            start_speed: get(Input::Speed),
+            start_length: length,
+            start_speed: speed,
+            rests: speed == 0.0
+                && !is_locked
+                && (foreseen.end[LENGTH] != length || foreseen.element.limits == [length; 2]),
+            is_known,
+            owes: keeps && !is_known,
+            end_length: foreseen.end[LENGTH],
             speed: foreseen.end[SPEED],
             correction: foreseen.correction,
             load: get(Input::Load),
+            expected_load: None,
         });
         if let Some(foreseen) = foreseen {
             self.coupled.copy_from(&foreseen.memory);
@@ -205,14 +266,35 @@ impl State {
         record.all_finite("state of the circuit", &mut self.circuit)?;
         self.driven.record(record)?;
         self.coupled.record(record)?;
-        let blank = || Last { step: 0.0, start_speed: 0.0, speed: 0.0, correction: 0.0, load: 0.0 };
+        let blank = || Last {
+            step: 0.0,
+            start_length: 0.0,
+            start_speed: 0.0,
+            rests: false,
+            is_known: false,
+            owes: false,
+            end_length: 0.0,
+            speed: 0.0,
+            correction: 0.0,
+            load: 0.0,
+            expected_load: None,
+        };
         record.option("last step", &mut self.last, blank, |record, last| {
             record.positive("size of the last step", &mut last.step)?;
+            record.finite("length before", &mut last.start_length)?;
+            record.flag("rests", &mut last.rests)?;
+            record.flag("force known", &mut last.is_known)?;
+            record.flag("way owed", &mut last.owes)?;
+            record.finite("length foreseen", &mut last.end_length)?;
             record.finite("speed before", &mut last.start_speed)?;
             record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
-            record.finite("load before", &mut last.load)
+            record.finite("load before", &mut last.load)?;
+            record.option("load expected", &mut last.expected_load, || 0.0, |record, load| record.finite("load", load))
         })?;
+        record.number("size of the last step", &mut self.step, |step| step.is_finite() && step >= 0.0, ">= 0")?;
+        record.number("next step", &mut self.horizon, |step| step.is_finite() && step >= 0.0, ">= 0")?;
+        record.finite("way owed", &mut self.owed)?;
         record.option(
             "arrival",
             &mut self.arrival,

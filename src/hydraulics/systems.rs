@@ -112,16 +112,22 @@ pub struct Element<T> {
     pub load_rate: T,
     /// Length s_0 [m].
     pub length: T,
+    /// Least and largest length to which stops and locks let it go [m].
+    pub limits: [f64; 2],
 }
 
 impl<T: Number> Element<T> {
+    /// The load [N] at a length, t [s] after the beginning.
+    #[inline]
+    pub fn load_at(&self, length: T, t: T) -> T {
+        self.load + self.load_derivative * (length - self.length) + self.load_rate * t
+    }
+
     /// Acceleration [m/s2] under a force, t [s] after the beginning; NaN where the element has no mass.
     #[inline]
     pub fn acceleration(&self, force: T, length: T, speed: T, t: T) -> T {
-        let way = length - self.length;
-        let mass = self.mass + self.mass_derivative * way;
-        let load =
-            self.load + self.load_derivative * way + self.load_rate * t + self.mass_derivative * speed * speed * 0.5;
+        let mass = self.mass + self.mass_derivative * (length - self.length);
+        let load = self.load_at(length, t) + self.mass_derivative * speed * speed * 0.5;
         let mass = if mass.value() > 0.0 { mass } else { T::constant(f64::NAN) };
         (force - load) / mass
     }
@@ -153,6 +159,8 @@ pub struct Coupled<'a> {
     pub element: Element<f64>,
     /// Stroke of the cylinder [m].
     pub stroke: f64,
+    /// Whether a stop or a lock holds the element.
+    pub is_held: bool,
 }
 
 impl System<ELEMENT> for Coupled<'_> {
@@ -161,7 +169,11 @@ impl System<ELEMENT> for Coupled<'_> {
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        element_rates(self.laws, &self.element, self.surroundings.at(t), t, y)
+        let mut rates = element_rates(self.laws, &self.element, self.surroundings.at(t), t, y);
+        if self.is_held {
+            (rates[LENGTH], rates[SPEED]) = (0.0, 0.0);
+        }
+        rates
     }
 
     #[inline]
@@ -183,12 +195,15 @@ impl System<ELEMENT> for Coupled<'_> {
         for (k, dual) in duals.iter_mut().enumerate().take(LEADING) {
             *dual = Dual::variable(y[k], k);
         }
-        let Element { mass, mass_derivative, load, load_derivative, load_rate, length } = self.element;
+        let Element { mass, mass_derivative, load, load_derivative, load_rate, length, limits } = self.element;
         let [mass, mass_derivative, load] = [mass, mass_derivative, load].map(Dual::constant);
         let [load_derivative, load_rate, length] = [load_derivative, load_rate, length].map(Dual::constant);
-        let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length };
+        let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length, limits };
         let ports = self.surroundings.at(t).map(Dual::constant);
-        let rates = element_rates(self.laws, &element, ports, Dual::constant(t), &duals);
+        let mut rates = element_rates(self.laws, &element, ports, Dual::constant(t), &duals);
+        if self.is_held {
+            (rates[LENGTH], rates[SPEED]) = (Dual::constant(0.0), Dual::constant(0.0));
+        }
         rates.map(|rate| row(rate.slope))
     }
 }
@@ -212,7 +227,10 @@ impl System<TANGENT> for Tangent<'_> {
         let duals = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k]] });
         let values = self.coupled.surroundings.at(t);
         let ports = std::array::from_fn(|k| Dual { value: values[k], slope: [self.ports[k]] });
-        let rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
+        let mut rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
+        if self.coupled.is_held {
+            (rates[LENGTH], rates[SPEED]) = (Dual::constant(0.0), Dual::constant(0.0));
+        }
         std::array::from_fn(|k| if k < ELEMENT { rates[k].value } else { rates[k - ELEMENT].slope[0] })
     }
 

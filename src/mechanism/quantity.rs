@@ -195,6 +195,10 @@ pub enum OneElement {
     BreakawayForward,
     /// Force that begins to move the mechanism from rest backward along the drive.
     BreakawayBackward,
+    /// Least displacement of the drive that stops and locks leave: the present one while they hold the mechanism.
+    LowerLimit,
+    /// Largest displacement of the drive that they leave.
+    UpperLimit,
 }
 
 /// Part of the record of a stop's impacts.

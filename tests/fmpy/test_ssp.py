@@ -16,7 +16,14 @@ from lxml import etree
 
 SSP = FMU_FOLDER / "LandingGearRetractionWithHydraulics.ssp"
 FMUS = {"gear": "LandingGearRetraction.fmu", "hydraulics": "HydraulicActuator.fmu"}
-ELEMENT = ("reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative")
+ELEMENT = (
+    "reduced_mass",
+    "reduced_mass_derivative",
+    "holding_force",
+    "holding_force_derivative",
+    "lower_limit",
+    "upper_limit",
+)
 TOLD = [f"actuator.{name}" for name in ("length", "speed", "acceleration", *ELEMENT)]
 """What the gear tells the hydraulics."""
 NAMESPACES = {

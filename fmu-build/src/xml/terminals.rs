@@ -94,12 +94,13 @@ mod tests {
             lines + "</Terminal>"
         };
         let linear = ["reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"];
+        let limits = ["lower_limit", "upper_limit"];
         let rotary = ["reduced_inertia", "reduced_inertia_derivative", "holding_torque", "holding_torque_derivative"];
-        for (mechanism, name, motion, element) in [
-            ("LandingGearRetraction", "actuator", ["force", "length", "speed", "acceleration"], linear),
-            ("FourBar", "drive", ["torque", "angle", "speed", "acceleration"], rotary),
+        for (mechanism, name, motion, element, limits) in [
+            ("LandingGearRetraction", "actuator", ["force", "length", "speed", "acceleration"], linear, &limits[..]),
+            ("FourBar", "drive", ["torque", "angle", "speed", "acceleration"], rotary, &[]),
         ] {
-            let terminal = expected(name, &[&motion[..], &element].concat());
+            let terminal = expected(name, &[&motion[..], &element, limits].concat());
             let text: String = file_of(mechanism).lines().map(str::trim).collect();
             assert_eq!(text.matches("<Terminal ").count(), 1, "{text}");
             assert!(text.contains(&terminal), "{terminal} is not in {text}");
@@ -118,7 +119,7 @@ mod tests {
         let ((gear, of_gear), (oil, of_oil)) =
             (terminal("LandingGearRetraction", MECHANISM), terminal("HydraulicActuator", "hydraulics.json"));
         assert_eq!(gear.kind, oil.kind);
-        assert_eq!(oil.members.len(), 8);
+        assert_eq!(oil.members.len(), 10);
         for member in oil.members {
             let other = gear.members.iter().find(|other| other.name == member.name).unwrap();
             let [own, other] =

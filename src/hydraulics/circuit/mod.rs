@@ -11,6 +11,7 @@
 //!
 //! Sources: Merritt, Hydraulic Control Systems (1967); Jelali, Kroll, Hydraulic Servo-systems (2003); regRoot of
 //! Modelica.Fluid.Utilities.
+mod displaced;
 mod flows;
 mod limits;
 mod oil;

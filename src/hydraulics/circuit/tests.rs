@@ -131,3 +131,21 @@ fn curvature_of_the_friction_is_that_of_its_slope() {
         assert!((laws.friction_at(v).2 - difference).abs() < 1e-6 * 400.0 / 0.005_f64.powi(2), "{v}");
     }
 }
+
+/// Oil that is shut in: with a constant bulk modulus p changes by E ln(V_0/V), and all work is compression.
+#[test]
+fn oil_that_is_shut_in_is_compressed_by_the_piston() {
+    let mut circuit = Circuit::default();
+    circuit.fluid.air_fraction = 0.0;
+    let (laws, mut state) = (Equations::new(&circuit), [0.0; CIRCUIT]);
+    (state[0], state[1]) = (8e6, 10e6);
+    let (length, way) = (0.58, -5e-4);
+    let moved = laws.displaced(&state, length, way);
+    let [before, after] = [laws.volumes(length - way), laws.volumes(length)];
+    for side in [0, 1] {
+        near(moved[side], state[side] + circuit.fluid.bulk_modulus * (before[side] / after[side]).ln(), 1e-11);
+    }
+    let back = laws.displaced(&moved, length - way, -way);
+    assert!((0..CIRCUIT).all(|k| (back[k] - state[k]).abs() <= 1e-6 * (1.0 + state[k].abs())), "{back:?}");
+    assert!(moved[ENERGY + 2] == -moved[ENERGY + 4] && moved[ENERGY + 2] != 0.0);
+}

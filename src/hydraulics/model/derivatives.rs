@@ -40,12 +40,18 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
         return told.preview.constant();
     }
     let dual = |input: Input| Dual { value: inputs.get(input), slope: [direction.inputs[input as usize]] };
-    let (laws, h, speed) = (&parameters.laws, dual(Input::Horizon), dual(Input::Speed));
+    let (laws, speed, mut h) = (&parameters.laws, dual(Input::Speed), dual(Input::Horizon));
+    if h.value == 0.0 {
+        h = Dual::constant(parameters.horizon(inputs, state));
+    }
     let pressures = state.pressures();
     let pressures = std::array::from_fn(|side| Dual { value: pressures[side], slope: [direction.circuit[side]] });
-    let change = |input: Input| direction.inputs[input as usize];
+    let follows = inputs.get(Input::Horizon) == 0.0;
+    let change = |input: Input| if follows && input == Input::Horizon { 0.0 } else { direction.inputs[input as usize] };
     match state.foresee_change(&parameters.setting(inputs), h.value, &direction.circuit, &change) {
-        Some((end, element)) => Preview::new(laws, &element, (laws.force(pressures, speed), speed), &end, h),
+        Some((end, element, course)) => {
+            Preview::new(laws, &element, (laws.force(pressures, speed), speed), (&end, course), h)
+        }
         None => {
             let motion = [Input::Length, Input::Speed, Input::Acceleration].map(dual);
             let force = laws.force(pressures, speed);

@@ -48,6 +48,14 @@ impl Parameters {
         Setting { laws: &self.laws, circuit, solver, inputs }
     }
 
+    /// The next step of the host [s]: that of the input; without one as the last step, at first that of the experiment.
+    pub fn horizon(&self, inputs: &Inputs, state: &State) -> f64 {
+        match inputs.get(Input::Horizon) {
+            0.0 => state.next_step(self.actuator.experiment.step_size),
+            told => told,
+        }
+    }
+
     /// Check the parameters, and the pressures of the ports, which are relative to the ambient pressure, a parameter.
     ///
     /// # Errors

@@ -3,13 +3,13 @@
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
 use super::warnings::{self, Warning, Warnings};
-use super::{Model, point};
+use super::{Model, is_same_step, point};
 use crate::format::Range;
 use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::interface::Quantity;
-use crate::hydraulics::state::{self, Blind, Setting, interrupted};
+use crate::hydraulics::state::{self, Blind, Foreseen, Setting, interrupted};
 use crate::hydraulics::systems::{LENGTH, SPEED};
 use crate::integrator::SHORTEST;
 use crate::variables::{Reference, Variables};
@@ -51,6 +51,13 @@ impl Model {
         let Self { original, parameters, inputs, state: Some(state), cache, warnings } = self else {
             return Err(HydraulicsError::NotInitialised);
         };
+        // Some hosts set all connected inputs to 0 before the first step.
+        if inputs.get(Input::Length) == 0.0 && !parameters.laws.has_length(0.0) {
+            let (start, mut own) = (parameters.actuator.actuator.length, *inputs);
+            own.values[Input::Length as usize] = state.arrival.map_or(start, |[length, _]| length);
+            check_inputs_at(&parameters.setting(&own), &original.variables, h, false)?;
+            *inputs = own;
+        }
         let setting = parameters.setting(inputs);
         let begin = inputs.get(Input::Length);
         setting.check_length(begin)?;
@@ -60,29 +67,35 @@ impl Model {
             cache.clear();
             return Ok(());
         }
-        let read = cache.read;
+        let (read, announced) = (cache.read, parameters.horizon(inputs, state));
+        let mode = parameters.actuator.coupling.mode;
+        let is_announced = is_same_step(announced, h);
         let seen = if inputs.get(Input::Mass) > 0.0 {
-            if inputs.get(Input::Horizon).to_bits() != h.to_bits() {
-                warnings.raise(Warning::Horizon, [inputs.get(Input::Horizon), h]);
-                cache.forget_foresight();
+            if !is_announced && inputs.get(Input::Horizon) > 0.0 {
+                warnings.raise(Warning::Horizon, [announced, h]);
             }
             cache.foresee(parameters, inputs, state, h)
         } else {
             &Err(Blind::NoMass)
         };
-        let mode = parameters.actuator.coupling.mode;
         let before = state.circuit;
-        let mut predicted = None;
+        let (mut predicted, mut lead) = (None, [0.0; 2]);
+        // A step whose foresight is whole has the size of the step but for rounding.
+        let reached_by = |foreseen: &Foreseen| if foreseen.is_whole() { h } else { foreseen.reached };
         let (reached, motion) = match seen {
             Ok(foreseen) if mode == Mode::Delayed => {
                 predicted = state.predict(&setting, foreseen, h).ok();
                 state.keep(foreseen);
+                if let Some(predicted) = &predicted {
+                    lead = state.lead(&setting, predicted, foreseen, h);
+                    state.repay(&setting, predicted.motion[0], h);
+                }
                 let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];
-                (foreseen.reached, Some(predicted.map_or(end, |predicted| predicted.motion)))
+                (reached_by(foreseen), Some(predicted.map_or(end, |predicted| predicted.motion)))
             }
             Ok(foreseen) if mode == Mode::Preview => {
                 state.keep(foreseen);
-                (foreseen.reached, Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
+                (reached_by(foreseen), Some([foreseen.end[LENGTH], foreseen.end[SPEED]]))
             }
             seen => {
                 if let Err(blind) = seen {
@@ -109,15 +122,19 @@ impl Model {
             warnings::watch(warnings, &setting, (state, &begin), h, read || mode != Mode::Follow);
         }
         let end = motion.map_or_else(|| inputs.length().at(reached), |[length, _]| length);
-        state.arrive(&setting, reached, end, seen.as_ref().ok());
+        // A host that is late has the force of the step that it makes.
+        let is_known = is_announced || mode == Mode::Delayed;
+        let keeps = mode == Mode::Preview && seen.is_ok();
+        state.arrive(&setting, (reached, is_known, keeps), end, seen.as_ref().ok());
         if let (Some(last), Some(predicted)) = (&mut state.last, &predicted) {
             (last.speed, last.correction) = (predicted.motion[1], predicted.correction);
+            last.expected_load = Some(predicted.load(h));
         }
         inputs.leave(reached, motion);
         cache.clear();
         if let Some(predicted) = predicted.filter(|_| reached == h) {
-            let horizon = inputs.get(Input::Horizon);
-            let seen = state.tell(&parameters.setting(inputs), &predicted, h, horizon);
+            let horizon = parameters.horizon(inputs, state);
+            let seen = state.tell(&parameters.setting(inputs), &predicted, (h, lead), horizon);
             cache.foreseen = seen.map(|seen| (horizon, Ok(seen)));
         }
         if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
@@ -139,8 +156,7 @@ fn check_inputs_at(
             let (value, rates) = inputs.end(input, h);
             let is_own = input == Input::Length || input == Input::Speed && !follows;
             let range = match input {
-                Input::Mass => Range::NonNegative,
-                Input::Horizon => Range::Positive,
+                Input::Mass | Input::Horizon => Range::NonNegative,
                 _ => Range::Finite,
             };
             let pressure = matches!(input, Input::Supply | Input::Tank);

@@ -119,18 +119,37 @@ impl<'a> March<'a> {
         levels: &Levels,
     ) -> Result<bool, HydraulicsError> {
         while self.t < end {
-            if memory.attempts() >= self.most {
-                return Ok(false);
-            }
-            let step = memory.step(system, self.t, y, end, self.tolerance).map_err(|error| self.stuck(error, y))?;
-            let step = match levels.passed(&step) {
-                None => step,
-                Some(level) => to_level(memory, system, step, level),
-            };
-            *y = step.end;
-            self.t = if step.reached { end } else { self.t + step.h };
+            let Some(step) = self.once(end, memory, system, y, levels)? else { return Ok(false) };
+            self.take(&step, y, end);
         }
         Ok(true)
+    }
+
+    /// One step towards `end`, which ends at the first level that it passes; none if no more attempts are left.
+    #[inline]
+    pub fn once<S: System<N>, const N: usize>(
+        &self,
+        end: f64,
+        memory: &mut Integrator<N>,
+        system: &mut S,
+        y: &[f64; N],
+        levels: &Levels,
+    ) -> Result<Option<Step<N>>, HydraulicsError> {
+        if memory.attempts() >= self.most {
+            return Ok(None);
+        }
+        let step = memory.step(system, self.t, y, end, self.tolerance).map_err(|error| self.stuck(error, y))?;
+        Ok(Some(match levels.passed(&step) {
+            None => step,
+            Some(level) => to_level(memory, system, step, level),
+        }))
+    }
+
+    /// Go on from the end of a step.
+    #[inline]
+    pub fn take<const N: usize>(&mut self, step: &Step<N>, y: &mut [f64; N], end: f64) {
+        *y = step.end;
+        self.t = if step.reached { end } else { self.t + step.h };
     }
 
     /// Why the integration comes no further from the state y; `length`: of the actuator there.

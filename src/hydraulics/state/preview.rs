@@ -2,6 +2,7 @@
 //!
 //! In: the state, inputs that describe the element, a step. Out: the predicted motion, its derivative along a direction
 //! of the inputs, the predicted force. It must not change the state.
+use super::limits::{Course, holds, line_from_rest};
 use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State, Told};
 use crate::hydraulics::circuit::{CIRCUIT, Equations};
@@ -16,6 +17,10 @@ use crate::numerics::dual::{Dual, Number};
 
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
 const MASS_CHANGE: f64 = 0.5;
+/// Change of the load, as a part of it, from which it has jumped.
+const JUMP: f64 = 0.02;
+/// Part of what a speed has missed that a jump of the load leaves unexplained.
+const EXPLAINED: f64 = 0.1;
 /// Acceleration of an element that no mass and load have [m/s2].
 const MOST_ACCELERATION: f64 = 1e30;
 
@@ -37,6 +42,8 @@ pub struct Foreseen {
     pub start_rates: [f64; CIRCUIT],
     /// Time reached [s]: the step, or less where `solver.max_steps` was met.
     pub reached: f64,
+    /// What stops and locks did to the element.
+    pub course: Course,
 }
 
 /// Why no motion is foreseen.
@@ -50,6 +57,13 @@ pub enum Blind {
     Failed,
 }
 
+impl Foreseen {
+    /// Whether the motion goes on to the end of the step.
+    pub fn is_whole(&self) -> bool {
+        self.reached == self.h
+    }
+}
+
 impl State {
     /// The load's correction r, and whether the last step met a contact: m (v - v_foreseen)/h is what the element did
     /// not know. A contact stops or reverses the motion, or its impulse is more than that of force and load together;
@@ -58,6 +72,13 @@ impl State {
         let Some(last) = self.last else { return (0.0, false) };
         let get = |input| setting.inputs.get(input);
         let (v, m) = (get(Input::Speed), get(Input::Mass));
+        let ([lower, upper], length) = (self.limits(setting), get(Input::Length));
+        if v == 0.0 && (length <= lower || length >= upper) {
+            return (0.0, true);
+        }
+        if !last.is_known {
+            return (last.correction, false);
+        }
         let missed = v - last.speed;
         let loads = get(Input::Load).abs() + last.load.abs();
         let exceeds = |most: f64| (m * missed).abs() > most * last.step;
@@ -65,7 +86,29 @@ impl State {
         let reversed = v * last.speed <= 0.0 && missed.abs() > 0.5 * last.start_speed.abs().max(last.speed.abs());
         // The force is asked for only where the loads alone do not explain the difference.
         let contact = reversed || exceeds(loads) && exceeds(force() + loads);
-        (if contact { 0.0 } else { last.correction - m * missed / last.step }, contact)
+        let jumped = jump(&last, get(Input::Load), m, v);
+        (if contact { 0.0 } else { last.correction - m * missed / last.step + jumped }, contact)
+    }
+
+    /// Least and largest length to which stops and locks let the element go [m]. Where the last step has foreseen a
+    /// motion and what the actuator moves has stayed at rest, as under static friction, it stays there.
+    fn limits(&self, setting: &Setting<'_>) -> [f64; 2] {
+        let [length, speed] = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
+        let stays = |last: &Last| last.rests && last.start_length.to_bits() == length.to_bits();
+        if speed == 0.0 && self.last.as_ref().is_some_and(stays) { [length; 2] } else { setting.limits() }
+    }
+
+    /// Whether stops or locks hold the element at the beginning of a step.
+    fn is_held(&self, setting: &Setting<'_>) -> bool {
+        let get = |input| setting.inputs.get(input);
+        let net = || setting.laws.force(self.pressures(), 0.0) - get(Input::Load);
+        get(Input::Speed) == 0.0 && holds(self.limits(setting), get(Input::Length), net())
+    }
+
+    /// [`jump`] of the load of the inputs.
+    pub(super) fn jump_of_load(&self, setting: &Setting<'_>) -> f64 {
+        let get = |input| setting.inputs.get(input);
+        self.last.map_or(0.0, |last| jump(&last, get(Input::Load), get(Input::Mass), get(Input::Speed)))
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
@@ -76,7 +119,8 @@ impl State {
             return Err(Blind::NoMass);
         }
         let (correction, contact) = self.correction(setting);
-        Ok((element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(get)), correction))
+        let limits = self.limits(setting);
+        Ok((element_of(self.last.as_ref(), (contact, limits), &ELEMENT_INPUTS.map(get)), correction))
     }
 
     /// Acceleration [m/s2] of the element under this force; none if no mass is told, or none that moves.
@@ -89,8 +133,12 @@ impl State {
         if setting.inputs.get(Input::Mass) == 0.0 {
             return None;
         }
+        if self.is_held(setting) {
+            return Some(T::constant(0.0));
+        }
         let (_, contact) = self.correction(setting);
-        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(&inputs));
+        let limits = self.limits(setting);
+        let element = element_of(self.last.as_ref(), (contact, limits), &ELEMENT_INPUTS.map(&inputs));
         let acceleration = element.acceleration(force, element.length, inputs(Input::Speed), T::constant(0.0));
         acceleration.value().is_finite().then_some(acceleration)
     }
@@ -100,7 +148,9 @@ impl State {
         let (element, correction) = self.element(setting)?;
         let speed = setting.inputs.get(Input::Speed);
         let force = setting.laws.force(self.pressures(), speed);
-        check_element(&element, element.acceleration(force, element.length, speed, 0.0), speed, h)?;
+        let acceleration = element.acceleration(force, element.length, speed, 0.0);
+        let stiffness = || setting.laws.stiffness(self.pressures(), element.length);
+        check_element(&element, if self.is_held(setting) { 0.0 } else { acceleration }, (speed, h), stiffness)?;
         Ok((element, correction))
     }
 
@@ -111,17 +161,18 @@ impl State {
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
         if let Some(Told { start, element, correction, .. }) = self.told {
-            return self.foresee_from(setting, start, (element, correction), h);
+            return self.foresee_from(setting, (&self.circuit, start), (element, correction), h);
         }
         let element = self.element(setting).map_err(|blind| (blind, None))?;
-        self.foresee_from(setting, [Input::Length, Input::Speed].map(|input| setting.inputs.get(input)), element, h)
+        let motion = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
+        self.foresee_from(setting, (&self.at_beginning(setting, h), motion), element, h)
     }
 
-    /// The motion of an element with this correction of its load, from a length and a speed.
+    /// The motion of an element with this correction of its load, from a state of the circuit, a length and a speed.
     pub(super) fn foresee_from(
         &self,
         setting: &Setting<'_>,
-        motion: [f64; 2],
+        (circuit, motion): (&[f64; CIRCUIT], [f64; 2]),
         (element, correction): (Element<f64>, f64),
         h: f64,
     ) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
@@ -130,11 +181,14 @@ impl State {
         surroundings.command.kinks(h, &mut |t| instants.add(t));
         instants.sort();
         let lengths = setting.laws.lengths();
-        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke: lengths[1] - lengths[0] };
-        let mut end = with_element(&self.circuit, motion);
+        let stroke = lengths[1] - lengths[0];
+        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke, is_held: false };
+        let mut end = with_element(circuit, motion);
+        let mut course = system.begin(&mut end);
         let first = system.derivative(0.0, &end);
-        check_element(&element, first[SPEED], motion[1], h).map_err(|blind| {
-            let pressures = || setting.laws.describe_pressures(self.pressures());
+        let stiffness = || setting.laws.stiffness([circuit[0], circuit[1]], motion[0]);
+        check_element(&element, first[SPEED], (motion[1], h), stiffness).map_err(|blind| {
+            let pressures = || setting.laws.describe_pressures([circuit[0], circuit[1]]);
             (blind, (blind == Blind::Failed).then(|| stuck_with(setting, 0.0, &pressures())))
         })?;
         let mut memory = self.coupled;
@@ -145,7 +199,7 @@ impl State {
         let levels = Levels::new(setting, true);
         for instant in instants.ends(h) {
             let whole = march
-                .to(instant, &mut memory, &mut system, &mut end, &levels)
+                .within_limits(instant, &mut memory, &mut system, (&mut end, &mut course), &levels)
                 .map_err(|error| match error {
                     HydraulicsError::Stuck { time, what } => stuck_with(setting, time, &what),
                     other => other,
@@ -157,7 +211,7 @@ impl State {
         }
         finite(&end, march.t).map_err(|error| (Blind::Failed, Some(error)))?;
         let (start_force, start_rates) = (first[IMPULSE], without_element(&first));
-        Ok(Foreseen { h, end, memory, element, correction, start_force, start_rates, reached: march.t })
+        Ok(Foreseen { h, end, memory, element, correction, start_force, start_rates, reached: march.t, course })
     }
 
     /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the
@@ -168,11 +222,12 @@ impl State {
         h: f64,
         circuit: &[f64; CIRCUIT],
         inputs: &dyn Fn(Input) -> f64,
-    ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>)> {
+    ) -> Option<([Dual<1>; ELEMENT], Element<Dual<1>>, Course)> {
         self.checked_element(setting, h).ok()?;
         let dual = |input| Dual { value: setting.inputs.get(input), slope: [inputs(input)] };
         let (_, contact) = self.correction(setting);
-        let element = element_of(self.last.as_ref(), contact, &ELEMENT_INPUTS.map(dual));
+        let limits = self.limits(setting);
+        let element = element_of(self.last.as_ref(), (contact, limits), &ELEMENT_INPUTS.map(dual));
         let value = |dual: Dual<1>| dual.value;
         let plain = Element {
             mass: value(element.mass),
@@ -181,10 +236,12 @@ impl State {
             load_derivative: value(element.load_derivative),
             load_rate: value(element.load_rate),
             length: value(element.length),
+            limits,
         };
         let surroundings = setting.surroundings(self.time());
         let lengths = setting.laws.lengths();
-        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke: lengths[1] - lengths[0] };
+        let (stroke, is_held) = (lengths[1] - lengths[0], self.is_held(setting));
+        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke, is_held };
         let clipped = surroundings.command.wanted(0.0).abs() > 1.0;
         let command = if clipped { 0.0 } else { inputs(Input::Command) };
         let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
@@ -203,7 +260,8 @@ impl State {
         let later = inputs(Input::Horizon);
         let f = system.derivative(h, &y);
         let end = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k] + later * f[k]] });
-        Some((end, element))
+        // Held or not, as at the beginning: a contact within the step has no derivative.
+        Some((end, element, Course { held_at_start: is_held, held_at_end: is_held, released: false }))
     }
 
     /// Keep the foreseen motion as a step's.
@@ -212,14 +270,22 @@ impl State {
     }
 }
 
-/// Whether an element with this acceleration [m/s2] stands for what the actuator moves over a step of size h [s].
-fn check_element(element: &Element<f64>, acceleration: f64, speed: f64, h: f64) -> Result<(), Blind> {
+/// Whether an element with this acceleration [m/s2] and speed [m/s] stands for what the actuator moves over a step of
+/// size h [s]. The oil, of this stiffness [N/m], turns an acceleration back within a way of twice the force over it.
+fn check_element(
+    element: &Element<f64>,
+    acceleration: f64,
+    (speed, h): (f64, f64),
+    stiffness: impl Fn() -> f64,
+) -> Result<(), Blind> {
     if acceleration.is_nan() || acceleration.abs() > MOST_ACCELERATION {
         return Err(Blind::Failed);
     }
-    let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
     // Not a comparison the other way round: NaN is no mass that changes little.
-    if (element.mass_derivative * way).abs() <= MASS_CHANGE * element.mass { Ok(()) } else { Err(Blind::Toggle) }
+    let suits = |way: f64| (element.mass_derivative * way).abs() <= MASS_CHANGE * element.mass;
+    let (along, pushed) = (speed.abs() * h, 0.5 * acceleration.abs() * h * h);
+    let turned = || pushed.min(2.0 * element.mass * acceleration.abs() / stiffness());
+    if suits(along + pushed) || suits(along + turned()) { Ok(()) } else { Err(Blind::Toggle) }
 }
 
 /// No motion is found with the element of the inputs.
@@ -230,27 +296,41 @@ fn stuck_with(setting: &Setting<'_>, time: f64, what: &str) -> HydraulicsError {
     HydraulicsError::Stuck { time, what }
 }
 
+/// Part of the load's correction that the holding force set explains [N], for a mass and a speed set. In a late host a
+/// load that jumps acts for a step before it is told: its difference from the one expected is then what the speed has
+/// missed.
+fn jump(last: &Last, load: f64, mass: f64, speed: f64) -> f64 {
+    let Some(expected) = last.expected_load else { return 0.0 };
+    let (missed, jump) = (-mass * (speed - last.speed) / last.step, load - expected);
+    let explains =
+        (missed - jump).abs() < EXPLAINED * missed.abs() && jump.abs() > JUMP * (load.abs() + expected.abs());
+    if explains { -jump } else { 0.0 }
+}
+
 /// Inputs that make the element, in the order in which [`element_of`] takes them.
 const ELEMENT_INPUTS: [Input; 6] =
     [Input::Length, Input::Speed, Input::Mass, Input::MassDerivative, Input::Load, Input::LoadDerivative];
 
 /// The element that stands for what the actuator moves, from the inputs: its load is the holding force plus the
 /// correction; where no derivative of the holding force is told, the load has the rate of the last step.
-fn element_of<T: Number>(last: Option<&Last>, contact: bool, inputs: &[T; 6]) -> Element<T> {
+fn element_of<T: Number>(last: Option<&Last>, (contact, limits): (bool, [f64; 2]), inputs: &[T; 6]) -> Element<T> {
     let [length, speed, mass, mass_derivative, load, load_derivative] = *inputs;
     let zero = T::constant(0.0);
     let (mut corrected, mut load_rate) = (load, zero);
     if let Some(last) = last {
         let per_step = 1.0 / last.step;
         if !contact {
-            let missed = mass * (speed - T::constant(last.speed)) * per_step;
-            corrected = corrected + T::constant(last.correction) - missed;
+            corrected = corrected + T::constant(last.correction);
+        }
+        if !contact && last.is_known {
+            corrected = corrected - mass * (speed - T::constant(last.speed)) * per_step;
+            corrected = corrected + T::constant(jump(last, load.value(), mass.value(), speed.value()));
         }
         if load_derivative.value() == 0.0 {
             load_rate = (load - T::constant(last.load)) * per_step;
         }
     }
-    Element { mass, mass_derivative, load: corrected, load_derivative, load_rate, length }
+    Element { mass, mass_derivative, load: corrected, load_derivative, load_rate, length, limits }
 }
 
 /// What the foreseen motion tells of a step of size h, in the words of the interface.
@@ -270,19 +350,35 @@ pub struct Preview<T> {
 }
 
 impl<T: Number> Preview<T> {
-    /// From the element, force and speed at the beginning, the state at the end, and the step.
-    pub fn new(laws: &Equations, element: &Element<T>, (first, speed): (T, T), end: &[T; ELEMENT], h: T) -> Self {
+    /// From the element, force and speed at the beginning, the state at the end with what limits did until then, and
+    /// the step.
+    pub fn new(
+        laws: &Equations,
+        element: &Element<T>,
+        (first, speed): (T, T),
+        (end, course): (&[T; ELEMENT], Course),
+        h: T,
+    ) -> Self {
         let (mean, moment) = (end[IMPULSE] / h, end[MOMENT] / (h * h));
         let rate = (moment * 2.0 - mean) * 6.0 / h;
         let last = laws.force([end[0], end[1]], end[SPEED]);
+        let (mut force, mut rate) = (mean - rate * h * 0.5, rate);
+        // A line that presses on the stop first would lose that impulse to the stop.
+        if course.released && ((force - element.load) * (mean - element.load)).value() < 0.0 {
+            [force, rate] = line_from_rest(element.load, [end[IMPULSE], end[MOMENT]], h);
+        }
+        let held = T::constant(0.0);
+        let acceleration = |is_held, force, length, speed, t| {
+            if is_held { held } else { element.acceleration(force, length, speed, t) }
+        };
         Self {
-            force: mean - rate * h * 0.5,
+            force,
             force_rate: rate,
             force_mean: mean,
             length: end[LENGTH],
             speed: end[SPEED],
-            start_acceleration: element.acceleration(first, element.length, speed, T::constant(0.0)),
-            acceleration: element.acceleration(last, end[LENGTH], end[SPEED], h),
+            start_acceleration: acceleration(course.held_at_start, first, element.length, speed, held),
+            acceleration: acceleration(course.held_at_end, last, end[LENGTH], end[SPEED], h),
         }
     }
 

@@ -152,7 +152,20 @@ fn initial_dependencies_are_exact() {
     let filled = [("accumulator.volume", 1e-4), ("supply.pressure", 20.3e6), ("preview.horizon", 0.02)];
     let alone = [("actuator.reduced_mass", 0.0)];
     let long = [("preview.horizon", 0.11), ("actuator.length", 0.6), ("actuator.speed", 0.0)];
-    let places: [&[&[(&str, f64)]]; 8] = [
+    // At rest on a stop, on either side.
+    let pushed = [
+        ("actuator.length", 0.6),
+        ("actuator.speed", 0.0),
+        ("actuator.upper_limit", 0.6),
+        ("chamber_a.start_pressure", 25e6),
+    ];
+    let pulled = [
+        ("actuator.length", 0.6),
+        ("actuator.speed", 0.0),
+        ("actuator.lower_limit", 0.6),
+        ("chamber_b.start_pressure", 25e6),
+    ];
+    let places: [&[&[(&str, f64)]]; 10] = [
         &[&open],
         &[&near_a],
         &[&near_b],
@@ -161,6 +174,8 @@ fn initial_dependencies_are_exact() {
         &[&near_a, &alone],
         &[&near_b, &long],
         &[&long],
+        &[&pushed],
+        &[&pulled],
     ];
     let list = model(ACTUATOR).variables().list().to_vec();
     let mut found = vec![std::collections::BTreeSet::new(); list.len()];

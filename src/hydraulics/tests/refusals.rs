@@ -57,7 +57,7 @@ fn what_cannot_be_is_refused_by_name_and_changes_nothing() {
         ("valve.command", f64::NAN, "valve.command = NaN"),
         ("supply.pressure", -2e5, "-101325"),
         ("actuator.reduced_mass", -1.0, ">= 0"),
-        ("preview.horizon", 0.0, "> 0"),
+        ("preview.horizon", -1e-3, ">= 0"),
         ("chamber_a.dead_volume", 0.0, "> 0"),
         ("actuator.force", 1.0, "output"),
     ] {

@@ -120,8 +120,8 @@ pub(super) fn add(b: &mut Builder) {
 /// The terms of the mechanism reduced to a drive.
 fn add_one_element(b: &mut Builder, drive: usize) {
     use OneElement::{
-        AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, HoldingForceDerivative, ReducedMass,
-        ReducedMassDerivative, RequiredForce, StaticLoad,
+        AdditionalForce, BreakawayBackward, BreakawayForward, HoldingForce, HoldingForceDerivative, LowerLimit,
+        ReducedMass, ReducedMassDerivative, RequiredForce, StaticLoad, UpperLimit,
     };
     let (s, l) = (b.source, &b.source.loading);
     let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
@@ -151,6 +151,10 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
     let holding = Needs { inputs: &others, loads: frictionless, lossless: true, circuit, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };
+    let mut stops: Vec<usize> = l.stops.iter().map(|stop| stop.load).chain([drive]).collect();
+    stops.sort_unstable();
+    stops.dedup();
+    let locks: Vec<usize> = s.locks().collect();
     let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
         b.output(n, suffix, &[text, " ", n], unit, Output::OneElement { drive, term }, needs);
@@ -172,6 +176,13 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
     let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
     add(linear, rotary, text, stiffness, term, holding);
+    if !l.stops.is_empty() {
+        let limit = Needs { inputs: &locks, loads: &stops, ..placed() };
+        let (text, way) = ("Least displacement that stops and locks leave, of", [Metre, Radian]);
+        add("lower_limit", "lower_limit", text, way, LowerLimit, limit);
+        let text = "Largest displacement that stops and locks leave, of";
+        add("upper_limit", "upper_limit", text, way, UpperLimit, limit);
+    }
     if rubs {
         let text =
             "Force or torque above which the mechanism starts to move forward from rest, with static friction, of";

@@ -23,8 +23,11 @@ pub fn terminals(variables: &Variables<Quantity>) -> Vec<Terminal> {
 
 /// Whether what moves the drive can make use of a term: what an actuator needs to foresee the motion.
 fn is_handed_over(term: OneElement) -> bool {
-    use OneElement::{HoldingForce, HoldingForceDerivative, ReducedMass, ReducedMassDerivative};
-    matches!(term, ReducedMass | ReducedMassDerivative | HoldingForce | HoldingForceDerivative)
+    use OneElement::{
+        HoldingForce, HoldingForceDerivative, LowerLimit, ReducedMass, ReducedMassDerivative, UpperLimit,
+    };
+    let element = matches!(term, ReducedMass | ReducedMassDerivative | HoldingForce | HoldingForceDerivative);
+    element || matches!(term, LowerLimit | UpperLimit)
 }
 
 /// `outputs`: those of each drive, its displacement first.

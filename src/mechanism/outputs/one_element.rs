@@ -3,14 +3,21 @@
 //! In: the reduced model in one state. Out: reduced mass, loads and forces along the drive. It must not know the
 //! drive's kind.
 use crate::mechanism::dynamics::inverse::{Demand, NoForce, toward, with_efficiency};
+use crate::mechanism::motion::contact::outward;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
+
+/// Limit of a drive's displacement in a sense in which no stop ends the travel [m] or [rad].
+const NO_LIMIT: f64 = 1e30;
 
 impl<N: Reading> View<'_, N> {
     /// A term of the mechanism reduced to a drive. With S the drive's displacement, m_zS = 1 / S_sigma^2, because the
     /// reduced inertia along sigma is 1. At a dead centre, S_sigma = 0, the largest number stands for an infinite term.
     pub fn drive_term(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
+        if let OneElement::LowerLimit | OneElement::UpperLimit = term {
+            return self.limit(drive, term == OneElement::UpperLimit).map(N::constant);
+        }
         let loading = self.reduced.loading();
         let (table, position) = self.reduced.displacement_around(drive, self.state.sigma)?;
         let slope = self.before_derivative(table, position, 1);
@@ -52,8 +59,39 @@ impl<N: Reading> View<'_, N> {
                 let force = self.required(drive, N::constant(0.0), direction, Some(direction))? / slope;
                 with_efficiency(force.value() * forward, force)
             }
+            OneElement::LowerLimit | OneElement::UpperLimit => N::constant(0.0),
         };
         Ok(finite(value))
+    }
+
+    /// Least or largest displacement of a drive that stops and locks leave [m] or [rad]: the present one while a rigid
+    /// stop or a lock holds the mechanism, else that at the rigid stop that ends the travel in this sense.
+    /// -[`NO_LIMIT`] or [`NO_LIMIT`] where none does, and where the drive is at a dead centre or passes one before.
+    fn limit(&self, drive: usize, upper: bool) -> Result<f64, OutputError> {
+        let (reduced, state) = (self.reduced, self.state);
+        let none = if upper { NO_LIMIT } else { -NO_LIMIT };
+        let (table, position) = reduced.displacement_around(drive, state.sigma)?;
+        let slope = table.value(position, 1);
+        if slope == 0.0 {
+            return Ok(none);
+        }
+        let side = usize::from((slope > 0.0) == upper);
+        let here = state.displacement(reduced, drive);
+        if let Some(place) = state.contact.at_rest() {
+            let ends = state.ends(reduced, &self.inputs.locks);
+            let holds = |place| ends.is_locked(place) || place.bumper.is_none() && place.side == side;
+            if holds(place) || ends.at(state.sigma).any(holds) {
+                return Ok(here);
+            }
+        }
+        let Some(end) = state.travel.rigid[side] else { return Ok(none) };
+        let (sigma, revolutions) = reduced.unwound(end.position);
+        let stretch = reduced.at(sigma);
+        let (table, position) = stretch.displacement_around(drive, sigma)?;
+        let there = reduced.displacement_at(drive, sigma) + revolutions * reduced.load_growth(drive);
+        // The displacement rises or falls on all the way.
+        let ahead = (there - here) * slope * outward(side) >= 0.0 && table.value(position, 1) * slope > 0.0;
+        Ok(if ahead { there } else { none })
     }
 
     /// Whether friction locks the mechanism against a drive: the force for the demanded acceleration, or one of the two

@@ -140,6 +140,8 @@ pub fn size(definition: &Definition, name: &str) -> Option<[f64; 2]> {
         "actuator.reduced_mass_derivative" if own => [0.0, 3000.0],
         "actuator.holding_force" if own => [0.0, definition.force],
         "actuator.holding_force_derivative" if own => [0.0, 3e4],
+        "actuator.lower_limit" if own => [0.45, 0.1],
+        "actuator.upper_limit" if own => [0.7, 0.1],
         "preview.horizon" if own => [definition.h, 0.5 * definition.h],
         _ => return None,
     })

@@ -1,0 +1,406 @@
+//! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against the same as one system:
+//! rest at stops and locks, release, steps that change, jumps of command and load.
+use linkage_fmu::hydraulics;
+use linkage_fmu::mechanism;
+
+const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
+const ONE: &str = include_str!("../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+
+/// Relative tolerance of the integrations.
+const TOLERANCE: f64 = 1e-11;
+/// Inputs of the actuator that are outputs of the gear, of one name.
+const SHARED: [&str; 8] = [
+    "length",
+    "speed",
+    "reduced_mass",
+    "reduced_mass_derivative",
+    "holding_force",
+    "holding_force_derivative",
+    "lower_limit",
+    "upper_limit",
+];
+
+/// How a host exchanges values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Host {
+    /// The mean force, held; the actuator keeps the motion foreseen.
+    Held,
+    /// The line of the force.
+    Line,
+    /// The line; the actuator moves with the gear's motion.
+    TwoPasses,
+    /// All values one step late, in the mode delayed: the mean force, held.
+    Late,
+}
+
+/// A value that a host sets at a time: of the gear, a switch of the gear, of the circuit.
+#[derive(Clone, Copy, Debug)]
+enum Set {
+    Gear(&'static str, f64),
+    Switch(&'static str, bool),
+    Circuit(&'static str, f64),
+}
+
+/// A run from the start to its end, its values at multiples of a time.
+struct Scene {
+    gear: String,
+    one: String,
+    start: Vec<Set>,
+    later: Vec<(f64, Set)>,
+    end: f64,
+    sample: f64,
+}
+
+/// Time, crank angle, force of the actuator, torque of the up stop.
+type Row = [f64; 4];
+
+/// The retraction of scene H1.
+fn retraction() -> Scene {
+    let ramp = [Set::Circuit("command.ramp_amplitude", 0.65), Set::Circuit("command.ramp_time", 0.1)];
+    let start = [Set::Switch("downstop.enabled", false)].into_iter().chain(ramp).collect();
+    Scene { gear: GEAR.into(), one: ONE.into(), start, later: Vec::new(), end: 3.8, sample: 0.1 }
+}
+
+/// The down lock holds the gear against the pressure.
+fn locked() -> Scene {
+    let mut scene = retraction();
+    scene.start[0] = Set::Switch("downlock.engage", true);
+    Scene { end: 1.0, ..scene }
+}
+
+macro_rules! by_name {
+    ($name:ident, $model:ty) => {
+        struct $name($model);
+
+        impl $name {
+            fn reference(&self, name: &str) -> u32 {
+                self.0.variables().find(name).unwrap_or_else(|| panic!("{name}"))
+            }
+
+            fn set(&mut self, name: &str, value: f64) {
+                self.0.set_real(self.reference(name), value).unwrap();
+            }
+
+            fn get(&mut self, name: &str) -> f64 {
+                self.0.real(self.reference(name)).unwrap()
+            }
+        }
+    };
+}
+by_name!(Mechanism, mechanism::Model);
+by_name!(Actuator, hydraulics::Model);
+
+impl Mechanism {
+    fn switch(&mut self, name: &str, on: bool) {
+        self.0.set_boolean(self.reference(name), on).unwrap();
+    }
+}
+
+/// What happens at or before the time is set.
+fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set)) {
+    while later.get(*done).is_some_and(|(when, _)| *when <= time + 1e-9) {
+        set(later[*done].1);
+        *done += 1;
+    }
+}
+
+/// Gear and hydraulics as one system.
+fn one_system(scene: &Scene) -> Vec<Row> {
+    let mut whole = Mechanism(mechanism::Model::from_json(&scene.one).unwrap());
+    let apply = |whole: &mut Mechanism, set: Set| match set {
+        Set::Gear(name, value) => whole.set(name, value),
+        Set::Switch(name, on) => whole.switch(name, on),
+        Set::Circuit(name, value) => {
+            let known = whole.0.variables().find(name).is_some();
+            whole.set(&if known { name.to_owned() } else { format!("actuator.{name}") }, value);
+        }
+    };
+    whole.set("solver.tolerance", TOLERANCE);
+    scene.start.iter().for_each(|set| apply(&mut whole, *set));
+    whole.0.initialize().unwrap();
+    let (mut rows, mut done) = (Vec::new(), 0);
+    for k in 0..(scene.end / scene.sample).round() as u32 {
+        at(&scene.later, &mut done, f64::from(k) * scene.sample, |set| apply(&mut whole, set));
+        whole.0.step(scene.sample).unwrap();
+        let time = f64::from(k + 1) * scene.sample;
+        rows.push([time, whole.get("crank.angle"), whole.get("actuator.force"), whole.get("upstop.torque")]);
+    }
+    rows
+}
+
+/// Orders 1 to 4 of the derivatives of the speed that has v and a at both ends of a step and covers `way`.
+fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
+    let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
+    let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
+    let (third, second) = (q - 2.0 * p - 2.0 * fourth, 3.0 * p - q + fourth);
+    [a, 2.0 * second / h.powi(2), 6.0 * third / h.powi(3), 24.0 * fourth / h.powi(4)]
+}
+
+/// Gear and actuator in a host that makes these steps, and sets `preview.horizon` to each or leaves it at 0.
+fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool) -> Vec<Row> {
+    let mut gear = Mechanism(mechanism::Model::from_json(&scene.gear).unwrap());
+    let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
+    let apply = |gear: &mut Mechanism, oil: &mut Actuator, set: Set| match set {
+        Set::Gear(name, value) => gear.set(name, value),
+        Set::Switch(name, on) => gear.switch(name, on),
+        Set::Circuit(name, value) => oil.set(name, value),
+    };
+    let exchange = |gear: &mut Mechanism, oil: &mut Actuator| {
+        for name in SHARED.map(|name| format!("actuator.{name}")) {
+            oil.set(&name, gear.get(&name));
+        }
+    };
+    let mode = match host {
+        Host::Held | Host::Line => "preview",
+        Host::TwoPasses => "follow",
+        Host::Late => "delayed",
+    };
+    oil.0.set_text(oil.reference("coupling.mode"), mode).unwrap();
+    gear.set("solver.tolerance", TOLERANCE);
+    oil.set("solver.tolerance", TOLERANCE);
+    gear.set("actuator.force", 0.0);
+    scene.start.iter().for_each(|set| apply(&mut gear, &mut oil, *set));
+    gear.0.initialize().unwrap();
+    exchange(&mut gear, &mut oil);
+    oil.0.initialize().unwrap();
+    let name = if matches!(host, Host::Line | Host::TwoPasses) { "preview.force" } else { "preview.force_mean" };
+    let (mut rows, mut done, mut time, mut told) = (Vec::new(), 0, 0.0, None);
+    for k in 0.. {
+        if time >= scene.end - 1e-9 {
+            break;
+        }
+        let h = steps(k).min(scene.end - time);
+        if announces {
+            oil.set("preview.horizon", h);
+        }
+        if host == Host::Late {
+            exchange(&mut gear, &mut oil);
+            gear.set("actuator.force", told.unwrap_or_else(|| oil.get(name)));
+            at(&scene.later, &mut done, time, |set| apply(&mut gear, &mut oil, set));
+            gear.0.step(h).unwrap();
+        } else {
+            at(&scene.later, &mut done, time, |set| apply(&mut gear, &mut oil, set));
+            exchange(&mut gear, &mut oil);
+            gear.set("actuator.force", oil.get(name));
+            if host != Host::Held {
+                let rate = oil.get("preview.force_rate");
+                gear.0.set_input_derivative(gear.reference("actuator.force"), 1, rate).unwrap();
+            }
+            let accelerations = ["preview.start_acceleration", "preview.acceleration"].map(|name| oil.get(name));
+            let [length, speed] = ["actuator.length", "actuator.speed"].map(|name| gear.get(name));
+            gear.0.step(h).unwrap();
+            if host == Host::TwoPasses {
+                let way = gear.get("actuator.length") - length;
+                let rates = hermite([speed, gear.get("actuator.speed")], accelerations, way, h);
+                let reference = oil.reference("actuator.speed");
+                (1..).zip(rates).for_each(|(order, rate)| {
+                    oil.0.set_input_derivative(reference, order, rate).unwrap();
+                });
+            }
+        }
+        oil.0.step(h).unwrap();
+        told = Some(oil.get(name));
+        time += h;
+        if time >= (rows.len() + 1) as f64 * scene.sample - 1e-9 {
+            rows.push([time, gear.get("crank.angle"), oil.get("actuator.force"), gear.get("upstop.torque")]);
+        }
+    }
+    rows
+}
+
+/// Largest differences of angle and force.
+fn differences(rows: &[Row], of_one: &[Row]) -> [f64; 2] {
+    let same = rows.iter().zip(of_one).filter(|(row, one)| (row[0] - one[0]).abs() < 1e-7);
+    let largest = same.fold([0.0_f64; 2], |[angle, force], (row, one)| {
+        [angle.max((row[1] - one[1]).abs()), force.max((row[2] - one[2]).abs())]
+    });
+    assert!(rows.len() == of_one.len() && largest.iter().all(|x| x.is_finite()));
+    largest
+}
+
+const HOSTS: [Host; 4] = [Host::Held, Host::Line, Host::TwoPasses, Host::Late];
+
+/// At the up stop under pressure: force and torque of the stop are those of one system, whatever the step.
+#[test]
+fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
+    let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
+    let [[_, _, force, torque]] = one_system(&scene)[..] else { panic!("one row") };
+    assert!(force > 3e4 && torque.abs() > 7e3, "{force} {torque}");
+    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+        let [[_, _, own_force, own_torque]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
+        assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
+        assert!((own_torque / torque - 1.0).abs() < 1e-9, "{host:?} {h}: {own_torque} N.m is not {torque} N.m");
+    }
+}
+
+/// A lock holds the gear while the pressure rises: the force is that of one system at all times.
+#[test]
+fn a_load_on_a_lock_is_that_of_one_system() {
+    let scene = locked();
+    let of_one = one_system(&scene);
+    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-4, 1e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+        let [angle, force] = differences(&pair(&scene, host, &|_| h, true), &of_one);
+        assert!(angle == 0.0 && force < 1e-9 * 4e4, "{host:?} {h}: {angle:e} rad, {force:e} N");
+    }
+}
+
+/// The command reverses and draws the gear off the up stop within a step: the error is that of a free motion.
+#[test]
+fn a_release_from_a_stop_errs_as_a_free_motion() {
+    let later = vec![(5.0, Set::Circuit("valve.command", -1.3))];
+    let scene = Scene { later, end: 5.6, sample: 0.2, ..retraction() };
+    let of_one = one_system(&scene);
+    for (host, h, most) in [
+        (Host::Held, 1e-3, 1e-5),
+        (Host::Held, 1e-2, 1e-3),
+        (Host::Line, 1e-3, 1e-7),
+        (Host::Line, 1e-2, 3e-5),
+        (Host::TwoPasses, 1e-3, 1e-8),
+        (Host::TwoPasses, 1e-2, 1e-5),
+        (Host::Late, 1e-3, 1e-5),
+        (Host::Late, 1e-2, 1e-3),
+    ] {
+        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
+        println!("release {host:?} {h}: {angle:.1e} rad");
+        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
+    }
+}
+
+/// The down lock lets go of the gear under full pressure.
+#[test]
+fn a_release_from_a_lock_errs_as_a_free_motion() {
+    let scene = Scene { later: vec![(0.4, Set::Switch("downlock.engage", false))], sample: 0.2, ..locked() };
+    let of_one = one_system(&scene);
+    for (host, h, most) in [
+        (Host::Held, 1e-3, 5e-5),
+        (Host::Held, 1e-2, 5e-3),
+        (Host::Line, 1e-3, 1e-7),
+        (Host::Line, 1e-2, 1e-5),
+        (Host::TwoPasses, 1e-3, 2e-8),
+        (Host::TwoPasses, 1e-2, 2e-5),
+    ] {
+        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
+        println!("lock lets go {host:?} {h}: {angle:.1e} rad");
+        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
+    }
+}
+
+/// Steps from 0.25 to 20 ms at random, which the host announces, or nobody.
+#[test]
+fn steps_may_change_whether_announced_or_not() {
+    let scene = retraction();
+    let of_one = one_system(&scene);
+    let mut state = 12_345_u64;
+    let steps: Vec<f64> = (0..20_000)
+        .map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            0.25e-3 * 80_f64.powf((state >> 11) as f64 / (1_u64 << 53) as f64)
+        })
+        .collect();
+    let last = of_one[of_one.len() - 1];
+    for (host, announces, most) in [
+        (Host::Held, true, 3e-3),
+        (Host::Held, false, 3e-3),
+        (Host::Line, true, 5e-5),
+        (Host::Line, false, 3e-3),
+        (Host::TwoPasses, true, 1e-5),
+        (Host::TwoPasses, false, 3e-3),
+        (Host::Late, false, 3e-3),
+    ] {
+        let rows = pair(&scene, host, &|k| steps[k], announces);
+        let row = rows[rows.len() - 1];
+        let angle = (row[1] - last[1]).abs();
+        println!("random steps {host:?} announced {announces}: {angle:.1e} rad");
+        assert!((row[0] - last[0]).abs() < 1e-9 && angle < most, "{host:?} {announces}: {angle:e} rad");
+    }
+}
+
+/// Equal steps with a horizon of 0 are those with the step as the horizon.
+#[test]
+fn a_horizon_of_0_is_the_last_step() {
+    let scene = Scene { end: 0.5, ..retraction() };
+    for host in HOSTS {
+        let [told, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
+        // The last step has another last bit.
+        let [angle, force] = differences(&told, &own);
+        assert!(angle < 1e-13 && force < 1e-8, "{host:?}: {angle:e} rad, {force:e} N");
+    }
+    let of_one = one_system(&scene);
+    let [angle, _] = differences(&pair(&scene, Host::Held, &|_| 5e-3, false), &of_one);
+    assert!(angle < 3e-4, "{angle:e} rad");
+}
+
+/// In a late host the command acts a step late; the gear then catches up.
+#[test]
+fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
+    let scene =
+        Scene { later: vec![(1.0, Set::Circuit("valve.command", -0.3))], end: 1.5, sample: 0.02, ..retraction() };
+    let of_one = one_system(&scene);
+    for (h, most_angle, most_force) in [(1e-3, 5e-6, 0.5), (5e-3, 2e-4, 10.0), (1e-2, 1e-3, 300.0)] {
+        let [angle, force] = differences(&pair(&scene, Host::Late, &|_| h, true), &of_one);
+        println!("jump of the command, late {h}: {angle:.1e} rad, {force:.1e} N");
+        assert!(angle < most_angle && force < most_force, "{h}: {angle:e} rad, {force:e} N");
+    }
+}
+
+/// In a late host a load that jumps moves the gear for two steps before any force answers.
+#[test]
+fn a_jump_of_the_load_in_a_late_host_is_met() {
+    let scene =
+        Scene { later: vec![(1.0, Set::Gear("wheel.force_x", 1000.0))], end: 1.5, sample: 0.02, ..retraction() };
+    let of_one = one_system(&scene);
+    for (h, most_angle, most_force) in [(1e-4, 2e-7, 0.1), (1e-3, 1e-5, 20.0)] {
+        let [angle, force] = differences(&pair(&scene, Host::Late, &|_| h, true), &of_one);
+        println!("jump of the load, late {h}: {angle:.1e} rad, {force:.1e} N");
+        assert!(angle < most_angle && force < most_force, "{h}: {angle:e} rad, {force:e} N");
+    }
+}
+
+/// Some hosts set every connected input to 0 before the first step, as FMPy's `simulate_ssp` does.
+#[test]
+fn a_host_that_begins_with_zeros_is_followed() {
+    let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
+    oil.0.initialize().unwrap();
+    let start = oil.get("actuator.length");
+    SHARED.iter().for_each(|name| oil.set(&format!("actuator.{name}"), 0.0));
+    oil.set("preview.horizon", 0.0);
+    oil.0.step(1e-3).unwrap();
+    assert_eq!(oil.get("actuator.length"), start);
+}
+
+/// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad, met in steps of 20 ms.
+#[test]
+fn a_bumper_is_met_in_long_steps() {
+    let bumper = r#""angle": -1.28, "rigid": false, "stiffness": 3e5, "damping": 1000, "flag""#;
+    let [gear, one] = [GEAR, ONE].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
+    let scene = Scene { gear, one, end: 5.0, ..retraction() };
+    let of_one = one_system(&scene);
+    for (host, h, most) in [(Host::TwoPasses, 1e-2, 5e-5), (Host::TwoPasses, 2e-2, 2e-3), (Host::Held, 2e-2, 3e-3)] {
+        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
+        println!("bumper {host:?} {h}: {angle:.1e} rad");
+        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
+    }
+}
+
+/// Limits of the gear's actuator: the lengths at its stops, the present one while a stop or a lock holds it.
+#[test]
+fn limits_are_the_lengths_at_the_stops_or_the_present_one() {
+    let mut gear = Mechanism(mechanism::Model::from_json(GEAR).unwrap());
+    gear.set("actuator.force", -3e4);
+    gear.0.initialize().unwrap();
+    let limits =
+        |gear: &mut Mechanism| ["lower_limit", "length", "upper_limit"].map(|n| gear.get(&format!("actuator.{n}")));
+    let [lower, length, upper] = limits(&mut gear);
+    assert!(lower == length && (upper - 0.736_680_967_661_896).abs() < 1e-12, "{lower} {length} {upper}");
+    gear.switch("downlock.engage", true);
+    assert_eq!(limits(&mut gear), [length; 3]);
+    gear.switch("downlock.engage", false);
+    gear.set("actuator.force", 3e4);
+    gear.0.step(0.05).unwrap();
+    let [lower, now, upper_now] = limits(&mut gear);
+    assert!(lower == length && now > length && upper_now == upper, "{lower} {now} {upper_now}");
+    gear.0.step(0.2).unwrap();
+    let [lower, now, upper_now] = limits(&mut gear);
+    assert!(lower == length && now == upper && upper_now == upper, "{lower} {now} {upper_now}");
+}
