@@ -180,6 +180,8 @@ fn link(table: &'static Table, from: &str, places: &BTreeMap<String, String>) ->
     });
     let (name, mark) = found.unwrap_or_default();
     let folder = |path: &str| path.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
+    // The parts of a circuit stand in its own table.
+    let mark = if hydraulics::CIRCUIT.iter().any(|part| part.table == table) { CIRCUIT.to_owned() } else { mark };
     let page = places.get(&mark).map_or("", String::as_str);
     let path = match page {
         _ if page == from => String::new(),

@@ -234,7 +234,7 @@ fn faults_of_a_network_are_named_with_a_remedy() {
         (
             "\"to\": \"door.a\", \"rated",
             "\"to\": \"door.c\", \"rated",
-            &["resistances.door_line.to", "door.c", "there is none"],
+            &["resistances.door_line.to", "door.c", "no element has this name"],
         ),
         ("\"b\": \"up_line\"", "\"b\": \"down_line\"", &["valves.selector.b", "is its port a too"]),
         ("\"volume\": 4e-4,", "\"volume\": 0,", &["nodes.supply.volume", "algebraic loop", "volume of its lines"]),

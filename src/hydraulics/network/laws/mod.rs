@@ -1,8 +1,8 @@
 //! The laws of a network: flows between ports, elasticity of oil, hoses, walls and gas, forces of the cylinders.
 //!
 //! In: the numbers of the elements; pressures, spools, motions of the cylinders, inputs. Out: flows, rates of the
-//! state, forces, powers. All laws are smooth and generic over [`Number`](crate::numerics::dual::Number), so that values
-//! and exact derivatives share one law. It must not know time, nor how the laws are integrated.
+//! state, forces, powers. All laws are smooth and generic over [`Number`], so that values and exact derivatives share
+//! one law. It must not know time, nor how the laws are integrated.
 mod build;
 mod flows;
 mod rates;
