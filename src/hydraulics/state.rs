@@ -285,7 +285,7 @@ impl State {
             record.flag("rests", &mut last.rests)?;
             record.flag("force known", &mut last.is_known)?;
             record.flag("way owed", &mut last.owes)?;
-            record.finite("length foreseen", &mut last.end_length)?;
+            record.finite("predicted length", &mut last.end_length)?;
             record.finite("speed before", &mut last.start_speed)?;
             record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;

@@ -30,7 +30,7 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ("speed", "Rate of the length", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration, for derivatives of outputs only; 0: that of the reduced mass, if it is told",
+        "Acceleration, for derivatives of outputs only; 0: the acceleration of the reduced mass, if given",
         Unit::MetrePerSecondSquared,
     ),
     ("reduced_mass", "Mass of what the cylinder moves, reduced to it; 0: unknown, no preview", Unit::Kilogram),
@@ -49,14 +49,14 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Force at the beginning of the next step of the line with the impulse and the first moment foreseen",
+        "Force at the start of the next step, of the line with the predicted impulse and first moment",
         Unit::Newton,
         Ahead::Force,
     ),
     ("force_rate", "Rate of that line", Unit::NewtonPerSecond, Ahead::ForceRate),
-    ("force_mean", "Mean force foreseen over the next step", Unit::Newton, Ahead::ForceMean),
-    ("length", "Length foreseen at the end of the next step", Unit::Metre, Ahead::Length),
-    ("speed", "Speed foreseen at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
+    ("force_mean", "Predicted mean force over the next step", Unit::Newton, Ahead::ForceMean),
+    ("length", "Predicted length at the end of the next step", Unit::Metre, Ahead::Length),
+    ("speed", "Predicted speed at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
     (
         "start_acceleration",
         "Acceleration under the force at the beginning of the next step",
@@ -65,7 +65,7 @@ const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     ),
     (
         "acceleration",
-        "Acceleration under the force foreseen at the end of the next step",
+        "Acceleration at the end of the next step under the predicted force",
         Unit::MetrePerSecondSquared,
         Ahead::Acceleration,
     ),
@@ -331,7 +331,7 @@ impl Builder<'_> {
             details: Details { items: &Mode::WORDS, ..Details::default() },
             ..Row::real(Causality::Parameter, Unit::One)
         };
-        let text = format!("Motion of a step: {words}; foreseen, or that of the inputs");
+        let text = format!("Motion of a step: {words} (the predicted motion, or the motion at the inputs)");
         self.push("coupling.mode".to_owned(), text, Quantity::Mode, row);
     }
 }

@@ -147,7 +147,7 @@ impl Model {
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
             Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
-            _ => Err(Damaged("it goes on after its end".to_owned()).into()),
+            _ => Err(Damaged("it continues after its end".to_owned()).into()),
         }
     }
 

@@ -354,12 +354,12 @@ impl State {
         for last in &mut self.last {
             record.flag("last step", &mut last.is_known)?;
             record.finite("speed before", &mut last.start_speed)?;
-            record.finite("foreseen speed", &mut last.speed)?;
+            record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
             record.finite("load before", &mut last.load)?;
         }
         if self.last_step == 0.0 && self.last.iter().any(|last| last.is_known) {
-            return Err(Damaged("a motion is foreseen before the first step".to_owned()));
+            return Err(Damaged("a motion is predicted before the first step".to_owned()));
         }
         self.locks.iter_mut().try_for_each(|lock| record.flag("lock", lock))
     }

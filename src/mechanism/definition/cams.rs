@@ -20,8 +20,8 @@ keys! {
         law: CamLaw => Key::PLAIN.required();
         /// Cam angle of the segment [rad], > 0. Without it in the last segment: the rest of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
-        /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A dwell has none.
-        /// Without it in the last segment: back to lift 0.
+        /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A dwell
+        /// has none. Without it in the last segment: back to lift 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }

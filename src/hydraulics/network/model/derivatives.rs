@@ -135,10 +135,10 @@ impl Model {
     /// # Errors
     /// No continuous output has this reference, or another order than 1.
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, HydraulicsError> {
-        self.continuous(reference, Causality::Output, "derivatives are told of continuous outputs")?;
+        self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = "maxOutputDerivativeOrder is 1: ask for order 1".into();
+            let reason = "maxOutputDerivativeOrder is 1: use order 1".into();
             return Err(HydraulicsError::Derivative { what, reason });
         }
         self.started()?;

@@ -113,7 +113,7 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
             format!("{}.command is {one}: clipped to the range from -1 to 1", name(system.valves.names()))
         }
         Warning::Horizon => format!(
-            "a step of {two} s was announced as preview.horizon = {one} s: the motion was foreseen anew; set \
+            "a step of {two} s was announced as preview.horizon = {one} s: the motion was predicted again; set \
              preview.horizon to the next step, or to 0 where all steps are equal"
         ),
         Warning::Empty => format!(
