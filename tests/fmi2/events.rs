@@ -97,7 +97,7 @@ fn locks_are_told() {
     assert_eq!(host.set("actuator.force", -3e4), Status::Ok);
     assert_eq!(host.step(0.2, 0.01), Status::Ok);
     let said = texts(&host);
-    assert!(said[0].starts_with("at t = 0.2 s the lock at upstop lets"), "{said:?}");
+    assert!(said[0].starts_with("at t = 0.2 s the lock at upstop releases the mechanism"), "{said:?}");
     assert_eq!(said.len(), 1, "{said:?}");
 }
 

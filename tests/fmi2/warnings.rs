@@ -42,6 +42,6 @@ fn friction_that_locks_the_start_is_told_at_initialisation() {
     assert_eq!(warnings(&host), [""; 0]);
     assert_eq!(host.initialize(), Status::Ok);
     let said = warnings(&host);
-    let fragments = ["at the start, friction locks the mechanism near crank = 0.8", "mainly in joint", "stops"];
+    let fragments = ["at the start, friction locks the mechanism near crank = 0.8", "mainly in joint", "add a stop"];
     assert!(said.len() == 1 && fragments.iter().all(|fragment| said[0].contains(fragment)), "{said:?}");
 }

@@ -5,6 +5,9 @@
 use linkage_fmu::variables::Unit;
 use std::collections::BTreeMap;
 
+/// Least size of the limit of a drive that no stop ends [m or rad].
+const NO_LIMIT: f64 = 1e30;
+
 /// What the outputs of another definition say of those of the first.
 pub enum Relation {
     /// They are the same; nothing is claimed of names that begin so.
@@ -33,6 +36,7 @@ impl Relation {
         if ["impact_count", "impact_impulse"].contains(&quantity) && !matches!(self, Self::Same(_)) {
             return None;
         }
+        let is_limit = ["lower_limit", "upper_limit"].contains(&quantity);
         match self {
             Self::Same(without) => {
                 if without.iter().any(|start| name.starts_with(start)) {
@@ -62,6 +66,8 @@ impl Relation {
             }
             Self::Chained { .. } => get(name),
             Self::Renamed(names) => get(&format!("{}.{quantity}", names.get(owner).map_or(owner, String::as_str))),
+            // A drive without a stop has limits beyond any size.
+            Self::Scaled(_) if is_limit && get(name)?.abs() >= NO_LIMIT => None,
             Self::Scaled(units) => Some(get(name)? / factor(unit, *units)),
             Self::Mirrored => {
                 // Forward and backward are exchanged, and so is what drives a wheel forward.
@@ -74,6 +80,9 @@ impl Relation {
                 let of_pin = quantity == "slip_speed";
                 Some(if of_pin {
                     get(name)?.abs()
+                } else if is_limit && odd {
+                    let other = if quantity == "lower_limit" { "upper_limit" } else { "lower_limit" };
+                    -get(&format!("{owner}.{other}"))?
                 } else if odd || is_y {
                     -get(name)?
                 } else {
