@@ -115,7 +115,7 @@ impl Record<'_> {
         let mut size = arrays.len();
         self.size(name, &mut size, size_of::<[f64; N]>())?;
         match self {
-            Self::Write(out) => out.extend(arrays.as_flattened().iter().flat_map(|value| value.to_le_bytes())),
+            Self::Write(out) => append(out, arrays.as_flattened()),
             Self::Read(rest) => {
                 let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
                 *rest = after;
@@ -154,8 +154,12 @@ impl Record<'_> {
 
     /// The finite numbers of a slice, without its length.
     pub fn all_finite(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
-        let Self::Read(rest) = self else {
-            return values.iter_mut().try_for_each(|value| self.finite(name, value));
+        let rest = match self {
+            Self::Read(rest) => rest,
+            Self::Write(out) => {
+                append(out, values);
+                return Ok(());
+            }
         };
         let ended = || Damaged("the data ends too early".to_owned());
         let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
@@ -189,6 +193,14 @@ impl Record<'_> {
             None => Ok(()),
         }
     }
+}
+
+/// Append numbers in little-endian bytes.
+fn append(out: &mut Vec<u8>, values: &[f64]) {
+    let start = out.len();
+    out.resize(start + size_of_val(values), 0);
+    let (words, _) = out[start..].as_chunks_mut::<8>();
+    words.iter_mut().zip(values).for_each(|(word, value)| *word = value.to_le_bytes());
 }
 
 /// Whether numbers in little-endian bytes are all finite.

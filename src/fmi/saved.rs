@@ -28,6 +28,8 @@ const MAGIC: [u8; 8] = *b"linkFMUs";
 const VERSION: u32 = 12;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
+/// More bytes than most states have, so that none are moved while they are written.
+const USUAL: usize = 4096;
 /// Bytes of the check sum.
 const CHECK: usize = 4;
 
@@ -50,7 +52,9 @@ impl Saved {
     pub fn to_bytes(&self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
-        let mut bytes = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases].concat();
+        let mut bytes = Vec::with_capacity(USUAL);
+        let head = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases];
+        head.iter().for_each(|part| bytes.extend_from_slice(part));
         let mut record = Record::Write(&mut bytes);
         record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
         self.clock.clone().record(&mut record).map_err(damaged)?;

@@ -63,11 +63,13 @@ struct Kept {
     /// Identity of the component that was saved.
     identity: [u64; 2],
     saved: Saved,
+    /// Bytes that a host has asked the size of, until it takes them or the state is overwritten.
+    bytes: Option<Vec<u8>>,
 }
 
 /// A new state for the host to keep.
 fn keep(saved: Saved, instance: &Instance) -> State {
-    let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.component.identity(), saved };
+    let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.component.identity(), saved, bytes: None };
     Box::into_raw(Box::new(kept)).cast()
 }
 
@@ -122,7 +124,9 @@ pub unsafe fn save(instance: &Instance, state: *mut State) -> Result<(), Refusal
         *state = keep(instance.save(), instance);
     } else {
         // SAFETY: the caller's promise.
-        instance.save_into(&mut unsafe { kept(*state, instance) }?.saved);
+        let kept = unsafe { kept(*state, instance) }?;
+        instance.save_into(&mut kept.saved);
+        kept.bytes = None;
     }
     Ok(())
 }
@@ -154,17 +158,26 @@ pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal
 }
 
 /// The bytes of a state, which any process can read, on any machine.
-pub unsafe fn serialize(instance: &Instance, state: State) -> Result<Vec<u8>, Refusal> {
+unsafe fn serialized<'a>(instance: &Instance, state: State) -> Result<&'a mut Option<Vec<u8>>, Refusal> {
     // SAFETY: the caller's promise.
     let kept = unsafe { kept(state, instance) }?;
-    kept.saved.to_bytes(kept.identity)
+    if kept.bytes.is_none() {
+        kept.bytes = Some(kept.saved.to_bytes(kept.identity)?);
+    }
+    Ok(&mut kept.bytes)
+}
+
+/// Number of bytes that [`serialize_to`] writes. They are kept for that call, which a host makes next.
+pub unsafe fn serialized_size(instance: &Instance, state: State) -> Result<usize, Refusal> {
+    // SAFETY: the caller's promise.
+    Ok(unsafe { serialized(instance, state) }?.as_ref().map_or(0, Vec::len))
 }
 
 /// Write the bytes of a state to `size` bytes at `bytes`.
 pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, size: usize) -> Result<(), Refusal> {
     // SAFETY: the caller's promise.
-    let serialized = unsafe { serialize(instance, state) }?;
-    let needed = serialized.len();
+    let serialized = unsafe { serialized(instance, state) }?;
+    let needed = serialized.as_ref().map_or(0, Vec::len);
     if size != needed {
         return Err(Refusal::error(format!(
             "size is {size}, but the state has {needed} bytes; pass a buffer of at least this size"
@@ -172,11 +185,12 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
     }
     // SAFETY: the caller's promise.
     let bytes = unsafe { output("serializedState", bytes, size) }?;
+    let serialized = serialized.take().unwrap_or_default();
     bytes.iter_mut().zip(serialized).for_each(|(to, byte)| _ = to.write(byte));
     Ok(())
 }
 
-/// New state of bytes that [`serialize`] gave. The previous value of `*state` is not read.
+/// New state of bytes that [`serialize_to`] wrote. The previous value of `*state` is not read.
 pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
     // SAFETY: the caller's promise.
     let state = unsafe { output("pointer to a state", state, 1) }?;
@@ -219,7 +233,7 @@ mod tests {
                 save(&instance, &mut pointer),
                 restore(&mut instance, state),
                 free(&instance, &mut pointer),
-                serialize(&instance, state).map(drop),
+                serialized_size(&instance, state).map(drop),
             ];
             for refusal in refused {
                 assert!(refusal.unwrap_err().message.contains("library version"));

@@ -192,8 +192,7 @@ exported! {
     /// Number of bytes that [`fmi2SerializeFMUstate`] writes.
     // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.1.8).
     fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) in ALIVE => |i| {
-        let bytes = state_handle::serialize(i, state)?;
-        output("size", size, 1)?[0].write(bytes.len());
+        output("size", size, 1)?[0].write(state_handle::serialized_size(i, state)?);
         Ok(())
     };
 

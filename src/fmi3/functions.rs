@@ -219,8 +219,7 @@ exported! {
     /// Number of bytes that [`fmi3SerializeFMUState`] writes.
     // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.2.10).
     fn fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) in ALIVE => |i| {
-        let bytes = state_handle::serialize(i, state)?;
-        output("size", size, 1)?[0].write(bytes.len());
+        output("size", size, 1)?[0].write(state_handle::serialized_size(i, state)?);
         Ok(())
     };
 
