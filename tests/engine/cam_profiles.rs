@@ -101,7 +101,7 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
 #[test]
 fn losses_of_couplings_are_refused_by_name() {
     let text =
-        changed(&elliptic(json!({ "eccentricity": 0.3 })), |m| m["couplings"]["mesh"]["efficiency"] = json!(0.97));
+        changed(elliptic(json!({ "eccentricity": 0.3 })), |m| m["couplings"]["mesh"]["efficiency"] = json!(0.97));
     assert_says(refusal(text), &["couplings.mesh.efficiency", "drive", "friction"]);
 }
 

@@ -154,8 +154,8 @@ fn a_gas_without_volume_is_refused() {
                                  "far": { "joint": "slide", "limit": "upper", "position": 1 } });
         })
     };
-    assert_says(refusal(&stops(0.15)), &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
-    assert!(Run::new(&stops(0.25)).started().get("strut.force") < 0.0);
+    assert_says(refusal(stops(0.15)), &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
+    assert!(Run::new(stops(0.25)).started().get("strut.force") < 0.0);
 }
 
 /// A detent that is narrow and weak beside the motion is not passed over within a step: the speed in the middle of it

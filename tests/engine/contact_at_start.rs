@@ -31,7 +31,7 @@ fn a_belt_whose_span_is_slack_at_the_start() {
         let transmitted: f64 = (0.5 * ratio * (3.0 - ratio) / (0.02 + ratio * ratio * 0.5) + 1.0) / 0.08;
         let (half, number) = (0.5 * transmitted.abs(), |value: f64| value.to_string()[..6].to_owned());
         let with = |pretension: f64| belt(json!({ "crossed": crossed, "pretension": pretension }));
-        assert!((Run::new(&with(1.0)).started().get("loop.transmitted_force") - transmitted).abs() < 1e-12);
+        assert!((Run::new(with(1.0)).started().get("loop.transmitted_force") - transmitted).abs() < 1e-12);
         for (pretension, shown) in [(0.0, "0 N".to_owned()), (0.999 * half, number(0.999 * half))] {
             let [warning] = &told(&with(pretension), "loop")[..] else { panic!("{crossed} {pretension}") };
             let (force, shown) = (format!("transmits {}", number(transmitted)), format!("the pretension of {shown}"));
@@ -42,7 +42,7 @@ fn a_belt_whose_span_is_slack_at_the_start() {
     }
     // Without a pretension it is 0; without loads nothing is transmitted, and nothing is slack.
     assert_says(told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
-    let idle = changed(&belt(json!({})), |m| {
+    let idle = changed(belt(json!({})), |m| {
         m["torques"] = json!({});
     });
     assert_eq!(told(&idle, "loop"), [""; 0]);
@@ -62,7 +62,7 @@ fn pulleys_that_overlap() {
 
 #[test]
 fn a_follower_that_lifts_off_at_the_start() {
-    let cam = |change: &dyn Fn(&mut Value)| changed(&translating("polynomial_345", parsed(ROLLER)), |m| change(m));
+    let cam = |change: &dyn Fn(&mut Value)| changed(translating("polynomial_345", parsed(ROLLER)), |m| change(m));
     let about_lift = |text: &str| -> Vec<String> {
         told(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
     };
@@ -84,7 +84,7 @@ fn a_follower_that_lifts_off_at_the_start() {
 
 #[test]
 fn a_belt_that_goes_slack_in_a_run_is_told_once() {
-    let mut run = Run::new(&belt(json!({ "pretension": 80 }))).started();
+    let mut run = Run::new(belt(json!({ "pretension": 80 }))).started();
     let mut told = Vec::new();
     for (k, torque) in [3.0, 3.0, 60.0, 60.0].into_iter().enumerate() {
         run.set("motor.torque", torque);

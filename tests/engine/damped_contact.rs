@@ -115,7 +115,7 @@ impl Case {
 
     /// Error over what is allowed.
     fn error(&self) -> Result<f64, String> {
-        let mut run = Run::new(&self.definition().to_string());
+        let mut run = Run::new(self.definition().to_string());
         if self.kind == Kind::Lock {
             run.set("latch.engage", true);
             run.initialize();

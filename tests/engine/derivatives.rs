@@ -41,7 +41,7 @@ fn states() -> Vec<(String, Run)> {
         }
     }
     // Drives with an efficiency, in motion, driven back, and holding the gear at rest; a bumper in contact.
-    let gear = Run::new(&GEAR.replace("\"force\": 30000", "\"force\": 30000, \"efficiency\": 0.6"));
+    let gear = Run::new(GEAR.replace("\"force\": 30000", "\"force\": 30000, \"efficiency\": 0.6"));
     for (what, force, h) in [("driving", 30_000.0, 0.05), ("driven back", -500.0, 0.05), ("holding", -2_500.0, 0.01)] {
         let settings = [("crank.start_angle", 0.5), ("load_factor", 3.0), ("actuator.force", force)];
         let mut run = gear.clone().with(&settings).started();
@@ -49,7 +49,7 @@ fn states() -> Vec<(String, Run)> {
         all.push((format!("gear with an efficiency, {what}"), run));
     }
     // A drive with losses beside another: held by its losses, in motion, with friction.
-    let two = Run::new(&changed(TWO_DRIVES, |m| {
+    let two = Run::new(changed(TWO_DRIVES, |m| {
         m["actuators"]["ram"]["efficiency"] = json!(0.5);
         m["friction"] = json!({ "static_coefficient": 0.1, "kinetic_coefficient": 0.08 });
     }));

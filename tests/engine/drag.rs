@@ -18,12 +18,12 @@ const TABLES: f64 = 1e-10;
 
 /// The gear without its stops; the motion of leg and wheel counts or not.
 fn gear(relative: bool) -> Run {
-    Run::shared(&changed(&without_stops(), |m| m["air"]["relative_wind"] = json!(relative)))
+    Run::shared(&changed(without_stops(), |m| m["air"]["relative_wind"] = json!(relative)))
 }
 
 /// The gear without its stops; a force at the leg's middle and a torque on the leg are further inputs.
 fn pushed() -> Run {
-    Run::shared(&changed(&without_stops(), |m| {
+    Run::shared(&changed(without_stops(), |m| {
         m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
         m["forces"]["push"] = json!({ "at": "leg.middle" });
         m["torques"]["twist"] = json!({ "on": "leg" });
@@ -179,7 +179,7 @@ fn a_plate_passes_edge_on_within_the_tolerance() {
             "solver": { "tolerance": tolerance },
         });
         for steps in [1, 40] {
-            let mut run = Run::new(&definition.to_string()).started();
+            let mut run = Run::new(definition.to_string()).started();
             let energy = |run: &mut Run| {
                 let (theta, omega) = (run.get("crank.angle"), run.get("crank.speed"));
                 let half = (theta / std::f64::consts::PI).floor();

@@ -72,7 +72,7 @@ fn started(case: &Case) -> (Run, &'static [Drive]) {
     });
     definition["start"]["angle"] = json!(case.angle);
     definition["start"]["speed"] = json!(case.speed);
-    let mut run = Run::new(&definition.to_string());
+    let mut run = Run::new(definition.to_string());
     drives.iter().zip(case.forces).for_each(|(drive, force)| run.set(&of(*drive, "force"), force));
     (run.started(), drives)
 }
@@ -232,7 +232,7 @@ fn below_the_breakaway_torque_the_mechanism_creeps() {
             "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.08, "static_speed": STATIC,
                 "kinetic_speed": 0.1,
         });
-        Run::new(&definition.to_string()).with(&[("servo.torque", torque)]).started()
+        Run::new(definition.to_string()).with(&[("servo.torque", torque)]).started()
     };
     let reported = [4.5, 10.0, 12.0].map(|torque| rest(torque).get("servo.breakaway_torque_forward"));
     assert!(reported.iter().all(|t| (t - reported[0]).abs() < 1e-12 * reported[0]), "{reported:?}");

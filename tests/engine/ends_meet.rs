@@ -29,7 +29,7 @@ fn length(angle: f64) -> f64 {
 #[test]
 fn a_motion_that_stays_away_is_exact() {
     // Pushed from 1 rad over the dead point at pi to 2 pi - 1 and back.
-    let mut run = Run::new(&arm(&json!({}))).with(&[("cylinder.force", 2.0)]).started();
+    let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 2.0)]).started();
     let (mut least, mut most) = (1.0_f64, 1.0_f64);
     for _ in 0..400 {
         run.step(0.05);
@@ -50,7 +50,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
         let reach = 1.0 + 10.0_f64.powf(-0.1 * f64::from(k));
         let ground = json!({ "ground": { "points": { "east": [reach, 0], "west": [-1, 0] } },
             "arm": rod(1.0, 3.0) });
-        let mut run = Run::new(&arm(&json!({ "bodies": ground }))).with(&[("cylinder.force", 2.0)]).started();
+        let mut run = Run::new(arm(&json!({ "bodies": ground }))).with(&[("cylinder.force", 2.0)]).started();
         for _ in 0..40 {
             run.step(0.05);
             let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
@@ -71,7 +71,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 #[test]
 fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
     let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
-    let pulled = Run::new(&arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
+    let pulled = Run::new(arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
         let mut run = pulled.clone();
         let mut steps = 0;
@@ -98,7 +98,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
         }
     }
     // There and back again within one step: a drive that is pulled through and pushed back.
-    let mut run = Run::new(&arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
+    let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
     run.place(("arm.start_angle", 0.3), ("arm.start_speed", -3.0));
     assert_says(run.0.step(1.0).unwrap_err(), &told);
     // From the other side too, and with losses, friction and a damper.
@@ -108,7 +108,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
             "damping": 0.1 } } }),
     ] {
         for speed in [-9.0, 9.0] {
-            let mut run = Run::new(&arm(&further)).with(&[("arm.start_speed", speed)]).started();
+            let mut run = Run::new(arm(&further)).with(&[("arm.start_speed", speed)]).started();
             let error = (0..1000).find_map(|_| run.0.step(0.01).err()).unwrap();
             assert_says(error, &told);
             let angle = run.get("arm.angle");
@@ -131,7 +131,7 @@ fn stops_keep_the_motion_away() {
                 "high": { "body": "arm", "angle": 5.5, "limit": "upper", "rigid": false, "stiffness": 1e4 }
             });
         }
-        let mut run = Run::new(&arm(&json!({ "stops": stops }))).with(&[("cylinder.force", -2.0)]).started();
+        let mut run = Run::new(arm(&json!({ "stops": stops }))).with(&[("cylinder.force", -2.0)]).started();
         let mut least = 1.0_f64;
         for _ in 0..2000 {
             run.step(0.01);
@@ -149,7 +149,7 @@ fn the_start_decides_between_which_meetings_the_motion_is() {
         "cylinder": { "first": "ground.east", "second": "arm.end" },
         "ram": { "first": "ground.west", "second": "arm.end" }
     } });
-    let mut run = Run::new(&arm(&two)).with(&[("cylinder.force", 1.0), ("ram.force", 1.0)]);
+    let mut run = Run::new(arm(&two)).with(&[("cylinder.force", 1.0), ("ram.force", 1.0)]);
     for (start, middle) in [(1.0, 0.5 * PI), (4.0, 1.5 * PI), (5.0, 1.5 * PI), (2.0, 0.5 * PI)] {
         run.place(("arm.start_angle", start), ("arm.start_speed", 0.0));
         let potential = |angle: f64| length(angle) + 2.0 * (0.5 * angle).cos().abs();
@@ -239,7 +239,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
     assert_says(error, &["actuators.idle", "both ends are the point b", "give two different points"]);
     // The ends of a crank, and two points of bars that move as one.
     for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {
-        let mut run = Run::new(&between("actuators", first, second)).started();
+        let mut run = Run::new(between("actuators", first, second)).started();
         run.set("idle.force", 1e3);
         run.step(0.1);
         assert_eq!([run.get("idle.speed"), run.get("idle.holding_force")], [0.0; 2], "{first}");
@@ -264,7 +264,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
             text[group] = json!({ "idle": { "joint": "w" } });
             text.to_string()
         };
-        let mut run = Run::new(&within("actuators")).started();
+        let mut run = Run::new(within("actuators")).started();
         run.set(if kind == "revolute" { "idle.torque" } else { "idle.force" }, 1e3);
         run.step(0.1);
         assert_eq!(run.get("idle.speed"), 0.0, "{kind}");

@@ -130,7 +130,7 @@ fn gear(relative: bool) -> Run {
 
 /// The same with a change of its definition.
 fn gear_with(relative: bool, change: impl FnOnce(&mut Value)) -> Run {
-    Run::shared(&changed(&without_stops(), |m| {
+    Run::shared(&changed(without_stops(), |m| {
         set_coefficients(&mut m["joints"]["joint2"], BEARING);
         m["friction"]["enabled"] = json!(true);
         m["air"]["relative_wind"] = json!(relative);
@@ -155,7 +155,7 @@ const PIN_RADIUS: f64 = 1e-4;
 
 /// Andrews' squeezer with pins in the joints whose bits are set in `which`.
 fn squeezer(which: u32) -> Run {
-    Run::new(&changed(ANDREWS, |m| {
+    Run::new(changed(ANDREWS, |m| {
         for (k, (joint, ..)) in SQUEEZER.iter().enumerate() {
             if which & (1 << k) != 0 {
                 m["joints"][joint]["pin_radius"] = json!(PIN_RADIUS);

@@ -331,7 +331,7 @@ fn all_are_accepted_and_move_until_friction_locks() {
 #[test]
 fn a_parallelogram_moves_as_in_closed_form_and_locks_where_the_law_ends() {
     let cranks = Cranks::parallelogram();
-    let mut run = Run::new(&four_bar([1.0, 0.4, 1.0, 0.4], 1.0, 8.0, 1.0)).started();
+    let mut run = Run::new(four_bar([1.0, 0.4, 1.0, 0.4], 1.0, 8.0, 1.0)).started();
     run.steps(20, 0.2);
     let [theta, omega] = cranks.run([1.0, 8.0], 0.2, 10_000);
     let miss = (run.get("crank.angle") - theta).abs().max((run.get("crank.speed") - omega).abs() / 8.0);
@@ -350,7 +350,7 @@ fn a_parallelogram_moves_as_in_closed_form_and_locks_where_the_law_ends() {
 fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
     let torques = [60.0, -45.0];
     let cranks = Cranks::locomotive(torques);
-    let text = changed(&coupled_cranks(20.0), |m| {
+    let text = changed(coupled_cranks(20.0), |m| {
         m["torques"] = json!({
             "drive": { "on": "one", "torque": torques[0] }, "load": { "on": "two", "torque": torques[1] }
         });
@@ -407,7 +407,7 @@ fn arcs_in_which_friction_locks_are_told_beforehand() {
 #[test]
 fn a_start_at_a_crossing_has_the_limit_of_its_reactions() {
     let at = |angle: f64| {
-        let text = changed(&coupled_cranks(20.0), |m| m["start"]["angle"] = json!(angle));
+        let text = changed(coupled_cranks(20.0), |m| m["start"]["angle"] = json!(angle));
         let mut run = Run::new(&text).started();
         ["a", "b", "c", "d", "e", "f"].map(|joint| run.get(&format!("{joint}.force")))
     };

@@ -9,7 +9,7 @@ const FORCE: &str = "\"force\": 30000";
 fn gear(values: &[(&str, f64)], flags: &[&str]) -> Run {
     let changed = format!("{FORCE}, \"efficiency\": 0.6");
     let mut gear =
-        if flags.contains(&"efficiency") { Run::new(&replaced(GEAR, &[(FORCE, &changed)])) } else { Run::gear() };
+        if flags.contains(&"efficiency") { Run::new(replaced(GEAR, &[(FORCE, &changed)])) } else { Run::gear() };
     flags.iter().filter(|flag| **flag != "efficiency").for_each(|flag| gear.set(flag, true));
     gear.with(values).started()
 }

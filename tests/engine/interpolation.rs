@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 fn tabulated(law: &str, count: u32, keys: &Value) -> String {
     let points: Vec<_> =
         (0..count).map(|k| TAU * f64::from(k) / f64::from(count)).map(|u| json!([u, lift(law, 0.02, u)[0]])).collect();
-    changed(&translating(law, parsed(ROLLER)), |m| {
+    changed(translating(law, parsed(ROLLER)), |m| {
         let cam = m["couplings"]["cam"].as_object_mut().unwrap();
         cam.remove("segments");
         cam.insert("points".into(), points.into());
@@ -114,9 +114,8 @@ fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
 
 #[test]
 fn a_curve_without_points_is_refused() {
-    let text = changed(&translating("cycloidal", parsed(ROLLER)), |m| {
-        m["couplings"]["cam"]["interpolation"] = json!("spline")
-    });
+    let text =
+        changed(translating("cycloidal", parsed(ROLLER)), |m| m["couplings"]["cam"]["interpolation"] = json!("spline"));
     assert_says(refusal(&text), &["couplings.cam.interpolation", "segments", "points"]);
     for (value, pieces) in [("spline", ["motion.interpolation", "this profile"]), ("cubic", ["cubic", "monotone"])] {
         let text = servo_text(&json!({ "profile": "cycloidal", "duration": 1, "distance": 1, "interpolation": value }));

@@ -141,7 +141,7 @@ fn friction_that_locks_further_on_stops_no_step_before() {
 
 #[test]
 fn whole_turns_are_counted_through() {
-    let crank = Run::new(&changed(SLIDER_CRANK, |m| {
+    let crank = Run::new(changed(SLIDER_CRANK, |m| {
         for joint in ["bearing", "crankpin", "wristpin"] {
             m["joints"][joint]["pin_radius"] = json!(0.01);
         }

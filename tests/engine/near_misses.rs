@@ -58,7 +58,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
             assert_eq!(run.get("crank.length"), 1.0 + change);
         }
     }
-    let exact = Run::new(&parallelogram(0.0, json!({})));
+    let exact = Run::new(parallelogram(0.0, json!({})));
     assert!(exact.0.model().remarks().is_empty() && exact.clone().reduced().unwrap().curve().near.drawn.is_none());
 }
 
@@ -180,7 +180,7 @@ fn other_linkages_follow_their_exact_shapes() {
         ("rod of the slider", Box::new(|e| slider(1.0, 1.0 - e))),
     ];
     for (name, build) in &cases {
-        let exact = Run::new(&build(0.0));
+        let exact = Run::new(build(0.0));
         let coordinates = exact.clone().reduced().unwrap().linkage().coordinates.clone();
         for change in [1e-13, -1e-11, 1e-9, -1e-7, 3e-7] {
             let text = build(change);

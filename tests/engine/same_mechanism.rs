@@ -323,7 +323,7 @@ fn the_angle_of_a_hinge_is_that_of_the_body_it_names() {
         "stops": { "end": { "joint": "s", "limit": "upper", "angle": 1.3 }, "own": { "body": "lever",
             "limit": "lower", "angle": 1.1 } },
         "start": { "body": "shaft", "angle": 0.2 }, "guess": { "shaft": 0 } });
-    let mut run = Run::new(&shaft.to_string()).started();
+    let mut run = Run::new(shaft.to_string()).started();
     for (name, value) in
         [("coil.angle", 1.2), ("coil.torque", 12.0), ("servo.angle", 1.2), ("servo.holding_torque", 12.0)]
     {
@@ -354,7 +354,7 @@ fn a_rack_written_first_loses_in_the_direction_of_its_power() {
                 "efficiency": 0.5 } },
             "torques": { "motor": { "on": "wheel", "torque": torque } },
             "start": { "body": "wheel", "angle": 0, "speed": 1 }, "guess": { "wheel": 0, "s": 0 } });
-        let mut run = Run::new(&text.to_string()).started();
+        let mut run = Run::new(text.to_string()).started();
         // The rack of m r^2 = 0.02 kg.m2 gets half of the power, and gives half of it back.
         let exact = torque / (0.01 + 0.02 * if torque > 0.0 { 2.0 } else { 0.5 });
         assert!((run.get("wheel.acceleration") - exact).abs() < 1e-11, "{first}: {}", run.get("wheel.acceleration"));

@@ -64,7 +64,7 @@ fn gear_length() -> f64 {
 #[test]
 fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
     let coasting = [("actuator.force", 0.0), ("load_factor", 0.0), ("crank.start_speed", -20.0)];
-    let mut gear = Run::new(&without_stops()).with(&coasting).started();
+    let mut gear = Run::new(without_stops()).with(&coasting).started();
     let kinetic = gear.get("energy.kinetic");
     assert!((kinetic - 0.5 * gear_inertia(0.8) * 400.0).abs() < 1e-12 * kinetic);
     let period = gear_length() / (2.0 * kinetic).sqrt();
@@ -88,7 +88,7 @@ fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
 fn a_start_exactly_at_a_toggle_works() {
     for toggle in [toggle(), -toggle()] {
         let start = [("crank.start_angle", toggle), ("solver.tolerance", 1e-12)];
-        let mut gear = Run::new(&without_stops()).with(&start).started();
+        let mut gear = Run::new(without_stops()).with(&start).started();
         assert!((gear.get("crank.angle") - toggle).abs() < 1e-12);
         for _ in 0..200 {
             gear.step(1e-3);
@@ -101,7 +101,7 @@ fn a_start_exactly_at_a_toggle_works() {
         gear.set("crank.start_speed", 0.0);
         gear.initialize();
         let (coupler, follower) = (gear.get("coupler.angle"), gear.get("follower.angle"));
-        let mut gear = Run::new(&changed(&without_stops(), |m| {
+        let mut gear = Run::new(changed(without_stops(), |m| {
             m["start"] = json!({ "body": "follower", "angle": follower, "speed": 3 });
             // The follower has this angle elsewhere too: the guess must be near.
             m["guess"] = json!({ "crank": toggle, "coupler": coupler, "follower": follower });
@@ -114,7 +114,7 @@ fn a_start_exactly_at_a_toggle_works() {
 
 #[test]
 fn a_start_beyond_the_toggle_is_refused_with_the_range() {
-    let error = Run::new(&without_stops()).with(&[("crank.start_angle", 1.4)]).refusal();
+    let error = Run::new(without_stops()).with(&[("crank.start_angle", 1.4)]).refusal();
     assert_says(error, &["crank.start_angle = 1.4", "-1.32", "1.32"]);
 }
 
@@ -122,7 +122,7 @@ fn a_start_beyond_the_toggle_is_refused_with_the_range() {
 fn flat_positions_are_crossed_straight_on_in_both_directions() {
     for (speed, torque) in [(3.0, 0.0), (-3.0, 0.0), (1e-3, 0.0), (0.0, 5.0), (0.0, -0.3)] {
         // Parallelogram; the guess is off the crossing, the start exactly at it.
-        let mut bars = Run::new(&four_bar([2.0, 1.0, 2.0, 1.0], 0.0, speed, [0.4, 0.0, 0.4], 0.0));
+        let mut bars = Run::new(four_bar([2.0, 1.0, 2.0, 1.0], 0.0, speed, [0.4, 0.0, 0.4], 0.0));
         bars.set("crank.torque", torque);
         bars.initialize();
         let span = if speed == 1e-3 { 100.0 } else { 0.01 };
@@ -142,7 +142,7 @@ fn flat_positions_are_crossed_straight_on_in_both_directions() {
 #[test]
 fn the_antiparallelogram_stays_one() {
     // Crossed: crank at 1 rad, coupler and rocker turned the other way.
-    let mut bars = Run::new(&four_bar([2.0, 1.0, 2.0, 1.0], 1.0, 0.0, [1.0, -1.05, -2.1], 9.81));
+    let mut bars = Run::new(four_bar([2.0, 1.0, 2.0, 1.0], 1.0, 0.0, [1.0, -1.05, -2.1], 9.81));
     bars.initialize();
     bars.set("crank.torque", 45.0);
     let mut furthest: f64 = 0.0;
@@ -267,7 +267,7 @@ fn a_guess_at_a_crossing_must_say_which_branch() {
 
 #[test]
 fn a_crank_that_turns_fully_round_counts_on() {
-    let mut bars = Run::new(&four_bar([4.0, 1.0, 3.0, 3.0], 0.5, 12.0, [0.5, 0.9, 2.0], 9.81));
+    let mut bars = Run::new(four_bar([4.0, 1.0, 3.0, 3.0], 0.5, 12.0, [0.5, 0.9, 2.0], 9.81));
     bars.initialize();
     let mut last = bars.get("crank.angle");
     let energy = bars.get("energy.kinetic") + bars.get("energy.potential");

@@ -67,7 +67,7 @@ fn a_lift_passes_its_singular_positions(stages: usize, masses: [f64; 2], turns: 
     let mut rise = 40.0 * (stages as f64 * BAR);
     rise = rise.max(100.0);
     let (start, speed) = (0.7, -rise.sqrt());
-    let mut lift = Run::new(&scissor_lift(stages, start, speed, masses)).started();
+    let mut lift = Run::new(scissor_lift(stages, start, speed, masses)).started();
     let energy = scissor_energy(stages, start, speed, masses);
     let mut least = start;
     while least > start - turns * 2.0 * PI {
@@ -133,7 +133,7 @@ fn peaucelliers_inversor_draws_a_straight_line_whatever_the_masses() {
             "cp": angle(c, p), "dp": angle(d, p)
         });
         let begin = json!({ "body": "crank", "angle": start, "speed": 9.0 });
-        let mut inversor = Run::new(&mechanism(&bodies, &joints, "crank", &begin, &guess)).started();
+        let mut inversor = Run::new(mechanism(&bodies, &joints, "crank", &begin, &guess)).started();
         let energy = inversor.get("energy.kinetic") + inversor.get("energy.potential");
         let mut swapped = [false; 2];
         for _ in 0..if case < 10 { 150 } else { 30 } {
@@ -185,7 +185,7 @@ fn harts_inversor_draws_a_straight_line_whatever_the_masses() {
         let guess =
             json!({ "crank": crank, "ab": angle(a, b), "ad": angle(a, d), "cb": angle(c, b), "cd": angle(c, d) });
         let begin = json!({ "body": "crank", "angle": crank, "speed": 12.0 });
-        let mut inversor = Run::new(&mechanism(&bodies, &joints, "crank", &begin, &guess)).started();
+        let mut inversor = Run::new(mechanism(&bodies, &joints, "crank", &begin, &guess)).started();
         for _ in 0..60 {
             inversor.step(0.017);
             let [ab, cb] = ["ab", "cb"].map(|body| inversor.get(&format!("{body}.angle")));

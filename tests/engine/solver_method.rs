@@ -132,7 +132,7 @@ fn outputs_follow_an_input_at_once() {
 
 #[test]
 fn a_whole_turn_is_counted_and_sigma_found() {
-    let heavy = changed(&heavy_four_bar(), |m| {
+    let heavy = changed(heavy_four_bar(), |m| {
         for body in ["crank", "coupler", "rocker"] {
             m["bodies"][body]["axial_stiffness"] = json!(1e10);
         }

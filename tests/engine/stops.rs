@@ -320,7 +320,7 @@ proptest! {
 #[test]
 fn a_stop_beyond_all_numbers_is_never_met() {
     for angle in [1e17, 1e100] {
-        let mut crank = Run::new(&changed(SLIDER_CRANK, |m| {
+        let mut crank = Run::new(changed(SLIDER_CRANK, |m| {
             m["stops"] = json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
         }))
         .started();

@@ -136,7 +136,7 @@ fn a_block_slides_a_kilometre_and_more() {
 
 #[test]
 fn a_guess_is_as_good_as_any_other() {
-    let mut far = Run::new(&changed(carriage(json!({})), |m| {
+    let mut far = Run::new(changed(carriage(json!({})), |m| {
         m["guess"]["slide"] = json!(150);
         m["start"]["position"] = json!(150.5);
     }));
@@ -206,7 +206,7 @@ fn a_crank_turns_away_from_its_one_stop_for_many_turns() {
         });
         let (mut stopped, mut free) = (
             Run::new(&text),
-            Run::new(&changed(&text, |m| {
+            Run::new(changed(&text, |m| {
                 m["stops"]["end"]["enabled"] = json!(false);
             })),
         );

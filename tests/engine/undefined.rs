@@ -177,7 +177,7 @@ fn the_bucket_swings_through_the_locked_positions() {
 /// what needs the acceleration is NaN. After a change of the input all is told again.
 #[test]
 fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
-    let text = changed(&without_stops(), |m| {
+    let text = changed(without_stops(), |m| {
         m["friction"]["enabled"] = json!(true);
         for joint in ["joint1", "joint2", "joint3", "joint4"] {
             m["joints"][joint]["pin_radius"] = json!(0.2);
@@ -250,7 +250,7 @@ fn at_a_crossing_every_output_is_told_or_has_a_reason() {
         "start": { "body": "left", "angle": 0, "speed": 5 },
         "guess": { "left": 0.5, "coupler": 0, "right": 0.5 }
     });
-    let mut run = Run::new(&definition.to_string()).started();
+    let mut run = Run::new(definition.to_string()).started();
     let outputs = reals(&run, Causality::Output);
     for k in 0..40 {
         let undefined = read_all(&mut run);
@@ -297,7 +297,7 @@ fn every_output_of_random_linkages_with_friction_can_be_read() {
     let (locked, inverse, free) = (Cell::new(0), Cell::new(0), Cell::new(0));
     let mut runner = runner(60);
     let result = runner.run(&scenes, |(linkage, radii, size, mu, forces)| {
-        let text = changed(&linkage.json(), |m| {
+        let text = changed(linkage.json(), |m| {
             let joints = m["joints"].as_object_mut().unwrap().values_mut();
             for (joint, radius) in joints.zip(&radii).filter(|(joint, _)| joint["type"] == "revolute") {
                 joint["pin_radius"] = json!(radius * 10_f64.powf(size));

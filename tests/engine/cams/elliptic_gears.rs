@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 fn elliptic_gears_obey_their_closed_form() {
     for (e, lobes, alpha, vertex) in [(0.4, 1.0, 0.35, 0.0), (0.6, 1.0, 0.0, 0.7), (0.2, 2.0, 0.35, -1.0)] {
         let keys = json!({ "eccentricity": e, "lobes": lobes, "pressure_angle": alpha, "vertex_angle": vertex });
-        let mut run = Run::new(&elliptic(keys)).started();
+        let mut run = Run::new(elliptic(keys)).started();
         // Angle of the first wheel at which its nearest vertex is on the line of the centres, and that of the second
         // then.
         let theta0 = 0.4 - vertex;

@@ -38,7 +38,7 @@ fn a_translating_follower_balances_with_its_cam() {
     for law in ["cycloidal", "polynomial_345", "polynomial_4567"] {
         for is_flat in [false, true] {
             let follower = if is_flat { json!({ "follower": "flat" }) } else { parsed(ROLLER) };
-            let mut run = Run::new(&translating(law, follower)).started();
+            let mut run = Run::new(translating(law, follower)).started();
             // Position of the stem's origin without lift: its tip is 0.08 m below.
             let offset = if is_flat { 0.0 } else { 0.012 };
             let radius = if is_flat { 0.04 } else { 0.05 };
@@ -101,7 +101,7 @@ fn an_oscillating_follower_balances_with_its_cam() {
     for law in ["cycloidal", "polynomial_345", "polynomial_4567"] {
         for is_flat in [false, true] {
             let follower = if is_flat { json!({ "follower": "flat" }) } else { parsed(ROLLER) };
-            let mut run = Run::new(&oscillating(law, follower)).started();
+            let mut run = Run::new(oscillating(law, follower)).started();
             let mut start = None;
             for step in 0..150 {
                 run.step(0.01);
@@ -161,7 +161,7 @@ fn an_oscillating_follower_balances_with_its_cam() {
 #[test]
 fn a_follower_that_lifts_off_is_told_once() {
     let run = |change: &dyn Fn(&mut Value)| {
-        let text = changed(&translating("polynomial_345", parsed(ROLLER)), |m| {
+        let text = changed(translating("polynomial_345", parsed(ROLLER)), |m| {
             m["solver"]["tolerance"] = json!(1e-9);
             change(m);
         });

@@ -25,7 +25,7 @@ fn energy_drifts_by_the_tolerance_across_the_borders_of_segments() {
     // Steps end at the borders, where the jerk jumps, so that no error estimate has a jump within its step.
     for law in ["cycloidal", "polynomial_345", "polynomial_4567"] {
         for (tolerance, most) in [(1e-8, 1e-6), (1e-11, 1e-9), (1e-14, 1e-11)] {
-            let text = changed(&translating(law, parsed(ROLLER)), |m| m["solver"]["tolerance"] = json!(tolerance));
+            let text = changed(translating(law, parsed(ROLLER)), |m| m["solver"]["tolerance"] = json!(tolerance));
             let mut run = Run::new(&text).started();
             for _ in 0..150 {
                 run.step(0.01);
@@ -40,7 +40,7 @@ fn energy_drifts_by_the_tolerance_across_the_borders_of_segments() {
 fn borders_end_the_steps_of_a_motion_that_turns_back_or_coasts() {
     // Without a motor the disc's weight swings it to and fro over the borders, and without gravity it turns for ever.
     for (gravity, speed) in [(9.81, 3.0), (0.0, 40.0)] {
-        let text = changed(&translating("polynomial_345", parsed(ROLLER)), |m| {
+        let text = changed(translating("polynomial_345", parsed(ROLLER)), |m| {
             m["gravity"]["acceleration"] = json!(gravity);
             m["torques"]["motor"]["torque"] = json!(0);
             m["start"]["speed"] = json!(speed);
@@ -68,7 +68,7 @@ fn borders_end_the_steps_of_a_motion_that_turns_back_or_coasts() {
 #[test]
 fn a_table_lifts_through_its_points_and_comes_back() {
     let points = json!([[0.0, 0.0], [0.8, 0.004], [1.6, 0.015], [2.4, 0.02], [3.2, 0.02], [4.0, 0.008], [5.0, 0.001]]);
-    let text = changed(&translating("cycloidal", parsed(ROLLER)), |m| {
+    let text = changed(translating("cycloidal", parsed(ROLLER)), |m| {
         let cam = m["couplings"]["cam"].as_object_mut().unwrap();
         cam.remove("segments");
         cam.insert("points".into(), points.clone());
@@ -76,7 +76,7 @@ fn a_table_lifts_through_its_points_and_comes_back() {
     let height = f64::sqrt(0.05 * 0.05 - 0.012 * 0.012);
     for point in points.as_array().unwrap() {
         let [angle, lift] = [0, 1].map(|k| point[k].as_f64().unwrap());
-        let mut run = Run::new(&changed(&text, |m| m["start"]["angle"] = json!(angle + 0.5 + TAU))).started();
+        let mut run = Run::new(changed(&text, |m| m["start"]["angle"] = json!(angle + 0.5 + TAU))).started();
         assert_near(run.get("guide.position"), -0.14 + height + lift, 1e-14, "position");
     }
     let mut run = Run::new(&text).started();
@@ -89,7 +89,7 @@ fn a_table_lifts_through_its_points_and_comes_back() {
 
 #[test]
 fn parameters_of_a_cam_change_it() {
-    let mut run = Run::new(&translating("polynomial_345", parsed(ROLLER)));
+    let mut run = Run::new(translating("polynomial_345", parsed(ROLLER)));
     run.set("cam.base_radius", 0.06);
     run.set("cam.roller_radius", 0.02);
     run.set("cam.start_angle", 0.1);

@@ -57,7 +57,7 @@ fn a_coupling_is_refused_only_where_variables_have_one_name() {
             m["couplings"] = couplings.map(|coupling| (name.to_owned(), coupling)).collect();
         })
     };
-    let text = changed(&renamed(&translating("cycloidal", parsed(ROLLER)), "disc"), |m| {
+    let text = changed(renamed(&translating("cycloidal", parsed(ROLLER)), "disc"), |m| {
         // The start has a parameter of this name.
         m["couplings"]["disc"].as_object_mut().unwrap().remove("start_angle");
     });

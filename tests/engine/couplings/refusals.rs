@@ -27,12 +27,12 @@ fn what_cannot_be_coupled_is_refused() {
         &["couplings.mesh.second", "one"],
     );
     assert_says(moved("[0.18, 0.24]", "[0, 0]"), &["couplings.mesh.second", "distance"]);
-    let other = changed(&shafts(GEARS), |m| m["bodies"]["two"]["points"] = json!({ "rim": [0.1, 0.0] }));
+    let other = changed(shafts(GEARS), |m| m["bodies"]["two"]["points"] = json!({ "rim": [0.1, 0.0] }));
     let other =
         replaced(&other, &[(r#""second":"two.origin","second_teeth""#, r#""second":"two.rim","second_teeth""#)]);
     assert_says(refusal(other), &["two.rim", "has no revolute joint on ground", "revolute"]);
     // A second ratio between the same shafts leaves no freedom.
-    let twice = changed(&shafts(GEARS), |m| {
+    let twice = changed(shafts(GEARS), |m| {
         m["couplings"]["belt"] = json!({ "type": "belt", "first": "one.origin", "second": "two.origin",
             "first_radius": 0.05, "second_radius": 0.08 });
     });
@@ -41,7 +41,7 @@ fn what_cannot_be_coupled_is_refused() {
 
 #[test]
 fn the_other_formulation_names_the_coupling() {
-    let text = changed(&five_bar(), |m| {
+    let text = changed(five_bar(), |m| {
         m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
         for body in ["one", "two", "rod", "bar"] {
             m["bodies"][body]["axial_stiffness"] = json!(1e9);

@@ -5,7 +5,7 @@ use crate::support::{Run, Vec2};
 /// Motion and transmitted force of two shafts: inertia J1 + i^2 J2 on the first, motor 3 N.m, load -1 N.m, speed ratio
 /// i. Returns the run and the transmitted force.
 fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
-    let mut run = Run::new(&shafts(coupling)).started();
+    let mut run = Run::new(shafts(coupling)).started();
     let acceleration = (3.0 - ratio) / (0.02 + ratio * ratio * 0.5);
     for _ in 0..10 {
         run.step(0.05);
@@ -60,7 +60,7 @@ fn gears_turn_against_one_another_and_press_apart() {
 fn teeth_press_apart_whichever_flank_bears() {
     let [along, tangent] = across();
     for motor in [3.0, -3.0] {
-        let mut run = Run::new(&shafts(GEARS)).started();
+        let mut run = Run::new(shafts(GEARS)).started();
         run.set("motor.torque", motor);
         run.set("load.torque", 0.0);
         run.step(0.01);
@@ -105,7 +105,7 @@ fn a_belt_pulls_along_its_spans() {
 
 #[test]
 fn a_stated_phase_counts_and_not_the_guess() {
-    let mut run = Run::new(&shafts(&format!(r#"{GEARS}, "phase": 0.25"#))).started();
+    let mut run = Run::new(shafts(&format!(r#"{GEARS}, "phase": 0.25"#))).started();
     let first = run.get("one.angle");
     assert_near(run.get("two.angle"), 0.25 - 17.0 / 43.0 * first, 1.0, "phase");
     run.set("mesh.phase", -0.5);

@@ -31,7 +31,7 @@ fn a_wheel_rolls_down_a_slope() {
     let acceleration = 2.4 * 9.81 * (-slope).sin() / effective;
     for second_is_rack in [false, true] {
         let sign = if second_is_rack { -1.0 } else { 1.0 };
-        let mut run = Run::new(&rolling(slope, second_is_rack)).started();
+        let mut run = Run::new(rolling(slope, second_is_rack)).started();
         for _ in 0..40 {
             run.step(0.1);
         }
@@ -84,7 +84,7 @@ fn planetary(planets: usize) -> String {
 #[test]
 fn a_planetary_gear_obeys_willis() {
     for planets in [1, 3] {
-        let mut run = Run::new(&planetary(planets)).started();
+        let mut run = Run::new(planetary(planets)).started();
         // (omega_sun - omega_arm) / (0 - omega_arm) = -72 / 24; the planet turns by -24/24 of the sun's relative turn.
         let (arm, planet) = (0.25, 0.25 - 0.75);
         let count = planets as f64;
@@ -121,7 +121,7 @@ fn a_planetary_gear_obeys_willis() {
 #[test]
 fn a_train_passes_on_the_product_of_its_ratios() {
     // one -> two by gears 17 : 43, two -> three by a belt 50 : 80, crossed.
-    let text = changed(&shafts(GEARS), |m| {
+    let text = changed(shafts(GEARS), |m| {
         m["bodies"]["three"] = json!({ "mass": 1, "inertia": 0.3 });
         m["bodies"]["ground"]["points"]["last"] = json!([0.7, 0.1]);
         m["joints"]["c"] = json!({ "type": "revolute", "first": "ground.last", "second": "three.origin" });
@@ -168,7 +168,7 @@ fn a_ratio_that_never_returns_goes_on_for_ever() {
 #[test]
 fn an_open_train_ends_where_angles_have_too_few_digits() {
     let irrational = GEARS.replace("17", "1").replace("43", &2f64.sqrt().to_string());
-    let text = changed(&shafts(&irrational), |m| {
+    let text = changed(shafts(&irrational), |m| {
         m["gravity"]["acceleration"] = json!(0);
         m["torques"] = json!({});
         m["start"]["speed"] = json!(1e6);

@@ -31,7 +31,7 @@ fn curves_act_like_constant_loads_of_their_size() {
         assert_eq!(push > 0.0, h > 0.0, "{push}");
         let start =
             [("crank.start_angle", curves.get("crank.angle")), ("crank.start_speed", curves.get("crank.speed"))];
-        let mut plain = Run::new(&changed(CURVES, |m| {
+        let mut plain = Run::new(changed(CURVES, |m| {
             m["actuators"] = json!({ "motor": { "joint": "bearing", "torque": torque, "efficiency": 0.9 },
                                      "ram": { "joint": "guide", "force": ram } });
             m["springs"] = json!({ "damper": { "joint": "guide", "preload": damper },
@@ -83,7 +83,7 @@ fn the_finite_elements_move_with_dampers_and_coils_of_curves() {
             }
         })
     };
-    let [mut one, mut other] = ["reduced", "rigid_fem"].map(|method| Run::new(&text(method)).started());
+    let [mut one, mut other] = ["reduced", "rigid_fem"].map(|method| Run::new(text(method)).started());
     let names = ["coil.angle", "coil.torque", "damper.torque", "energy.potential", "energy.kinetic"];
     let mut largest = [0.0_f64; 5];
     for _ in 0..30 {

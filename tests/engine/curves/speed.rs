@@ -104,7 +104,7 @@ fn a_command_that_ramps_scales_the_curve_within_the_step() {
 /// At rest a drive gives what its curve does there; the terms of one element know it.
 #[test]
 fn a_drive_at_rest_and_its_required_force_know_the_curve() {
-    let mut run = Run::new(&changed(CURVES, |m| {
+    let mut run = Run::new(changed(CURVES, |m| {
         m["actuators"]["motor"].as_object_mut().unwrap().remove("efficiency");
         m["start"]["speed"] = json!(0);
     }))

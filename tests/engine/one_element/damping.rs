@@ -91,7 +91,7 @@ fn a_torsional_spring_winds_up_over_several_turns() {
 }
 
 fn sprung_crank(spring: Value) -> Run {
-    let mut run = Run::new(&changed(SLIDER_CRANK, |m| m["springs"] = json!({ "spring": spring })));
+    let mut run = Run::new(changed(SLIDER_CRANK, |m| m["springs"] = json!({ "spring": spring })));
     run.set_all(&[("drive.torque", 0.0), ("piston.force_y", 0.0), ("solver.tolerance", 1e-12)]);
     run.place(("crank.start_angle", -1.0), ("crank.start_speed", 220.0));
     run

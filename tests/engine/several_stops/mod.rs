@@ -132,7 +132,7 @@ fn two_opposite_stops_hold_a_start_against_any_load() {
     for (stops, [low, high]) in [([lower, upper], ["s0", "s1"]), ([upper, lower], ["s1", "s0"])] {
         let scene = Scene { start: [0.3, 0.0], ..block(&stops) };
         for force in [81.8, -81.8, 0.0] {
-            let mut run = Run::new(&scene.definition());
+            let mut run = Run::new(scene.definition());
             run.set("load.force", force);
             run.initialize();
             let start = run.get("slide.position");

@@ -70,7 +70,7 @@ fn rest_in_another_revolution_is_rest_at_the_stop() {
 fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
     let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
     let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
-    let definition = changed(&scene.definition(), |json| {
+    let definition = changed(scene.definition(), |json| {
         json["gravity"] = json!({ "acceleration": g, "up_angle": 0 });
         json["actuators"]["load"]["efficiency"] = json!(efficiency);
         json["air"] = json!({ "density": 1.2, "flow_angle": 0 });

@@ -71,7 +71,7 @@ impl Scene {
     }
 
     pub fn run(&self) -> Run {
-        Run::new(&self.definition()).started()
+        Run::new(self.definition()).started()
     }
 
     pub fn names(&self) -> [&'static str; 3] {
