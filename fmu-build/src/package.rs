@@ -285,7 +285,8 @@ mod tests {
             let committed = fs::read_to_string(folder.join(MODEL_DESCRIPTION)).unwrap_or_default();
             assert!(
                 committed == expected,
-                "{}/{MODEL_DESCRIPTION} is out of date; LINKAGE_FMU_WRITE=1 cargo test -p fmu-build --lib package writes it",
+                "{}/{MODEL_DESCRIPTION} is out of date; \
+                 LINKAGE_FMU_WRITE=1 cargo test -p fmu-build --lib package writes it",
                 folder.display()
             );
         }
