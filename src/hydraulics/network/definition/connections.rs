@@ -173,8 +173,7 @@ impl HydraulicSystem {
             let path = |key: &str| format!("nodes.{name}.{key}");
             if node.volume == 0.0 {
                 let allowed = "> 0 m3: where elements are connected without a volume, their flows and the pressure are \
-                    an \
-                               algebraic loop; give it the volume of its lines";
+                               an algebraic loop; give it the volume of its lines";
                 faults.push(DefinitionError::value(path("volume"), 0, allowed));
             } else if node.hose_volume > node.volume {
                 let allowed =
