@@ -115,7 +115,11 @@ def cut(part: str, size: int) -> Change:
 @pytest.mark.parametrize(
     ("change", "said", "is_valid"),
     [
-        (edited("mechanism.json", b'"force": 30000', b'"force": 20000'), "start value of actuator.force differs", True),
+        (
+            edited("mechanism.json", b'"force": 30000', b'"force": 20000'),
+            "the start value of actuator.force in modelDescription.xml differs",
+            True,
+        ),
         (edited("mechanism.json", b"coupler", b"kuppler"), "the description has no variable kuppler.angle", False),
         (edited("modelDescription", b'guid="{', b'guid="{0'), "guid is", False),
         (edited("modelDescription", b'unit="kg"', b'unit="g"'), "crank.mass is", False),

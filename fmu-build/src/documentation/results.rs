@@ -57,13 +57,21 @@ impl Results {
         let folder = workspace.target("reference");
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));
-        let ran = run::default_run(&mut component.clone(), &path, MOST_ROWS);
+        let mut after = component.clone();
+        let ran = run::default_run(&mut after, &path, MOST_ROWS);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()));
         // What is left there is written over by the next run.
         let _ = fs::remove_file(&path);
         let (run::DefaultRun { interval, stride }, outputs) = (ran?, text?);
         let rows = outputs.lines().count().saturating_sub(1);
-        Ok(Self { name: component.name().to_owned(), inputs: inputs(component)?, outputs, interval, stride, rows })
+        Ok(Self {
+            name: component.name().to_owned(),
+            inputs: inputs(component, &mut after)?,
+            outputs,
+            interval,
+            stride,
+            rows,
+        })
     }
 
     /// Path of the outputs in the FMU.
@@ -147,11 +155,17 @@ impl Results {
     }
 }
 
-/// The inputs of the default run: their start values at its beginning and at its end.
-fn inputs(component: &Component) -> Result<Option<String>> {
-    let inputs = component.interface().list().iter().filter(|variable| variable.causality == Causality::Input);
-    let values = inputs.filter_map(|input| match input.start {
-        Some(Value::Real(value)) => Some((input.name.as_str(), number(value))),
+/// The inputs of the default run: their start values at its beginning and at its end. Inputs that a step moves on, such
+/// as the length of a cylinder that follows its predicted motion, are not constant and are left out; `after`: the
+/// component at the end of the run.
+fn inputs(component: &Component, after: &mut Component) -> Result<Option<String>> {
+    let list = component.interface().list().iter().enumerate();
+    let inputs = list.filter(|(_, variable)| variable.causality == Causality::Input);
+    let values = inputs.filter_map(|(reference, input)| match input.start {
+        Some(Value::Real(value)) => {
+            let stays = after.real(reference as u32).is_ok_and(|now| now.to_bits() == value.to_bits());
+            stays.then(|| (input.name.as_str(), number(value)))
+        }
         Some(Value::Boolean(value)) => Some((input.name.as_str(), u8::from(value).to_string())),
         _ => None,
     });
