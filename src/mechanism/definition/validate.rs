@@ -300,7 +300,7 @@ impl Mechanism {
                 let (first, a) = self.point(key("from"), from)?;
                 let (second, b) = self.point(key("to"), to)?;
                 if first != second || a == b {
-                    return refused(key("to"), "must be another point of the body of `from`");
+                    return refused(key("to"), "must be another point on the same body as `from`");
                 }
                 if s.surface_angle.is_some() {
                     return refused(

@@ -64,7 +64,7 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
     if steepest.value > limit {
         let message = format!(
             "the pressure angle reaches {} rad ({} deg) at the cam angle {} rad, but at most {} deg are usual: the \
-             cam pushes the follower more sideways than up",
+             cam pushes the follower strongly sideways",
             told(steepest.value),
             told(steepest.value * 180.0 / PI),
             told(steepest.u1),

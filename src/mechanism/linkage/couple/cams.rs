@@ -53,7 +53,8 @@ impl Linkage {
             if is_flat && normal.dot(&along).abs() < LEAST {
                 return named.refused(
                     "face_angle",
-                    "the face is parallel to the joint, so the cam cannot lift it: change face_angle",
+                    "the face is parallel to the axis of the joint, so the cam cannot move the follower; change \
+                     face_angle",
                 );
             }
             let start = carrier.local + turned(contact.local - second.local, turn) - center;
