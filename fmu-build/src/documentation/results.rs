@@ -155,17 +155,19 @@ impl Results {
     }
 }
 
-/// The inputs of the default run: their start values at its beginning and at its end. Inputs that a step moves on, such
-/// as the length of a cylinder that follows its predicted motion, are not constant and are left out; `after`: the
+/// The inputs of the default run: their start values at its beginning and at its end. None where a step moves inputs on,
+/// such as the length of a cylinder that follows its predicted motion: constants would put it back. `after`: the
 /// component at the end of the run.
 fn inputs(component: &Component, after: &mut Component) -> Result<Option<String>> {
     let list = component.interface().list().iter().enumerate();
-    let inputs = list.filter(|(_, variable)| variable.causality == Causality::Input);
-    let values = inputs.filter_map(|(reference, input)| match input.start {
-        Some(Value::Real(value)) => {
-            let stays = after.real(reference as u32).is_ok_and(|now| now.to_bits() == value.to_bits());
-            stays.then(|| (input.name.as_str(), number(value)))
-        }
+    let inputs: Vec<_> = list.filter(|(_, variable)| variable.causality == Causality::Input).collect();
+    let mut moves =
+        |reference: usize, value: f64| after.real(reference as u32).is_ok_and(|now| now.to_bits() != value.to_bits());
+    if inputs.iter().any(|(reference, input)| matches!(input.start, Some(Value::Real(v)) if moves(*reference, v))) {
+        return Ok(None);
+    }
+    let values = inputs.iter().filter_map(|(_, input)| match input.start {
+        Some(Value::Real(value)) => Some((input.name.as_str(), number(value))),
         Some(Value::Boolean(value)) => Some((input.name.as_str(), u8::from(value).to_string())),
         _ => None,
     });
