@@ -155,7 +155,7 @@ impl Results {
     }
 }
 
-/// The inputs of the default run: their start values at its beginning and at its end. None where a step moves inputs on,
+/// The inputs of the default run: their start values at its beginning and at its end. None where a step moves inputs,
 /// such as the length of a cylinder that follows its predicted motion: constants would put it back. `after`: the
 /// component at the end of the run.
 fn inputs(component: &Component, after: &mut Component) -> Result<Option<String>> {

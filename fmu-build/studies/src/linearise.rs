@@ -39,8 +39,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     print!("{}", named.in_words(&start));
     if is_held_by_friction(&start) {
         eprintln!(
-            "warning: static friction holds the mechanism here, so A21, A22 and B2 are zero; eigenfrequency, damping ratio and \
-             eigenvalues are those of the mechanism when it slides; set friction.enabled to false, or \
+            "warning: static friction holds the mechanism here, so A21, A22 and B2 are zero; eigenfrequency, damping \
+             ratio and eigenvalues are those of the mechanism when it slides; set friction.enabled to false, or \
              friction.law to viscous, for matrices that agree with them"
         );
     }
