@@ -50,7 +50,7 @@ impl Snapshot {
 }
 
 /// Parameters in the record. Their ranges are checked by the reader.
-fn record_parameters(record: &mut Record, parameters: &mut [f64]) -> Result<(), Damaged> {
+pub(super) fn record_parameters(record: &mut Record, parameters: &mut [f64]) -> Result<(), Damaged> {
     record.length("parameters", parameters.len())?;
     parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))
 }
@@ -147,7 +147,7 @@ impl Model {
 }
 
 /// Make one the other; without touching the reference counts if both are the same already.
-fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
+pub(super) fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
     if !Arc::ptr_eq(one, other) {
         one.clone_from(other);
     }

@@ -1,7 +1,7 @@
-//! Snapshots of a network: all that decides how it goes on.
+//! Snapshots of a network: its complete state.
 //!
 //! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which
-//! continues to the bit; the record of a snapshot. It must not know FMI.
+//! continues with identical results; the record of a snapshot. It must not know FMI.
 use super::definition::Mode;
 use super::inputs::Inputs;
 use super::interface::Quantity;
@@ -10,6 +10,7 @@ use super::state::State;
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::snapshot::{record_parameters, share};
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
@@ -47,12 +48,6 @@ impl Snapshot {
         copy.state.iter_mut().try_for_each(|state| state.record(record))?;
         Ok(copy.warnings.record(record)?)
     }
-}
-
-/// Parameters in the record. Their ranges are checked by the reader.
-fn record_parameters(record: &mut Record, parameters: &mut [f64]) -> Result<(), Damaged> {
-    record.length("parameters", parameters.len())?;
-    parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))
 }
 
 impl Model {
@@ -163,12 +158,5 @@ fn copy(one: &mut Option<State>, other: Option<&State>) {
     match (one, other) {
         (Some(own), Some(other)) => own.copy_from(other),
         (own, other) => *own = other.cloned(),
-    }
-}
-
-/// Make one the other; without touching the reference counts if both are the same already.
-fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
-    if !Arc::ptr_eq(one, other) {
-        one.clone_from(other);
     }
 }
