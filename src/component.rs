@@ -3,16 +3,15 @@
 //! In: the text of a definition file, values by reference, steps. Out: what describes the model, values, saved states,
 //! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
 //!
-//! A further kind of model takes one variant of [`Component`] and of [`Snapshot`], one row in `KINDS` and `INSPECTORS`,
-//! and one arm in each `match` of this module. Its model has methods of the same names, whose errors convert to
-//! [`Refused`].
+//! A further kind of hydraulic model takes one row in [`KINDS`] and `INSPECTORS` and the trait
+//! [`AnyModel`]; any other kind also one variant of [`Component`] and of [`Snapshot`], and one arm in each `match` of
+//! this module. Its model has methods of the same names, whose errors convert to [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {
         match $component {
             Component::Mechanism($model) => $answer,
             Component::Hydraulic($model) => $answer,
-            Component::Network($model) => $answer,
         }
     };
 }
@@ -28,6 +27,7 @@ pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
 use crate::format::{About, Described, Experiment, Json, Member, Table, parse};
+use crate::hydraulics::any::AnyModel;
 use crate::hydraulics::{self, network};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
@@ -46,28 +46,54 @@ pub use tables::TABLES;
 pub enum Component {
     /// A planar linkage with one degree of freedom.
     Mechanism(mechanism::Model),
-    /// A hydraulic actuator.
-    Hydraulic(Box<hydraulics::Model>),
-    /// A hydraulic system: a supply network with cylinders.
-    Network(Box<network::Model>),
+    /// A hydraulic actuator, or a hydraulic system: a supply network with cylinders.
+    Hydraulic(Box<dyn AnyModel>),
 }
 
 type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
 type Inspector = fn(&str) -> Inspection;
 
-/// Definition file of each kind of model, and how a component is made from its text and what was kept of its tables.
-const KINDS: [(&str, Constructor); 3] = [
-    ("mechanism.json", |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?))),
-    ("hydraulics.json", |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?)))),
-    ("network.json", |text, _| Ok(Component::Network(Box::new(network::Model::from_json(text)?)))),
-];
+/// A kind of model.
+#[derive(Debug)]
+pub struct ModelKind {
+    /// Name of its definition file.
+    file: &'static str,
+    /// How a component is made from the definition's text and what was kept of its tables.
+    construct: Constructor,
+}
+
+impl ModelKind {
+    /// Name of its definition file.
+    pub fn file(&self) -> &'static str {
+        self.file
+    }
+}
+
+/// A planar linkage with one degree of freedom, with or without a hydraulic circuit.
+pub const MECHANISM: ModelKind = ModelKind {
+    file: "mechanism.json",
+    construct: |text, tables| Ok(Component::Mechanism(mechanism::Model::with_tables(text, tables)?)),
+};
+/// A hydraulic actuator alone.
+pub const HYDRAULIC_ACTUATOR: ModelKind = ModelKind {
+    file: hydraulics::FILE,
+    construct: |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
+};
+/// A supply network with cylinders.
+pub const HYDRAULIC_SYSTEM: ModelKind = ModelKind {
+    file: network::FILE,
+    construct: |text, _| Ok(Component::Hydraulic(Box::new(network::Model::from_json(text)?))),
+};
+/// All kinds of models. A library that is given a part of them is without the code of the others.
+pub const KINDS: [ModelKind; 3] = [MECHANISM, HYDRAULIC_ACTUATOR, HYDRAULIC_SYSTEM];
 /// How the text of each kind is inspected. A table apart, so that a library that inspects nothing is without the code.
 const INSPECTORS: [Inspector; KINDS.len()] =
     [mechanism::inspection::inspect, hydraulics::inspection::inspect, network::inspection::inspect];
 
 #[cold]
 fn no_kind(file: &str) -> Refused {
-    Refused(format!("'{file}' is not the name of a definition file; use mechanism.json or hydraulics.json"))
+    let files = Component::definition_files().join(" or ");
+    Refused(format!("'{file}' is not the name of a definition file; use {files}"))
 }
 
 /// Questions that the model of each kind answers by its method of the same name.
@@ -86,7 +112,7 @@ macro_rules! questions {
 impl Component {
     /// Names of the definition files, one for each kind of model.
     pub fn definition_files() -> [&'static str; KINDS.len()] {
-        KINDS.map(|(file, ..)| file)
+        KINDS.map(|kind| kind.file)
     }
 
     /// The component that the definition file of this name and text describes.
@@ -94,12 +120,8 @@ impl Component {
     /// # Errors
     /// No kind of model has such a file; what is wrong with the text.
     pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
-        Self::construct(file, text, None)
-    }
-
-    fn construct(file: &str, text: &str, tables: Option<Arc<Sections>>) -> Result<Self, Refused> {
-        match KINDS.iter().find(|(name, _)| *name == file) {
-            Some((_, construct)) => construct(text, tables),
+        match KINDS.iter().find(|kind| kind.file == file) {
+            Some(kind) => (kind.construct)(text, None),
             None => Err(no_kind(file)),
         }
     }
@@ -109,7 +131,7 @@ impl Component {
     /// # Errors
     /// No kind of model has such a file.
     pub fn inspect(file: &str, text: &str) -> Result<Inspection, Refused> {
-        match KINDS.iter().zip(INSPECTORS).find(|((name, _), _)| *name == file) {
+        match KINDS.iter().zip(INSPECTORS).find(|(kind, _)| kind.file == file) {
             Some((_, inspect)) => Ok(inspect(text)),
             None => Err(no_kind(file)),
         }
@@ -132,15 +154,14 @@ impl Component {
         let counts: [usize; KINDS.len()] = std::array::from_fn(own);
         let most = counts.iter().copied().max().filter(|most| *most > 0)?;
         let mut kinds = (0..KINDS.len()).filter(|kind| counts[*kind] == most);
-        kinds.next().filter(|_| kinds.next().is_none()).map(|kind| KINDS[kind].0)
+        kinds.next().filter(|_| kinds.next().is_none()).map(|kind| KINDS[kind].file)
     }
 
     /// Name of the definition file of this kind of model.
     pub fn definition_file(&self) -> &'static str {
         match self {
-            Self::Mechanism(_) => KINDS[0].0,
-            Self::Hydraulic(_) => KINDS[1].0,
-            Self::Network(_) => KINDS[2].0,
+            Self::Mechanism(_) => MECHANISM.file,
+            Self::Hydraulic(model) => model.definition_file(),
         }
     }
 
@@ -164,7 +185,6 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.warnings().to_vec(),
             Self::Hydraulic(model) => model.warnings(),
-            Self::Network(model) => model.warnings(),
         }
     }
 
@@ -172,7 +192,7 @@ impl Component {
     pub fn remarks(&self) -> Vec<String> {
         match self {
             Self::Mechanism(model) => model.remarks(),
-            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
+            Self::Hydraulic(_) => Vec::new(),
         }
     }
 
@@ -190,7 +210,7 @@ impl Component {
     pub fn vectors(&self) -> Vec<Vector> {
         match self {
             Self::Mechanism(model) => model.vectors(),
-            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
+            Self::Hydraulic(_) => Vec::new(),
         }
     }
 
@@ -199,7 +219,7 @@ impl Component {
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         match self {
             Self::Mechanism(model) => model.impacts_of(flag),
-            Self::Hydraulic(_) | Self::Network(_) => None,
+            Self::Hydraulic(_) => None,
         }
     }
 
@@ -207,7 +227,7 @@ impl Component {
     pub fn input_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::INPUT_ORDER,
-            Self::Hydraulic(_) | Self::Network(_) => hydraulics::INPUT_ORDER,
+            Self::Hydraulic(_) => hydraulics::INPUT_ORDER,
         }
     }
 
@@ -215,14 +235,17 @@ impl Component {
     pub fn output_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::OUTPUT_ORDER,
-            Self::Hydraulic(_) | Self::Network(_) => hydraulics::OUTPUT_ORDER,
+            Self::Hydraulic(_) => hydraulics::OUTPUT_ORDER,
         }
     }
 
     /// What a host can read and set.
     #[inline]
     pub fn interface(&self) -> &Interface {
-        each!(self, model => model.variables())
+        match self {
+            Self::Mechanism(model) => model.variables(),
+            Self::Hydraulic(model) => model.interface(),
+        }
     }
 
     /// Hashes of the interface, and of what no parameter, input or text of the definition changes. A snapshot is for
@@ -287,11 +310,7 @@ impl Component {
     /// What the steps and values since the last call give reason to warn of; None mostly.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
-        match self {
-            Self::Mechanism(model) => model.take_warning(),
-            Self::Hydraulic(model) => model.take_warning(),
-            Self::Network(model) => model.take_warning(),
-        }
+        each!(self, model => model.take_warning())
     }
 
     /// What the state after initialisation gives reason to warn of under the present inputs; None mostly.
@@ -299,7 +318,7 @@ impl Component {
     pub fn start_warning(&mut self) -> Option<String> {
         match self {
             Self::Mechanism(model) => model.start_warning(),
-            Self::Hydraulic(_) | Self::Network(_) => None,
+            Self::Hydraulic(_) => None,
         }
     }
 

@@ -1,10 +1,11 @@
 //! The zip file of an FMU, the same bytes for the same content.
 //!
-//! In: names and contents. Out: deflated entries in a fixed order, `modelDescription.xml` first, with fixed times and
+//! In: names and contents. Out: entries in a fixed order, deflated or stored, `modelDescription.xml` first, with fixed times and
 //! permissions, without entries for directories (FMI 2.0.5, 2.3).
 
-use crate::{files, names};
+use crate::{binary, files, names};
 use anyhow::{Context, Result, bail};
+use linkage_fmu::component::TABLES;
 use std::io::{Cursor, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
@@ -14,6 +15,11 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 /// Read and write for the owner, read for all.
 const PERMISSIONS: u32 = 0o644;
+
+/// What is stored as it is: unpacking megabytes takes an importer longer than the run of a mechanism.
+fn is_stored(name: &str) -> bool {
+    name.starts_with(binary::FOLDER) || name.ends_with(TABLES)
+}
 
 /// One file of an FMU.
 #[derive(Clone, Debug)]
@@ -44,13 +50,13 @@ fn zipped(mut entries: Vec<Entry>) -> Result<Vec<u8>> {
     }
     entries.iter().try_for_each(|entry| names::check(&entry.name))?;
     names::check_case(entries.iter().map(|entry| entry.name.as_str()))?;
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(9))
-        .last_modified_time(DateTime::DEFAULT)
-        .unix_permissions(PERMISSIONS);
+    let options = SimpleFileOptions::default().last_modified_time(DateTime::DEFAULT).unix_permissions(PERMISSIONS);
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for entry in &entries {
+        let options = match is_stored(&entry.name) {
+            true => options.compression_method(CompressionMethod::Stored),
+            false => options.compression_method(CompressionMethod::Deflated).compression_level(Some(9)),
+        };
         zip.start_file(entry.name.as_str(), options)?;
         zip.write_all(&entry.content)?;
     }
@@ -97,7 +103,9 @@ mod tests {
         );
         for i in 0..zip.len() {
             let file = zip.by_index(i).unwrap();
-            assert_eq!(file.compression(), CompressionMethod::Deflated);
+            let is_library = file.name().unwrap().starts_with("binaries/");
+            let method = if is_library { CompressionMethod::Stored } else { CompressionMethod::Deflated };
+            assert_eq!(file.compression(), method);
             assert_eq!(file.unix_mode().map(|mode| mode & 0o777), Some(PERMISSIONS));
             let time = file.last_modified().unwrap();
             assert_eq!((time.year(), time.month(), time.day(), time.hour()), (1980, 1, 1, 0));

@@ -5,6 +5,7 @@
 
 use crate::archive::Entry;
 use crate::files;
+use crate::library::SharedLibrary;
 use crate::version::Version;
 use anyhow::{Context, Result, bail};
 use fmu_cli::Library;
@@ -95,6 +96,8 @@ pub struct Binary {
     /// Folder in an FMU of FMI 2.0.
     folder: &'static str,
     content: Vec<u8>,
+    /// Which library of the project it is; None for one that was built elsewhere, which serves what the user says.
+    library: Option<&'static SharedLibrary>,
 }
 
 impl Binary {
@@ -120,7 +123,17 @@ impl Binary {
         };
         check(platform, &content, FUNCTION)
             .with_context(|| format!("{shown}: is not the library of an FMU for {name}"))?;
-        Ok(Self { platform, folder: platform.name, content })
+        Ok(Self { platform, folder: platform.name, content, library: None })
+    }
+
+    /// The same as this library of the project.
+    pub fn of(self, library: &'static SharedLibrary) -> Self {
+        Self { library: Some(library), ..self }
+    }
+
+    /// Whether it goes into the FMUs of a library of the project.
+    pub fn serves(&self, library: &SharedLibrary) -> bool {
+        self.library.is_none_or(|own| own == library)
     }
 
     /// The same library in the folder [`COMPATIBLE`] of an FMU of FMI 2.0.

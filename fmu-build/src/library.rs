@@ -1,8 +1,8 @@
-//! The shared library that goes into every FMU.
+//! The shared libraries of the FMUs: one for mechanisms, one for hydraulic models.
 
 use crate::binary;
 use crate::command;
-use crate::workspace::Workspace;
+use crate::workspace::{MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::env::consts::{ARCH, DLL_EXTENSION, OS};
@@ -11,10 +11,32 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
 
-/// Cargo's name for the package of the library, `src/exports`.
-pub const PACKAGE: &str = "linkage-fmu-exports";
-/// Name of its library, of which the file's name follows.
-pub const NAME: &str = "linkage_fmu_exports";
+/// A shared library, by the models that it serves. A library has the code of no other models.
+#[derive(Debug, PartialEq)]
+pub struct SharedLibrary {
+    /// Cargo's name for its package.
+    pub package: &'static str,
+    /// Name of which that of the file follows.
+    pub name: &'static str,
+    /// Name of its file in an installation, without extension.
+    pub installed: &'static str,
+}
+
+/// The library of mechanisms, `src/exports`.
+pub const MECHANISMS: SharedLibrary =
+    SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
+/// The library of hydraulic actuators and systems, `src/exports/hydraulics`.
+pub const HYDRAULICS: SharedLibrary = SharedLibrary {
+    package: "linkage-fmu-exports-hydraulics",
+    name: "linkage_fmu_exports_hydraulics",
+    installed: "linkage_fmu_hydraulics",
+};
+
+/// The library that serves the models of this definition file.
+pub fn of(definition_file: &str) -> &'static SharedLibrary {
+    if definition_file == MECHANISM { &MECHANISMS } else { &HYDRAULICS }
+}
+
 /// The package of the program that runs now. Built together with it, the library has the engine that this program has
 /// been built with; by itself it might ask for other features of the dependencies, and all would be compiled again.
 const PROGRAM: &str = env!("CARGO_PKG_NAME");
@@ -53,32 +75,33 @@ pub fn tuple() -> String {
     format!("{ARCH}-{system}")
 }
 
-/// Build the library in release and read it: with `target`, a triple of Rust, for another machine, for which Cargo gets
+/// Build a library in release and read it: with `target`, a triple of Rust, for another machine, for which Cargo gets
 /// the further arguments and variables; `extension` is that of its shared libraries.
 ///
 /// # Errors
 /// The build fails, or it names no shared library.
-pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> {
+pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Target>) -> Result<Vec<u8>> {
+    let package = library.package;
     let mut cargo = command::cargo(workspace);
     cargo.arg(target.map_or("build", |target| target.subcommand));
     cargo.args(["--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
     let extension = match target {
         None => {
-            cargo.args(["--package", PROGRAM, "--package", PACKAGE]);
+            cargo.args(["--package", PROGRAM, "--package", package]);
             DLL_EXTENSION
         }
         Some(target) => {
-            cargo.args(["--package", PACKAGE, "--lib", "--target", &target.triple]);
+            cargo.args(["--package", package, "--lib", "--target", &target.triple]);
             cargo.args(&target.arguments).envs(target.variables.iter().cloned());
             target.extension
         }
     };
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
-    let what = target.map_or_else(|| PACKAGE.to_owned(), |target| format!("{PACKAGE} for {}", target.triple));
+    let what = target.map_or_else(|| package.to_owned(), |target| format!("{package} for {}", target.triple));
     if !output.status.success() {
         bail!("cargo build of {what} failed ({}); its own messages are above", output.status);
     }
-    let path = artifact(&String::from_utf8_lossy(&output.stdout), extension).with_context(|| {
+    let path = artifact(&String::from_utf8_lossy(&output.stdout), library.name, extension).with_context(|| {
         format!("cargo build of {what} wrote no .{extension}; check that [lib] crate-type is cdylib")
     })?;
     let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
@@ -87,11 +110,11 @@ pub fn build(workspace: &Workspace, target: Option<&Target>) -> Result<Vec<u8>> 
 }
 
 /// The shared library among Cargo's messages, one JSON object a line.
-fn artifact(messages: &str, extension: &str) -> Option<PathBuf> {
+fn artifact(messages: &str, name: &str, extension: &str) -> Option<PathBuf> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str::<Value>(line).ok())
-        .filter(|message| message["reason"] == "compiler-artifact" && message["target"]["name"] == NAME)
+        .filter(|message| message["reason"] == "compiler-artifact" && message["target"]["name"] == name)
         .flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default())
         .filter_map(|name| name.as_str().map(PathBuf::from))
         .find(|path| path.extension().is_some_and(|other| other == extension))
@@ -110,8 +133,8 @@ mod tests {
             "\"filenames\":[\"/t/x.rlib\",\"/t/x.dll.a\",\"/t/x.dll\"]}\n",
             "{\"reason\":\"build-finished\",\"success\":true}\n"
         );
-        assert_eq!(artifact(messages, "dll"), Some(PathBuf::from("/t/x.dll")));
-        assert_eq!(artifact(messages, "so"), None);
-        assert_eq!(artifact("{\"reason\":\"build-finished\"}", "dll"), None);
+        assert_eq!(artifact(messages, MECHANISMS.name, "dll"), Some(PathBuf::from("/t/x.dll")));
+        assert_eq!(artifact(messages, MECHANISMS.name, "so"), None);
+        assert_eq!(artifact("{\"reason\":\"build-finished\"}", MECHANISMS.name, "dll"), None);
     }
 }

@@ -7,11 +7,12 @@ use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::Binary;
 use crate::check::Checked;
 use crate::documentation::{Extent, RESULTS, Subject};
+use crate::library::SharedLibrary;
 use crate::source::{self, Companions, Source};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, fmi3, terminals};
-use crate::{check, files, licenses, platform, schema, ssp};
+use crate::{check, files, library, licenses, platform, schema, ssp};
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Package as Arguments;
 use fmu_cli::{Fmi, Naming};
@@ -38,7 +39,7 @@ struct Prepared {
 /// What all FMUs of one call have in common.
 struct Common<'a> {
     workspace: &'a Workspace,
-    /// The libraries, one for each platform.
+    /// The libraries, for each platform and each kind of model that is packed.
     binaries: Vec<Binary>,
     extent: Extent,
     /// Whether tables are packed.
@@ -92,7 +93,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     if !refused.is_empty() {
         bail!("nothing was packed: {}", refused.join("\n"));
     }
-    let binaries = libraries(workspace, arguments)?;
+    let mut needed: Vec<&SharedLibrary> = Vec::new();
+    for library in prepared.iter().map(|fmu| library::of(fmu.component.definition_file())) {
+        if !needed.contains(&library) {
+            needed.push(library);
+        }
+    }
+    let binaries = libraries(workspace, arguments, &needed)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
     files::make_folder(&out, "--out")?;
     let interfaces: HashMap<_, _> =
@@ -131,9 +138,13 @@ pub fn default(workspace: &Workspace) -> Result<PathBuf> {
 ///
 /// # Errors
 /// One of them cannot be had, or is for no platform.
-pub(crate) fn libraries(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
+pub(crate) fn libraries(
+    workspace: &Workspace,
+    arguments: &Arguments,
+    needed: &[&'static SharedLibrary],
+) -> Result<Vec<Binary>> {
     let mut binaries = further(arguments)?;
-    binaries.extend(platform::build(workspace, arguments)?);
+    binaries.extend(platform::build(workspace, arguments, needed)?);
     Ok(binaries)
 }
 
@@ -231,7 +242,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
         let mut entries = entries.clone();
         entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);
         let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
-        for binary in &common.binaries {
+        for binary in common.binaries.iter().filter(|binary| binary.serves(library::of(file))) {
             let libraries = binary.entries(version, &fmu.name);
             if libraries.is_empty() {
                 let (file, platform) = (path.display(), binary.platform());

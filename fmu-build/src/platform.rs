@@ -4,7 +4,7 @@
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
 use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
-use crate::library::{self, Target};
+use crate::library::{self, SharedLibrary, Target};
 use crate::needs::{self, Needs};
 use crate::package::Arguments;
 use crate::workspace::Workspace;
@@ -122,8 +122,8 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
 enum Way {
     /// Built, for another machine if that is told.
     Built(Option<Target>),
-    /// Built before: this file.
-    Taken(PathBuf),
+    /// Built before: these files.
+    Taken(Vec<PathBuf>),
 }
 
 /// Build a library for each platform asked for, or take the one that came with the program; with `--available` for
@@ -132,11 +132,15 @@ enum Way {
 /// # Errors
 /// A platform cannot be built here or did not come with the program, told for all of them before anything is built; a
 /// build fails.
-pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>> {
+pub fn build(
+    workspace: &Workspace,
+    arguments: &Arguments,
+    libraries: &[&'static SharedLibrary],
+) -> Result<Vec<Binary>> {
     let mut wanted = wanted(arguments);
     if wanted.is_empty() {
         match (arguments.glibc.as_deref(), [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple())) {
-            (None, _) => return Ok(vec![own(workspace)?]),
+            (None, _) => return libraries.iter().map(|library| own(workspace, library)).collect(),
             (Some(_), Some(own)) => wanted.push(own),
             (Some(_), None) => {}
         }
@@ -149,7 +153,10 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
     for toolchain in wanted.drain(..) {
         let glibc = arguments.glibc.as_deref();
         let way = match workspace.installation() {
-            Some(root) => prebuilt::path(root, toolchain.folder).map(Way::Taken),
+            Some(root) => {
+                let paths = libraries.iter().map(|library| prebuilt::path(root, library, toolchain.folder));
+                paths.collect::<Result<_>>().map(Way::Taken)
+            }
             None => target(workspace, toolchain, glibc).map(Way::Built).context("cannot be built here"),
         };
         match way {
@@ -162,35 +169,37 @@ pub fn build(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<Binary>
         bail!("nothing was packed: {}{more}", missing.join("\n"));
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
-    let build = |(toolchain, way): (&Toolchain, Way)| {
-        let content = match &way {
-            Way::Built(target) => library::build(workspace, target.as_ref())?,
-            Way::Taken(path) => files::read(path, u64::MAX)?,
+    let build = |toolchain: &Toolchain, way: &Way, index: usize| {
+        let library = libraries[index];
+        let content = match way {
+            Way::Built(target) => library::build(workspace, library, target.as_ref())?,
+            Way::Taken(paths) => files::read(&paths[index], u64::MAX)?,
         };
         // A library that is built for this machine alone may need what is on it.
         if !matches!(way, Way::Built(None)) {
             loads_widely(&content, arguments.glibc.as_deref())
                 .with_context(|| format!("the library for {}", toolchain.tuple))?;
         }
-        let binary = Binary::new(toolchain.folder, content, toolchain.triple)?;
+        let binary = Binary::new(toolchain.folder, content, toolchain.triple)?.of(library);
         Ok(if arguments.compatible && toolchain.folder == ARM_LINUX { binary.compatible() } else { binary })
     };
-    targets.into_iter().map(build).collect()
+    let all = targets.iter().flat_map(|target| (0..libraries.len()).map(move |index| (target, index)));
+    all.map(|((toolchain, way), index)| build(toolchain, way, index)).collect()
 }
 
 /// This machine's own library, in the folder where importers on it look.
-fn own(workspace: &Workspace) -> Result<Binary> {
+fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary> {
     let content = match workspace.installation() {
         Some(root) => {
             let folder = if library::tuple() == ARM.tuple { ARM.folder } else { library::platform()? };
-            files::read(&prebuilt::path(root, folder)?, u64::MAX)?
+            files::read(&prebuilt::path(root, library, folder)?, u64::MAX)?
         }
-        None => library::build(workspace, None)?,
+        None => library::build(workspace, library, None)?,
     };
     if library::tuple() == ARM.tuple {
-        return Ok(Binary::new(ARM.folder, content, ARM.triple)?.compatible());
+        return Ok(Binary::new(ARM.folder, content, ARM.triple)?.of(library).compatible());
     }
-    Binary::new(library::platform()?, content, "this machine's library")
+    Ok(Binary::new(library::platform()?, content, "this machine's library")?.of(library))
 }
 
 /// How the library for a platform is built; None for this machine's own.
@@ -352,7 +361,7 @@ mod tests {
     #[test]
     fn an_old_glibc_for_windows_alone_is_refused() {
         let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
-        let message = build(&Workspace::locate(), &arguments).unwrap_err().to_string();
+        let message = build(&Workspace::locate(), &arguments, &[&library::MECHANISMS]).unwrap_err().to_string();
         assert!(message.contains("--glibc 2.17 applies to libraries for Linux"), "{message}");
     }
 

@@ -3,19 +3,17 @@
 //! In: a platform's folder. Out: the library's file, or which there are instead. `dist` writes them.
 
 use crate::binary;
+use crate::library::SharedLibrary;
 use anyhow::{Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Name of the libraries' files, without extension.
-pub const NAME: &str = "linkage_fmu";
-
-/// The library for the platform of this folder, in the installation in `root`.
+/// A library for the platform of this folder, in the installation in `root`.
 ///
 /// # Errors
 /// It did not come with the program.
-pub fn path(root: &Path, folder: &str) -> Result<PathBuf> {
-    let path = root.join(binary::path(folder, NAME).unwrap_or_default());
+pub fn path(root: &Path, library: &SharedLibrary, folder: &str) -> Result<PathBuf> {
+    let path = root.join(binary::path(folder, library.installed).unwrap_or_default());
     if path.is_file() {
         return Ok(path);
     }
@@ -32,17 +30,18 @@ pub fn path(root: &Path, folder: &str) -> Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library::MECHANISMS;
 
     #[test]
     fn a_library_that_is_not_there_is_named_with_those_that_are() {
         let root = std::env::temp_dir().join(format!("linkage-fmu prebuilt {}", std::process::id()));
-        let message = path(&root, "win64").unwrap_err().to_string();
+        let message = path(&root, &MECHANISMS, "win64").unwrap_err().to_string();
         assert!(message.contains("which contains none") && message.contains("--binary win64=PATH"), "{message}");
         let library = root.join("binaries").join("linux64").join("linkage_fmu.so");
         fs::create_dir_all(library.parent().unwrap()).unwrap();
         fs::write(&library, b"").unwrap();
-        assert_eq!(path(&root, "linux64").unwrap(), library);
-        assert!(path(&root, "win64").unwrap_err().to_string().contains("which contains linux64;"));
+        assert_eq!(path(&root, &MECHANISMS, "linux64").unwrap(), library);
+        assert!(path(&root, &MECHANISMS, "win64").unwrap_err().to_string().contains("which contains linux64;"));
         fs::remove_dir_all(&root).unwrap();
     }
 }

@@ -64,7 +64,7 @@ pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
 pub fn most_together(model: &Component) -> usize {
     match model {
         Component::Mechanism(_) => usize::MAX,
-        Component::Hydraulic(_) | Component::Network(_) => 1,
+        Component::Hydraulic(_) => 1,
     }
 }
 

@@ -77,7 +77,7 @@ impl Component {
     fn starts_by_inputs(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.starts_by_inputs(),
-            Self::Hydraulic(_) | Self::Network(_) => false,
+            Self::Hydraulic(_) => false,
         }
     }
 

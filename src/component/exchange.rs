@@ -10,7 +10,7 @@ impl Component {
     pub fn continuous_time(&self) -> Option<ContinuousTime> {
         match self {
             Self::Mechanism(model) => model.continuous_time(),
-            Self::Hydraulic(_) | Self::Network(_) => None,
+            Self::Hydraulic(_) => None,
         }
     }
 
@@ -18,7 +18,7 @@ impl Component {
     pub fn indicators(&self) -> std::ops::Range<Reference> {
         match self {
             Self::Mechanism(model) => model.indicators(),
-            Self::Hydraulic(_) | Self::Network(_) => 0..0,
+            Self::Hydraulic(_) => 0..0,
         }
     }
 
@@ -34,7 +34,7 @@ impl Component {
     fn exchanged(&mut self) -> Result<&mut mechanism::Model, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model),
-            Self::Hydraulic(_) | Self::Network(_) => Err(Refused(
+            Self::Hydraulic(_) => Err(Refused(
                 "model exchange is not available for a hydraulic actuator without a mechanism; use co-simulation"
                     .to_owned(),
             )),

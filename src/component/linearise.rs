@@ -13,7 +13,7 @@ impl Component {
     pub fn linearise_here(&mut self, what: &Linearisation) -> Result<Linearised, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.linearise_here(what)?),
-            Self::Hydraulic(_) | Self::Network(_) => Err(no_travel()),
+            Self::Hydraulic(_) => Err(no_travel()),
         }
     }
 
@@ -24,7 +24,7 @@ impl Component {
     pub fn linearise(&mut self, what: &Linearisation, count: usize) -> Result<Vec<Linearised>, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.linearise(what, count)?),
-            Self::Hydraulic(_) | Self::Network(_) => Err(no_travel()),
+            Self::Hydraulic(_) => Err(no_travel()),
         }
     }
 
@@ -33,7 +33,7 @@ impl Component {
     pub fn natural_coordinate(&self) -> Option<crate::variables::Reference> {
         let variables = match self {
             Self::Mechanism(model) => model.variables(),
-            Self::Hydraulic(_) | Self::Network(_) => return None,
+            Self::Hydraulic(_) => return None,
         };
         let of = |suffix: &'static str| {
             let stated = variables.list().iter().filter_map(move |v| v.name.strip_suffix(suffix));

@@ -2,7 +2,7 @@
 //!
 //! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know the contents of a snapshot.
 use super::{Component, Refused};
-use crate::hydraulics::{self, network};
+use crate::hydraulics::any::AnySnapshot;
 use crate::mechanism;
 
 /// All that decides how a component goes on.
@@ -11,10 +11,8 @@ use crate::mechanism;
 pub enum Snapshot {
     /// Of a mechanism.
     Mechanism(mechanism::Snapshot),
-    /// Of a hydraulic actuator.
-    Hydraulic(Box<hydraulics::Snapshot>),
-    /// Of a hydraulic system.
-    Network(Box<network::Snapshot>),
+    /// Of a hydraulic model.
+    Hydraulic(Box<dyn AnySnapshot>),
 }
 
 impl Component {
@@ -22,8 +20,7 @@ impl Component {
     pub fn snapshot(&self) -> Snapshot {
         match self {
             Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
-            Self::Hydraulic(model) => Snapshot::Hydraulic(Box::new(model.snapshot())),
-            Self::Network(model) => Snapshot::Network(Box::new(model.snapshot())),
+            Self::Hydraulic(model) => Snapshot::Hydraulic(model.snapshot()),
         }
     }
 
@@ -34,7 +31,6 @@ impl Component {
         match (self, snapshot) {
             (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
             (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
-            (Self::Network(model), Snapshot::Network(snapshot)) => model.snapshot_into(snapshot),
             (component, snapshot) => *snapshot = component.snapshot(),
         }
     }
@@ -45,11 +41,14 @@ impl Component {
     /// The state cannot be taken; nothing has changed.
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
-        match (self, snapshot) {
-            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => Ok(model.restore(snapshot)?),
-            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => Ok(model.restore(snapshot)?),
-            (Self::Network(model), Snapshot::Network(snapshot)) => Ok(model.restore(snapshot)?),
-            _ => Err(Refused("the saved state belongs to another type of model".to_owned())),
+        let is_own = match (self, snapshot) {
+            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.restore(snapshot).map(|()| true)?,
+            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.restore(snapshot.as_ref())?,
+            _ => false,
+        };
+        match is_own {
+            true => Ok(()),
+            false => Err(Refused("the saved state belongs to another type of model".to_owned())),
         }
     }
 
@@ -60,8 +59,7 @@ impl Component {
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
         match self {
             Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
-            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(Box::new(model.read_snapshot(bytes)?))),
-            Self::Network(model) => Ok(Snapshot::Network(Box::new(model.read_snapshot(bytes)?))),
+            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(model.read_snapshot(bytes)?)),
         }
     }
 }
@@ -72,7 +70,6 @@ impl Snapshot {
         match self {
             Self::Mechanism(snapshot) => snapshot.has_motion(),
             Self::Hydraulic(snapshot) => snapshot.has_motion(),
-            Self::Network(snapshot) => snapshot.has_motion(),
         }
     }
 
@@ -84,7 +81,6 @@ impl Snapshot {
         match self {
             Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
             Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
-            Self::Network(snapshot) => Ok(snapshot.write(out)?),
         }
     }
 }

@@ -64,7 +64,7 @@ fn stepped(error: ModelError) -> Result<Stepped, Refused> {
     }
 }
 
-/// How far a step of a hydraulic actuator has come that did not come to its end.
+/// How far a step of a hydraulic model has come that did not come to its end.
 ///
 /// # Errors
 /// The step was refused before it began.
@@ -97,7 +97,6 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
-            Self::Network(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
         }
     }
 
@@ -105,7 +104,7 @@ impl Component {
     pub fn has_events(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_events(),
-            Self::Hydraulic(_) | Self::Network(_) => false,
+            Self::Hydraulic(_) => false,
         }
     }
 
@@ -127,7 +126,7 @@ impl Component {
                 Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
                 Err(error) => stepped(error).map(Paused::from),
             },
-            Self::Hydraulic(_) | Self::Network(_) => self.step_from(Some(point), h).map(Paused::from),
+            Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
         }
     }
 
@@ -139,7 +138,7 @@ impl Component {
     pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
-            Self::Hydraulic(_) | Self::Network(_) => Ok(false),
+            Self::Hydraulic(_) => Ok(false),
         }
     }
 
@@ -156,7 +155,7 @@ impl Component {
     pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
         match self {
             Self::Mechanism(model) => model.take_occurrences(point),
-            Self::Hydraulic(_) | Self::Network(_) => Vec::new(),
+            Self::Hydraulic(_) => Vec::new(),
         }
     }
 
@@ -165,7 +164,7 @@ impl Component {
     pub fn take_growth(&mut self) -> Option<String> {
         match self {
             Self::Mechanism(model) => model.take_growth(),
-            Self::Hydraulic(_) | Self::Network(_) => None,
+            Self::Hydraulic(_) => None,
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: a component and the text of its definition; or a file of tables. Out: the bytes of the file; or the component. A
 //! file belongs to one text and one version. Tables of any other file are computed again, with a remark.
-use super::{Component, Refused};
+use super::{Component, ModelKind, Refused};
 use crate::codec::checksum::fnv1a_128;
 use crate::codec::sections::{self, Sections};
 use std::path::Path;
@@ -20,22 +20,21 @@ fn key(text: &str) -> u128 {
 }
 
 impl Component {
-    /// The component that the definition file of this name and text describes, with the tables in `folder`, if there
-    /// are any of this definition; and a remark if there are others. What it answers is the same with tables and
-    /// without.
+    /// The component of a kind that the definition's text describes, with the tables in `folder`, if there are any of
+    /// this definition; and a remark if there are others. What it answers is the same with tables and without.
     ///
     /// # Errors
     /// As [`Component::from_definition`].
-    pub fn with_tables(file: &str, text: &str, folder: &Path) -> Result<(Self, Option<String>), Refused> {
+    pub fn with_tables(kind: &ModelKind, text: &str, folder: &Path) -> Result<(Self, Option<String>), Refused> {
         match Sections::open(&folder.join(TABLES), key(text)) {
-            Ok(sections) => Ok((Self::construct(file, text, sections.map(Arc::new))?, None)),
+            Ok(sections) => Ok(((kind.construct)(text, sections.map(Arc::new))?, None)),
             Err(why) => {
                 let remark = format!(
                     "'{}' {why}: the tables are computed again, so this instance starts more slowly; package the \
                      model again, or remove the file",
                     folder.join(TABLES).display()
                 );
-                Ok((Self::from_definition(file, text)?, Some(remark)))
+                Ok(((kind.construct)(text, None)?, Some(remark)))
             }
         }
     }
@@ -44,9 +43,9 @@ impl Component {
     ///
     /// # Errors
     /// As [`Component::from_definition`]; the bytes are of another definition or damaged.
-    pub fn with_table_bytes(file: &str, text: &str, bytes: Vec<u8>) -> Result<Self, Refused> {
+    pub fn with_table_bytes(kind: &ModelKind, text: &str, bytes: Vec<u8>) -> Result<Self, Refused> {
         let sections = Sections::of_bytes(bytes.into(), key(text)).map_err(|why| Refused(format!("{TABLES} {why}")))?;
-        Self::construct(file, text, Some(Arc::new(sections)))
+        (kind.construct)(text, Some(Arc::new(sections)))
     }
 
     /// The bytes of the file of tables of this component, whose definition has this text; None if it has no tables.

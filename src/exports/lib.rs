@@ -1,6 +1,12 @@
-//! The shared library that goes into every FMU.
+//! The shared library that goes into every FMU of a mechanism.
 //!
 //! In: the functions of FMI 2.0 and 3.0. Out: a library that exports these, by their names in C, and nothing else. It
 //! must not know what they do.
+#![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
+use linkage_fmu::component::{MECHANISM, ModelKind};
 pub use linkage_fmu::{fmi2, fmi3};
+
+const KINDS: &[ModelKind] = &[MECHANISM];
+linkage_fmu::fmi2_instantiation!(KINDS, unsafe(no_mangle));
+linkage_fmu::fmi3_instantiation!(KINDS, unsafe(no_mangle));

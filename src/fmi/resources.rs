@@ -7,7 +7,7 @@
 #![allow(unsafe_code)]
 
 use super::refusal::Refusal;
-use crate::component::Component;
+use crate::component::{Component, ModelKind};
 use std::ffi::CStr;
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::format::LARGEST_DEFINITION;
 
-/// Component of a new instance. Its definition is read at each instantiation, so that a user may edit the numbers in
+/// Component of a new instance, of one of the kinds that the library has. Its definition is read at each instantiation, so that a user may edit the numbers in
 /// it; tables of the definition as it was packed are then made anew.
 ///
 /// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
@@ -23,7 +23,12 @@ pub use crate::format::LARGEST_DEFINITION;
 ///
 /// # Errors
 /// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
-pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -> Result<Loaded, Refusal> {
+pub fn load(
+    kinds: &[ModelKind],
+    guid_argument: &str,
+    guid: Option<&CStr>,
+    location: Option<&CStr>,
+) -> Result<Loaded, Refusal> {
     let guid = guid.filter(|guid| !guid.is_empty()).ok_or_else(|| {
         Refusal::error(format!("{guid_argument} is NULL or empty; pass the one from modelDescription.xml"))
     })?;
@@ -31,11 +36,10 @@ pub fn load(guid_argument: &str, guid: Option<&CStr>, location: Option<&CStr>) -
         Some(location) => from_uri(location.to_bytes())?,
         None => beside_library()?,
     };
-    let names = Component::definition_files();
-    let name = names.into_iter().find(|name| folder.join(name).exists()).unwrap_or(names[0]);
-    let file = folder.join(name);
+    let kind = kinds.iter().find(|kind| folder.join(kind.file()).exists()).unwrap_or(&kinds[0]);
+    let file = folder.join(kind.file());
     let text = read(&file)?;
-    let (component, remark) = Component::with_tables(name, &text, &folder)
+    let (component, remark) = Component::with_tables(kind, &text, &folder)
         .map_err(|refused| Refusal::error(format!("'{}': {}", file.display(), refused.0)))?;
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {

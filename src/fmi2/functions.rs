@@ -6,6 +6,7 @@ use super::types::{
     Boolean, Byte, CO_SIMULATION, CallbackFunctions, Component, DO_STEP_STATUS, FALSE, FmuState, Integer,
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
+use crate::component::ModelKind;
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
 use crate::fmi::exchange::served;
@@ -30,18 +31,17 @@ pub extern "C" fn fmi2GetVersion() -> Text {
     c"2.0".as_ptr()
 }
 
-/// New instance, from the definition file in the resources folder; NULL, with a message, if anything is amiss.
+/// New instance, `fmi2Instantiate`, of one of the kinds of models that the library has: from the definition file in the resources folder; NULL, with a message, if anything is amiss.
 ///
 /// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
-/// copied; each may be NULL. `visible` has no meaning here.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi2Instantiate(
+/// copied; each may be NULL.
+pub unsafe fn instantiate(
+    kinds: &[ModelKind],
     name: Text,
     fmu_type: c_int,
     guid: Text,
     location: Text,
     functions: *const CallbackFunctions,
-    _visible: Boolean,
     logging_on: Boolean,
 ) -> Component {
     // SAFETY: strings and callbacks are the host's, for the duration of the call (2.1.5).
@@ -53,8 +53,8 @@ pub unsafe extern "C" fn fmi2Instantiate(
         let logger = Logger::new(sink(&functions.read(), name), logging_on != FALSE);
         let usage = if fmu_type == MODEL_EXCHANGE { Usage::MODEL_EXCHANGE } else { Usage::default() };
         handle::instantiate(VERSION, "fmi2Instantiate", name, logger, usage, || match fmu_type {
-            CO_SIMULATION => resources::load("fmuGUID", guid, location),
-            MODEL_EXCHANGE => served(resources::load("fmuGUID", guid, location)?),
+            CO_SIMULATION => resources::load(kinds, "fmuGUID", guid, location),
+            MODEL_EXCHANGE => served(resources::load(kinds, "fmuGUID", guid, location)?),
             other => {
                 let allowed = "it must be 0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)";
                 Err(Refusal::error(format!("fmuType is {other}; {allowed}")))

@@ -17,12 +17,14 @@ mod exchange;
 mod functions;
 pub mod host;
 pub mod importer;
+mod instantiation;
 pub mod types;
 
 use crate::fmi::version::Version;
 use crate::variables::Kind;
 pub use exchange::*;
 pub use functions::*;
+pub use instantiation::*;
 
 /// What an instance must know of FMI 2.0.
 pub(crate) const VERSION: Version = Version::of_scalars(Kind::word);

@@ -4,6 +4,7 @@
 use super::VERSION;
 use super::functions::sink;
 use super::types::{Boolean, Environment, FALSE, Instance as Component, LogMessage, Status, Text};
+use crate::component::ModelKind;
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
 use crate::fmi::exchange::served;
@@ -11,15 +12,14 @@ use crate::fmi::logger::Logger;
 use crate::fmi::phase::{ALIVE, Function};
 use crate::fmi::{exported_exchange, handle, resources};
 
-/// New instance for model exchange, from the definition file in the folder of resources; NULL, with a message, if
-/// anything is amiss, and where the XML does not declare model exchange. The path is that of
-/// [`super::fmi3InstantiateCoSimulation`].
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+/// New instance for model exchange, `fmi3InstantiateModelExchange`, of one of the kinds of models that the library has:
+/// from the definition file in the folder of resources; NULL, with a message, if anything is amiss, and where the XML does not declare model exchange. The path is that of
+/// [`super::instantiate_co_simulation`].
+pub unsafe fn instantiate_model_exchange(
+    kinds: &[ModelKind],
     name: Text,
     token: Text,
     resource_path: Text,
-    _visible: Boolean,
     logging_on: Boolean,
     environment: Environment,
     log_message: Option<LogMessage>,
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
         let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
         let function = "fmi3InstantiateModelExchange";
         handle::instantiate(VERSION, function, name, logger, Usage::MODEL_EXCHANGE, || {
-            served(resources::load("instantiationToken", token, path)?)
+            served(resources::load(kinds, "instantiationToken", token, path)?)
         })
     }
 }

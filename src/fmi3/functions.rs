@@ -7,6 +7,7 @@ use super::types::{
     Boolean, DEPENDENT, Enumeration, Environment, FALSE, FmuState, Instance as Component, IntermediateUpdateCallback,
     LogMessage, Status, Text, ValueReference,
 };
+use crate::component::ModelKind;
 use crate::fmi::array::{input, output, text};
 use crate::fmi::event_mode::Usage;
 use crate::fmi::instance::Instance;
@@ -25,24 +26,22 @@ pub extern "C" fn fmi3GetVersion() -> Text {
     c"3.0".as_ptr()
 }
 
-/// New instance for co-simulation, from the definition file in the folder of resources; NULL, with a message, if
-/// anything is amiss.
+/// New instance for co-simulation, `fmi3InstantiateCoSimulation`, of one of the kinds of models that the library has:
+/// from the definition file in the folder of resources; NULL, with a message, if anything is amiss.
 ///
 /// A NULL or empty path means the folder `resources` of the FMU that this library lies in. With event mode and early
 /// return a step ends where a stop is met or lets go. Event mode is refused where the XML does not declare it, as no
 /// stop does. After each internal step the callback is called if there is one; it may read any variable, so that the
-/// list of those required has no meaning here, nor has `visible`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+/// list of those required has no meaning.
+#[expect(clippy::too_many_arguments, reason = "those of the standard's function")]
+pub unsafe fn instantiate_co_simulation(
+    kinds: &[ModelKind],
     name: Text,
     token: Text,
     resource_path: Text,
-    _visible: Boolean,
     logging_on: Boolean,
     event_mode_used: Boolean,
     early_return_allowed: Boolean,
-    _required_intermediate_variables: *const ValueReference,
-    _required_intermediate_variable_count: usize,
     environment: Environment,
     log_message: Option<LogMessage>,
     update: Option<IntermediateUpdateCallback>,
@@ -58,7 +57,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             model_exchange: false,
         };
         let c = handle::instantiate(VERSION, "fmi3InstantiateCoSimulation", name, logger, usage, || {
-            let loaded = resources::load("instantiationToken", token, path)?;
+            let loaded = resources::load(kinds, "instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
                     "eventModeUsed is true, but this FMU has no stop and therefore no event mode (hasEventMode is \

@@ -19,6 +19,7 @@ mod absent;
 mod exchange;
 mod functions;
 pub mod host;
+mod instantiation;
 mod step;
 pub mod types;
 
@@ -27,6 +28,7 @@ use crate::variables::Kind;
 pub use absent::*;
 pub use exchange::*;
 pub use functions::*;
+pub use instantiation::*;
 pub use step::fmi3DoStep;
 
 /// What an instance must know of FMI 3.0.

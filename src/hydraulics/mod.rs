@@ -7,6 +7,7 @@
 //! ```text
 //! definition -> circuit -> systems -> state -> outputs, model -> snapshot
 //! ```
+pub mod any;
 pub mod circuit;
 pub mod definition;
 mod error;
@@ -20,6 +21,9 @@ pub(crate) mod plausibility;
 mod snapshot;
 mod state;
 mod systems;
+
+/// Name of the definition file of a hydraulic actuator.
+pub const FILE: &str = "hydraulics.json";
 
 pub use error::HydraulicsError;
 pub use interface::ACTUATOR;

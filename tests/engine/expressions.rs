@@ -1,7 +1,7 @@
 //! Numbers that are expressions of parameters: against the same definition with its numbers written out, to the bit.
 
 use crate::support::{Run, assert_says, changed};
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, MECHANISM};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::simulation::Simulation;
@@ -197,7 +197,7 @@ fn saved_states_and_tables_hold_what_follows() {
     assert_eq!(Model::from_json(&same).unwrap().identity(), model.identity());
     // Kept tables are of the numbers that the expressions give.
     let made = Component::from_definition(FILE, FAMILY).unwrap();
-    let mut taken = Component::with_table_bytes(FILE, FAMILY, made.tables(FAMILY).unwrap()).unwrap();
+    let mut taken = Component::with_table_bytes(&MECHANISM, FAMILY, made.tables(FAMILY).unwrap()).unwrap();
     let [size, length] = ["size", "crank.length"].map(|name| taken.interface().find(name).unwrap());
     taken.set_real(size, 0.55).unwrap();
     taken.initialize().unwrap();

@@ -2,7 +2,7 @@
 //! it.
 use crate::support::{CURVES, GEAR, changed};
 use linkage_fmu::codec::sections::{self, Sections};
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, MECHANISM};
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind};
 use serde_json::json;
@@ -50,7 +50,7 @@ fn kept_tables_change_no_bit() {
         let made = Component::from_definition(FILE, &text).unwrap();
         let Some(bytes) = made.tables(&text) else { continue };
         assert_eq!(Some(&bytes), made.tables(&text).as_ref(), "the same bytes each time");
-        let taken = Component::with_table_bytes(FILE, &text, bytes.clone()).unwrap();
+        let taken = Component::with_table_bytes(&MECHANISM, &text, bytes.clone()).unwrap();
         assert_eq!(taken.tables(&text), Some(bytes), "{}", made.name());
         let list = made.interface().list().iter().zip(0..);
         let flags = list.filter(|(v, _)| v.kind == Kind::Boolean && v.causality == Causality::Parameter);
@@ -83,7 +83,7 @@ fn tables_of_another_text_are_refused() {
     let made = Component::from_definition(FILE, GEAR).unwrap();
     let edited = GEAR.replacen("0.", "0.0", 1);
     assert_ne!(edited, GEAR);
-    let refusal = Component::with_table_bytes(FILE, &edited, made.tables(GEAR).unwrap()).unwrap_err();
+    let refusal = Component::with_table_bytes(&MECHANISM, &edited, made.tables(GEAR).unwrap()).unwrap_err();
     assert!(refusal.0.contains("tables.bin belongs to another definition"), "{refusal}");
 }
 

@@ -11,7 +11,7 @@ use crate::fmu::Fmu;
 use crate::needs::{self, Needs};
 use crate::version::Version;
 use crate::workspace::{INSTALLED, Workspace};
-use crate::{command, files, package, platform, prebuilt};
+use crate::{command, files, library, package, platform};
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Dist as Arguments;
 use std::fs;
@@ -32,7 +32,7 @@ const PROMISE: &str = "manylinux_2_";
 /// of it fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let packing = packing(arguments);
-    let binaries = package::libraries(workspace, &packing)?;
+    let binaries = package::libraries(workspace, &packing, &[&library::MECHANISMS, &library::HYDRAULICS])?;
     let stage = workspace.target("wheel");
     if stage.is_dir() {
         fs::remove_dir_all(&stage).with_context(|| format!("{}: cannot be removed", stage.display()))?;
@@ -44,7 +44,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
     files::replace_named(&wheel, "--out", &content)?;
-    let platforms: Vec<&str> = binaries.iter().map(Binary::platform).collect();
+    let mut platforms: Vec<&str> = binaries.iter().map(Binary::platform).collect();
+    platforms.dedup();
     println!("{} ({:.1} MB, libraries: {})", wheel.display(), content.len() as f64 / 1e6, platforms.join(", "));
     if arguments.test {
         test::run(workspace, &packing, &wheel)?;
@@ -81,8 +82,11 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     for part in PARTS {
         files::copy_all(&workspace.root().join(part), &root.join(part))?;
     }
-    for entry in binaries.iter().flat_map(|binary| binary.entries(Version::Two, prebuilt::NAME)) {
-        files::replace(&root.join(&entry.name), &entry.content)?;
+    for library in [&library::MECHANISMS, &library::HYDRAULICS] {
+        let binaries = binaries.iter().filter(|binary| binary.serves(library));
+        for entry in binaries.flat_map(|binary| binary.entries(Version::Two, library.installed)) {
+            files::replace(&root.join(&entry.name), &entry.content)?;
+        }
     }
     Ok(())
 }

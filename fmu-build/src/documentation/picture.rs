@@ -44,7 +44,8 @@ const PLAIN: Cylinder = Cylinder { bore: 0.05, rod: 0.03, stroke: 0.3, closed_le
 fn first_cylinder(component: &Component) -> Option<[String; 2]> {
     let position = component.interface().list().iter().find(|v| v.name.ends_with(".stroke_position"))?;
     let owner = position.name.strip_suffix(".stroke_position")?.to_owned();
-    let length = if matches!(component, Component::Hydraulic(_)) { "actuator".to_owned() } else { owner.clone() };
+    let actuator = component.interface().find("actuator.length").map(|_| "actuator".to_owned());
+    let length = actuator.unwrap_or_else(|| owner.clone());
     Some([owner, length])
 }
 
@@ -73,7 +74,7 @@ impl Picture {
                 }
                 Ok(Self::Mechanism { name, scene: Box::new(scene), start, typical })
             }
-            Component::Hydraulic(_) | Component::Network(_) => {
+            Component::Hydraulic(_) => {
                 let Some([cylinder, actuator]) = first_cylinder(component) else {
                     return Ok(Self::Cylinder { name, cylinder: PLAIN });
                 };

@@ -49,10 +49,10 @@ fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
     // Of the program that runs now, Cargo tells its children where it lies.
     cargo.current_dir(root).env_remove("CARGO_MANIFEST_DIR").env("CARGO_TARGET_DIR", target);
-    cargo.args(["build", "--release", "--quiet", "--package", library::PACKAGE, "--lib"]);
+    cargo.args(["build", "--release", "--quiet", "--package", library::MECHANISMS.package, "--lib"]);
     command::run(&mut cargo, "cargo build")?;
     let prefix = if cfg!(windows) { "" } else { "lib" };
-    let path: PathBuf = target.join("release").join(format!("{prefix}{}.{DLL_EXTENSION}", library::NAME));
+    let path: PathBuf = target.join("release").join(format!("{prefix}{}.{DLL_EXTENSION}", library::MECHANISMS.name));
     fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
 }
 

@@ -19,6 +19,9 @@ mod snapshot;
 mod state;
 mod system;
 
+/// Name of the definition file of a hydraulic system.
+pub const FILE: &str = "network.json";
+
 pub use model::Model;
 pub use snapshot::Snapshot;
 

@@ -65,7 +65,7 @@ impl Film {
     pub fn new(model: &Component) -> Result<Self> {
         match model {
             Component::Mechanism(_) => Ok(Self { stills: Thinned::new(FRAMES) }),
-            Component::Hydraulic(_) | Component::Network(_) => {
+            Component::Hydraulic(_) => {
                 bail!("--gif: {} has no linkage that can be drawn", model.name())
             }
         }

@@ -73,7 +73,7 @@ impl<'a> Runner<'a> {
 
     fn make(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
         let Task { factors, calls, scenario, responses } = self.task;
-        if matches!(self.model, Component::Hydraulic(_) | Component::Network(_)) {
+        if matches!(self.model, Component::Hydraulic(_)) {
             // Its values are checked against each other, so that those of the run before might count.
             self.model.reset();
         }

@@ -1,0 +1,30 @@
+//! The function of FMI 2.0 that makes an instance, for the kinds of models that a library has. A library for fewer
+//! kinds is smaller: nothing else in it refers to the code of a kind.
+//!
+//! In: the kinds, the host's arguments. Out: an instance. It must not know any kind.
+use crate::component::KINDS;
+
+/// The function of FMI 2.0 that makes an instance of one of the kinds, with this attribute. The contract of the
+/// pointers is that of the module [`fmi2`](crate::fmi2).
+#[macro_export]
+macro_rules! fmi2_instantiation {
+    ($kinds:expr $(, $attribute:meta)?) => {
+        /// FMI 2.0.5, 2.1.5: a new instance. `visible` has no meaning.
+        $(#[$attribute])?
+        pub unsafe extern "C" fn fmi2Instantiate(
+            name: $crate::fmi2::types::Text,
+            fmu_type: std::ffi::c_int,
+            guid: $crate::fmi2::types::Text,
+            location: $crate::fmi2::types::Text,
+            functions: *const $crate::fmi2::types::CallbackFunctions,
+            _visible: $crate::fmi2::types::Boolean,
+            logging_on: $crate::fmi2::types::Boolean,
+        ) -> $crate::fmi2::types::Component {
+            let kinds: &[$crate::component::ModelKind] = $kinds;
+            // SAFETY: the pointers are the host's own.
+            unsafe { $crate::fmi2::instantiate(kinds, name, fmu_type, guid, location, functions, logging_on) }
+        }
+    };
+}
+
+fmi2_instantiation!(&KINDS);

@@ -1,0 +1,58 @@
+//! The functions of FMI 3.0 that make an instance, for the kinds of models that a library has. A library for fewer
+//! kinds is smaller: nothing else in it refers to the code of a kind.
+//!
+//! In: the kinds, the host's arguments. Out: an instance. It must not know any kind.
+use crate::component::KINDS;
+
+/// The functions of FMI 3.0 that make an instance of one of the kinds, with this attribute. The contract of the
+/// pointers is that of the module [`fmi3`](crate::fmi3).
+#[macro_export]
+macro_rules! fmi3_instantiation {
+    ($kinds:expr $(, $attribute:meta)?) => {
+        /// FMI 3.0.2, 4.2.2: a new instance for co-simulation. `visible` has no meaning, nor has the list of variables
+        /// that the callback reads.
+        $(#[$attribute])?
+        pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
+            name: $crate::fmi3::types::Text,
+            token: $crate::fmi3::types::Text,
+            resources: $crate::fmi3::types::Text,
+            _visible: $crate::fmi3::types::Boolean,
+            logging_on: $crate::fmi3::types::Boolean,
+            event_mode: $crate::fmi3::types::Boolean,
+            early_return: $crate::fmi3::types::Boolean,
+            _required: *const $crate::fmi3::types::ValueReference,
+            _required_count: usize,
+            environment: $crate::fmi3::types::Environment,
+            log: Option<$crate::fmi3::types::LogMessage>,
+            update: Option<$crate::fmi3::types::IntermediateUpdateCallback>,
+        ) -> $crate::fmi3::types::Instance {
+            let kinds: &[$crate::component::ModelKind] = $kinds;
+            // SAFETY: the pointers are the host's own.
+            unsafe {
+                $crate::fmi3::instantiate_co_simulation(
+                    kinds, name, token, resources, logging_on, event_mode, early_return, environment, log, update,
+                )
+            }
+        }
+
+        /// FMI 3.0.2, 3.2.1: a new instance for model exchange. `visible` has no meaning.
+        $(#[$attribute])?
+        pub unsafe extern "C" fn fmi3InstantiateModelExchange(
+            name: $crate::fmi3::types::Text,
+            token: $crate::fmi3::types::Text,
+            resources: $crate::fmi3::types::Text,
+            _visible: $crate::fmi3::types::Boolean,
+            logging_on: $crate::fmi3::types::Boolean,
+            environment: $crate::fmi3::types::Environment,
+            log: Option<$crate::fmi3::types::LogMessage>,
+        ) -> $crate::fmi3::types::Instance {
+            let kinds: &[$crate::component::ModelKind] = $kinds;
+            // SAFETY: the pointers are the host's own.
+            unsafe {
+                $crate::fmi3::instantiate_model_exchange(kinds, name, token, resources, logging_on, environment, log)
+            }
+        }
+    };
+}
+
+fmi3_instantiation!(&KINDS);
