@@ -303,7 +303,12 @@ impl Owner<'_> {
                     match self.group {
                         Some(group) => {
                             let path = [group, ".", self.name, ".", of, dot, key.name];
-                            Parameter::new(name, path, [key.words, " of ", self.name], kind)
+                            // An @ in the words stands for the element, or for the object in it.
+                            let words = match key.words.split_once('@') {
+                                Some((before, after)) => [before, self.name, dot, of, after],
+                                None => [key.words, " of ", self.name, "", ""],
+                            };
+                            Parameter::new(name, path, words, kind)
                         }
                         None => Parameter::new(name, name, [key.words], kind),
                     },

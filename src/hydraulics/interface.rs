@@ -30,14 +30,14 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator; within a step the length at its start plus the integral of the speed",
+        "Length of the actuator at the start of a step; within the step the actuator integrates its speed",
         Unit::Metre,
     ),
     ("actuator.speed", "Speed of the actuator, positive when it extends", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when it extends; used for derivatives of outputs only; 0: \
-         acceleration of the reduced mass, if known",
+        "Acceleration of the actuator, positive when it extends; only derivatives of outputs use it; 0: the \
+         acceleration of the reduced mass is used",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1, positive to extend", Unit::One),
@@ -45,31 +45,41 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("tank.pressure", "Pressure of the tank, relative to the ambient pressure", Unit::Pascal),
     (
         "actuator.reduced_mass",
-        "Mass that the actuator moves, reduced to the actuator; 0: unknown, no preview",
+        "Mass that the actuator moves, reduced to the actuator; 0: not known, so no motion is predicted",
         Unit::Kilogram,
     ),
     (
         "actuator.reduced_mass_derivative",
-        "Derivative of the reduced mass with respect to the length",
+        "Derivative of actuator.reduced_mass with respect to the length",
         Unit::KilogramPerMetre,
     ),
     (
         "actuator.holding_force",
-        "Force of the actuator that holds the load at rest, positive in extension",
+        "Force with which the actuator would hold its load at rest, positive when it pushes",
         Unit::Newton,
     ),
     (
         "actuator.holding_force_derivative",
-        "Derivative of the holding force with respect to the length; 0: unknown",
+        "Derivative of actuator.holding_force with respect to the length; 0: not known",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step; 0: as the last one", Unit::Second),
+    (
+        "preview.horizon",
+        "Size of the next communication step; 0: the next step is as long as the last one",
+        Unit::Second,
+    ),
     (
         "actuator.lower_limit",
-        "Least length at the stops of what the actuator moves; the present length while a stop or a lock holds it",
+        "Least length that the stops of the mechanism allow; the present length while a stop or a lock holds the \
+         mechanism",
         Unit::Metre,
     ),
-    ("actuator.upper_limit", "Largest length at the stops, likewise; 0: unknown", Unit::Metre),
+    (
+        "actuator.upper_limit",
+        "Largest length that the stops of the mechanism allow; the present length while a stop or \
+        a lock holds the mechanism; 0: not known",
+        Unit::Metre,
+    ),
 ];
 
 /// Inputs that the acceleration at the beginning of the foreseen motion depends on: it is that of the element under the
@@ -121,15 +131,15 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Preview force at the start of the next step: start of the straight line with the predicted impulse and \
-         first moment",
+        "Predicted force at the start of the next step, for hosts that also pass preview.force_rate; both together \
+         give the predicted impulse",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
     (
         "preview.force_rate",
-        "Rate of the preview force over the next step",
+        "Predicted rate of preview.force over the next step",
         Unit::NewtonPerSecond,
         Output::PreviewForceRate,
         FORESEEN,
@@ -145,14 +155,14 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.start_acceleration",
-        "Acceleration under the force at the start of the next step",
+        "Predicted acceleration at the start of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewStartAcceleration,
         START_ACCELERATION,
     ),
     (
         "preview.acceleration",
-        "Acceleration under the predicted force at the end of the next step",
+        "Predicted acceleration at the end of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewAcceleration,
         FORESEEN_ACCELERATION,
@@ -187,7 +197,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ("valve.speed", "Speed of the valve spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
     (
         "accumulator.pressure",
-        "Pressure at the supply side of the valve: pressure of the accumulator, or the input if there is none",
+        "Pressure at the supply side of the valve: pressure of the accumulator, or supply.pressure if there is no \
+         accumulator",
         Unit::Pascal,
         Output::SupplyPressure,
         &[Supply],
@@ -239,15 +250,15 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.balance",
-        "Energy supplied minus all other energies: 0 except for rounding",
+        "Supplied energy minus all other energies of the circuit: 0 except for rounding",
         Unit::Joule,
         Output::Balance,
         &[],
     ),
     (
         "coupling.stable_step",
-        "Largest stable communication step for a coupling with held inputs and without preview; 0: no limit, or the \
-         mass is unknown",
+        "Longest stable communication step of a coupling without preview; 0: no limit, or actuator.reduced_mass is not \
+         known",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -308,7 +319,10 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     let words = Mode::ALL.map(|mode| format!("\"{}\"", mode.word())).join(" or ");
     list.push(Variable {
         name: "coupling.mode".to_owned(),
-        description: format!("Motion within a step: {words}; predicted from the mass, or taken from the inputs"),
+        description: format!(
+            "Motion of the actuator within a step: {words}; preview and delayed predict the motion \
+            from actuator.reduced_mass, follow uses the motion at the inputs"
+        ),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,
         variability: Variability::Fixed,

@@ -59,13 +59,13 @@ keys! {
 
     /// Hydraulic supply.
     pub struct Supply: Copy {
-        /// Start value of the input `supply.pressure` [Pa], above the negative ambient pressure.
+        /// Start value of the input `supply.pressure` [Pa]. As an absolute pressure it must be above 0.
         pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
     }
 
     /// Hydraulic tank (return).
     pub struct Tank: Copy {
-        /// Start value of the input `tank.pressure` [Pa], above the negative ambient pressure.
+        /// Start value of the input `tank.pressure` [Pa]. As an absolute pressure it must be above 0.
         pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }

@@ -26,46 +26,53 @@ pub enum Quantity {
 
 /// Name, text and unit of each input of a cylinder, in the order of [`Part::ALL`].
 const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
-    ("length", "Length; within a step its value at the beginning plus the integral of the speed", Unit::Metre),
-    ("speed", "Rate of the length", Unit::MetrePerSecond),
+    ("length", "Length of @ at the start of a step; within the step the cylinder integrates its speed", Unit::Metre),
+    ("speed", "Speed of @, positive when it extends", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration, for derivatives of outputs only; 0: the acceleration of the reduced mass, if given",
+        "Acceleration of @, positive when it extends; only derivatives of outputs use it; 0: the acceleration of the \
+         reduced mass is used",
         Unit::MetrePerSecondSquared,
     ),
-    ("reduced_mass", "Mass of what the cylinder moves, reduced to it; 0: unknown, no preview", Unit::Kilogram),
-    ("reduced_mass_derivative", "Derivative of the reduced mass with respect to the length", Unit::KilogramPerMetre),
-    ("holding_force", "Force of the cylinder that holds what it moves at rest", Unit::Newton),
+    ("reduced_mass", "Mass that @ moves, reduced to @; 0: not known, so no motion is predicted", Unit::Kilogram),
+    ("reduced_mass_derivative", "Derivative of @.reduced_mass with respect to the length", Unit::KilogramPerMetre),
+    ("holding_force", "Force with which @ would hold its load at rest, positive when it pushes", Unit::Newton),
     (
         "holding_force_derivative",
-        "Derivative of the holding force with respect to the length; 0: unknown",
+        "Derivative of @.holding_force with respect to the length; 0: not known",
         Unit::NewtonPerMetre,
     ),
-    ("lower_limit", "Least length that stops and locks leave to what the cylinder moves", Unit::Metre),
-    ("upper_limit", "Largest length that they leave; 0 as the least one: unknown", Unit::Metre),
+    (
+        "lower_limit",
+        "Least length of @ that the stops of the mechanism allow; the present length while a stop or a \
+        lock holds the mechanism",
+        Unit::Metre,
+    ),
+    ("upper_limit", "Largest length of @ that the stops of the mechanism allow; both limits 0: not known", Unit::Metre),
 ];
 
 /// Name, text, unit and quantity of each output of the foreseen motion of a cylinder.
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Force at the start of the next step, of the line with the predicted impulse and first moment",
+        "Predicted force of @ at the start of the next step, for hosts that also pass preview.force_rate; both \
+         together give the predicted impulse",
         Unit::Newton,
         Ahead::Force,
     ),
-    ("force_rate", "Rate of that line", Unit::NewtonPerSecond, Ahead::ForceRate),
-    ("force_mean", "Predicted mean force over the next step", Unit::Newton, Ahead::ForceMean),
-    ("length", "Predicted length at the end of the next step", Unit::Metre, Ahead::Length),
-    ("speed", "Predicted speed at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
+    ("force_rate", "Predicted rate of @.preview.force over the next step", Unit::NewtonPerSecond, Ahead::ForceRate),
+    ("force_mean", "Predicted mean force of @ over the next step", Unit::Newton, Ahead::ForceMean),
+    ("length", "Predicted length of @ at the end of the next step", Unit::Metre, Ahead::Length),
+    ("speed", "Predicted speed of @ at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
     (
         "start_acceleration",
-        "Acceleration under the force at the beginning of the next step",
+        "Predicted acceleration of @ at the start of the next step",
         Unit::MetrePerSecondSquared,
         Ahead::StartAcceleration,
     ),
     (
         "acceleration",
-        "Acceleration at the end of the next step under the predicted force",
+        "Predicted acceleration of @ at the end of the next step",
         Unit::MetrePerSecondSquared,
         Ahead::Acceleration,
     ),
@@ -82,17 +89,18 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ("volume.leaked", "Oil lost by external leakage since the start", Unit::CubicMetre, Output::Total(Total::Leaked)),
     (
         "volume.compressed",
-        "Oil taken by the elasticity of oil, hoses, walls and gas since the start",
+        "Oil that the compression of oil and gas and the stretch of hoses and walls have stored since the start",
         Unit::CubicMetre,
         Output::Total(Total::Compressed),
     ),
     (
         "volume.balance",
-        "Oil from the reservoirs less what has leaked, is compressed or fills the cylinders: 0 but for rounding",
+        "Oil from the reservoirs minus the leaked oil, the stored oil and the growth of the chambers: 0 except for \
+         rounding",
         Unit::CubicMetre,
         Output::VolumeBalance,
     ),
-    ("energy.pumps", "Hydraulic work of the pumps since the start", Unit::Joule, Output::Total(Total::PumpWork)),
+    ("energy.pumps", "Work of the pumps on the oil since the start", Unit::Joule, Output::Total(Total::PumpWork)),
     (
         "energy.reservoirs",
         "Energy from the reservoirs since the start",
@@ -102,13 +110,13 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ("energy.piston", "Work of the cylinders since the start", Unit::Joule, Output::Total(Total::PistonWork)),
     (
         "energy.seal_friction",
-        "Energy lost in the seals since the start",
+        "Energy lost in seal friction since the start",
         Unit::Joule,
         Output::Total(Total::SealFriction),
     ),
     (
         "energy.compression",
-        "Energy taken by the elasticity of oil, hoses, walls and gas since the start",
+        "Energy that the compression of oil and gas and the stretch of hoses and walls have stored since the start",
         Unit::Joule,
         Output::Total(Total::Compression),
     ),
@@ -120,7 +128,7 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.balance",
-        "Energy of pumps and reservoirs less all other energies: 0 but for the integration",
+        "Energy of pumps and reservoirs minus all other energies: 0 except for the error of the integration",
         Unit::Joule,
         Output::EnergyBalance,
     ),
@@ -170,18 +178,31 @@ impl Builder<'_> {
     fn inputs(&mut self) {
         let system = self.system;
         for (name, one) in system.reservoirs.iter() {
-            let text = format!("Pressure of {name}, relative to the ambient pressure");
+            let text = format!("Pressure of the reservoir {name}, relative to the ambient pressure");
             self.input(format!("{name}.pressure"), text, Unit::Pascal, one.pressure);
         }
         for (name, _) in system.pumps.iter() {
-            self.input(format!("{name}.speed"), format!("Relative speed of {name}; 0: off"), Unit::One, 1.0);
+            self.input(
+                format!("{name}.speed"),
+                format!(
+                    "Relative speed of the pump {name}: 1 is the full speed, 0 is \
+                off"
+                ),
+                Unit::One,
+                1.0,
+            );
         }
         for (name, one) in system.valves.iter() {
-            let text = format!("Command of {name}, from -1 to 1");
+            let text = format!("Command of the valve {name}, from -1 to 1");
             self.input(format!("{name}.command"), text, Unit::One, one.command);
         }
         for (name, one) in system.bypasses.iter() {
-            self.input(format!("{name}.open"), format!("Opening of {name}, from 0 to 1"), Unit::One, one.open);
+            self.input(
+                format!("{name}.open"),
+                format!("Opening of the by-pass {name}, from 0 (closed) to 1 (open)"),
+                Unit::One,
+                one.open,
+            );
         }
         for (name, one) in system.cylinders.iter() {
             let [least, most] = one.lengths();
@@ -195,22 +216,28 @@ impl Builder<'_> {
                     Part::UpperLimit => one.upper_limit,
                     _ => 0.0,
                 };
-                self.input(format!("{name}.{key}"), format!("{text}, of {name}"), unit, start);
+                self.input(format!("{name}.{key}"), text.replace('@', name), unit, start);
             }
         }
-        let text = "Next step of the host; 0: as the last one, at first the step of the default experiment".to_owned();
+        let text = "Size of the next communication step; 0: the next step is as long as the last one".to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
 
     fn outputs(&mut self) {
         let (system, layout, flow) = (self.system, self.layout, self.flow.clone());
         for (index, (name, _)) in system.nodes.iter().enumerate() {
-            let text = format!("Pressure in {name}, relative to the ambient pressure");
+            let text = format!("Pressure at the node {name}, relative to the ambient pressure");
             self.output(format!("{name}.pressure"), text, Unit::Pascal, Output::Pressure(index), &[]);
         }
         for (index, (name, _)) in system.reservoirs.iter().enumerate() {
             let output = Output::ReservoirFlow(index);
-            self.output(format!("{name}.flow"), format!("Flow into {name}"), Unit::CubicMetrePerSecond, output, &flow);
+            self.output(
+                format!("{name}.flow"),
+                format!("Flow into the reservoir {name}"),
+                Unit::CubicMetrePerSecond,
+                output,
+                &flow,
+            );
         }
         let mut paths = Vec::new();
         system.elements(&mut |group, name| {
@@ -225,7 +252,7 @@ impl Builder<'_> {
         let pumps = system.pumps.names().into_iter().map(str::to_owned).enumerate();
         let pumps = pumps.map(|(index, name)| (paths.len() + valves + index, name)).collect::<Vec<_>>();
         for (index, name) in paths.into_iter().enumerate().chain(pumps) {
-            let text = format!("Flow of {name} from its first to its second port");
+            let text = format!("Flow through {name}, positive from its port `from` to its port `to`");
             self.output(format!("{name}.flow"), text, Unit::CubicMetrePerSecond, Output::Flow(index), &flow);
         }
         for (index, (name, valve)) in system.valves.iter().enumerate() {
@@ -234,10 +261,10 @@ impl Builder<'_> {
             let text = format!("Position of the spool of {name}");
             self.output(format!("{name}.position"), text, Unit::One, Output::Spool(index), dependencies);
             for (port, (key, text)) in [
-                ("supply_flow", "Flow from the supply into"),
-                ("return_flow", "Flow into the return from"),
-                ("flow_a", "Flow out of port a of"),
-                ("flow_b", "Flow out of port b of"),
+                ("supply_flow", "Flow from the supply into the valve"),
+                ("return_flow", "Flow into the return from the valve"),
+                ("flow_a", "Flow out of port a of the valve"),
+                ("flow_b", "Flow out of port b of the valve"),
             ]
             .into_iter()
             .enumerate()
@@ -254,7 +281,13 @@ impl Builder<'_> {
         }
         for (index, (name, _)) in system.accumulators.iter().enumerate() {
             let output = Output::OilVolume(index);
-            self.output(format!("{name}.oil_volume"), format!("Oil in {name}"), Unit::CubicMetre, output, &[]);
+            self.output(
+                format!("{name}.oil_volume"),
+                format!("Oil volume in the accumulator {name}"),
+                Unit::CubicMetre,
+                output,
+                &[],
+            );
         }
         for index in 0..layout.cylinders {
             self.cylinder(index);
@@ -269,7 +302,7 @@ impl Builder<'_> {
                 unit: None,
                 ..Row::real(Causality::Output, Unit::One)
             };
-            let text = format!("Whether the pressure leaves {name} engaged");
+            let text = format!("Whether the lock {name} is engaged; pressure releases it");
             self.push(format!("{name}.engaged"), text, Quantity::Lock(index), row);
         }
     }
@@ -280,13 +313,13 @@ impl Builder<'_> {
         let of = |part| layout.of_cylinder(index, part) as Reference;
         let (length, speed) = ([of(Part::Length)], [of(Part::Speed)]);
         let named = |key: &str| format!("{name}.{key}");
-        let text = format!("Force of {name}, positive pushing its ends apart");
+        let text = format!("Force of the cylinder {name}, positive when it pushes its ends apart");
         self.output(named("force"), text, Unit::Newton, Output::Force(index), &speed);
-        let text = format!("Stiffness of the oil along {name}");
+        let text = format!("Stiffness of the oil along the cylinder {name}");
         self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
         let text = format!("Derivative of the seal friction of {name} with respect to the speed");
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
-        let text = format!("Position of the piston of {name}, from the closed length");
+        let text = format!("Position of the piston of {name}, 0 at the closed length");
         self.output(named("stroke_position"), text, Unit::Metre, Output::Position(index), &length);
         for (side, letter) in ["a", "b"].into_iter().enumerate() {
             let text = format!("Pressure in chamber {letter} of {name}, relative to the ambient pressure");
@@ -305,7 +338,7 @@ impl Builder<'_> {
             let is_acceleration = matches!(ahead, Ahead::StartAcceleration | Ahead::Acceleration);
             let dependencies = if is_acceleration { &all } else { &foreseen };
             let output = Output::Preview(index, ahead);
-            self.output(named(&format!("preview.{key}")), format!("{text}, of {name}"), unit, output, dependencies);
+            self.output(named(&format!("preview.{key}")), text.replace('@', name), unit, output, dependencies);
         }
     }
 
@@ -331,7 +364,10 @@ impl Builder<'_> {
             details: Details { items: &Mode::WORDS, ..Details::default() },
             ..Row::real(Causality::Parameter, Unit::One)
         };
-        let text = format!("Motion of a step: {words} (the predicted motion, or the motion at the inputs)");
+        let text = format!(
+            "Motion of the cylinders within a step: {words}; preview uses the predicted motion, follow \
+            uses the motion at the inputs"
+        );
         self.push("coupling.mode".to_owned(), text, Quantity::Mode, row);
     }
 }

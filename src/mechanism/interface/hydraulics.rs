@@ -77,7 +77,8 @@ const OUTPUTS: &[Row] = &[
     (
         "accumulator",
         "pressure",
-        "Pressure at the supply side of the valve: pressure of the accumulator, or the input if there is none",
+        "Pressure at the supply side of the valve: pressure of the accumulator, or supply.pressure if there is no \
+         accumulator",
         Pascal,
         Hydraulic::SupplyPressure,
         [false, false, true],
@@ -149,7 +150,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "balance",
-        "Energy supplied minus all other energies of the circuit: 0 except for rounding",
+        "Supplied energy minus all other energies of the circuit: 0 except for rounding",
         Joule,
         Hydraulic::Balance,
         [false; 3],

@@ -15,77 +15,86 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// Reservoir, or another port with a given pressure. Its pressure is the input `<name>.pressure`.
+    /// Reservoir, or another port whose pressure is given. The input `<name>.pressure` is this pressure.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure` [Pa], above the negative ambient pressure.
+        /// Start value of the input `<name>.pressure` [Pa]. As an absolute pressure it must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
     /// Node: a line or a gallery with a volume of oil at one pressure.
     pub struct Line: Copy {
         /// Volume of the oil [m3], > 0.
-        volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil").required();
-        /// Pressure at the start [Pa], above the negative ambient pressure.
-        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure at the start");
-        /// Volume of the hoses, included in the volume [m3], >= 0. 0: no hose.
-        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hoses");
-        /// Modulus E_hose of the hoses: pressure divided by the relative growth of the volume [Pa], > 0.
-        hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Pressure over relative growth of the \
-            hoses");
+        volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
+        /// Pressure at the start [Pa]. As an absolute pressure it must be above 0.
+        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
+            the ambient pressure");
+        /// Volume of the hoses [m3], >= 0. This volume is a part of `volume`. 0: no hose.
+        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hoses in @, part of the \
+            oil volume");
+        /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
+        hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Modulus of the hoses of @: pressure \
+            divided by the relative growth of the hose volume");
     }
 
-    /// Pump. Its relative speed is the input `<name>.speed`, which starts at 1; 0 is off.
+    /// Pump. The input `<name>.speed` is its relative speed: 1 is the full speed and the start value, 0 is off.
     pub struct Pump {
-        /// Reservoir or node from which it takes oil.
+        /// Reservoir or node from which the pump takes oil.
         from: String => line().required();
-        /// Node into which it delivers.
+        /// Node into which the pump delivers oil.
         to: String => line().required();
-        /// Law of the flow.
+        /// How the flow depends on the pressure. `compensated`: the flow falls to 0 between `full_pressure` and
+        /// `max_pressure`. `fixed`: the flow does not depend on the pressure.
         r#type as "type": PumpType;
-        /// Flow at the relative speed 1, of a compensated pump at pressures up to `full_pressure` [m3/s], >= 0.
-        max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at low pressure");
+        /// Flow at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up to
+        /// `full_pressure`.
+        max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow of @ at the \
+            relative speed 1 and low pressure");
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
-        full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which it gives all its \
-            flow");
+        full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which @ delivers its \
+            full flow");
         /// Pressure from which a compensated pump delivers no flow [Pa], above `full_pressure`.
-        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure from which it gives no flow");
+        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure from which @ delivers no \
+            flow");
     }
 
     /// Gas accumulator at a node.
     pub struct Accumulator {
-        /// Node to which it is connected.
+        /// Node to which the accumulator is connected.
         at: String => line().required();
         /// Gas volume V_0 at the precharge pressure [m3], > 0.
-        volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Volume of the gas at the precharge \
+        volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure: gas pressure without oil [Pa], above the negative ambient pressure.
-        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Pressure of the gas without oil");
+        /// Precharge pressure: gas pressure without oil [Pa]. As an absolute pressure it must be above 0.
+        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
+            pressure without oil");
         /// Polytropic exponent n of the gas [1], > 0.
-        polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas");
+        polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
+            @");
     }
 
     /// Restrictor, orifice or line with resistance.
     pub struct Resistance {
-        /// Port at which flow in the positive direction enters.
+        /// Port at which a positive flow enters.
         from: String => line().required();
-        /// Port at which it leaves.
+        /// Port at which a positive flow leaves.
         to: String => line().required();
-        /// Turbulent flow from -> to at the rated pressure drop [m3/s], >= 0. 0: closed in this direction.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow at the rated \
-            pressure drop");
-        /// Turbulent flow to -> from at the rated pressure drop [m3/s], >= 0. 0: closed in this direction. Without this
-        /// key it is `rated_flow`.
-        reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow back at the \
+        /// Turbulent flow from `from` to `to` at the rated pressure drop [m3/s], >= 0. 0: no flow in this direction.
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
+        /// Turbulent flow from `to` to `from` at the rated pressure drop [m3/s], >= 0. 0: no flow in this direction.
+        /// Default: `rated_flow`.
+        reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ \
+            against the positive direction, at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
-        /// Laminar flow divided by its pressure drop, in series with the turbulent one [m3/(s.Pa)], >= 0. 0: no laminar
-        /// pressure drop.
-        laminar_conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Laminar \
-            conductance in series");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
+        /// Conductance of a laminar resistance in series with the orifice: flow divided by pressure drop [m3/(s.Pa)],
+        /// >= 0. 0: no laminar resistance.
+        laminar_conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
+            the laminar resistance in @; 0: no laminar pressure drop");
     }
 
     /// Check valve.
@@ -94,88 +103,100 @@ keys! {
         from: String => line().required();
         /// Port to which oil flows.
         to: String => line().required();
-        /// Pressure drop at which it opens [Pa], >= 0.
-        cracking_pressure: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure drop at which it opens");
-        /// Width of the pressure range over which it opens smoothly [Pa], > 0.
-        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
+        /// Pressure drop from `from` to `to` at which the valve opens [Pa], >= 0.
+        cracking_pressure: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure drop at which @ opens");
+        /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
+        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0. Not used where `conductance` is given.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
         /// Pressure drop to which the rated flow refers [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
-        /// Flow divided by the pressure drop above the cracking pressure [m3/(s.Pa)], >= 0: a valve with a linear law.
-        /// 0: the law of the rated flow.
-        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of a linear \
-            valve");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
+        /// Conductance of a valve with a linear law: flow divided by the pressure drop above the cracking pressure
+        /// [m3/(s.Pa)], >= 0. 0: the valve has the turbulent law of `rated_flow`.
+        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
+            the pressure drop above the cracking pressure; 0: the law of the rated flow");
     }
 
     /// Relief valve.
     pub struct Relief {
-        /// Port that it protects.
+        /// Port that the valve protects from high pressure.
         from: String => line().required();
-        /// Port to which oil flows, mostly a reservoir.
+        /// Port to which the valve lets oil flow, mostly a reservoir.
         to: String => line().required();
-        /// Pressure at `from` at which it starts to open [Pa], > 0.
-        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which it opens");
-        /// Width of the pressure range over which it starts to open smoothly [Pa], > 0.
-        width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
-        /// Flow divided by the pressure above the opening pressure [m3/(s.Pa)], > 0.
-        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow per pressure \
-            above the opening pressure");
+        /// Pressure at `from` at which the valve starts to open [Pa], > 0.
+        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ starts to open");
+        /// Width of the pressure range over which the valve starts to open smoothly [Pa], > 0.
+        width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
+        /// Conductance of the valve: flow divided by the pressure at `from` above the opening pressure [m3/(s.Pa)], >
+        /// 0.
+        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow of @ divided \
+            by the pressure above the opening pressure");
     }
 
-    /// Priority valve: opens while the pressure upstream is above a limit.
+    /// Priority valve. The valve is open while the pressure upstream is above a limit.
     pub struct Priority {
         /// Port upstream, whose pressure opens the valve.
         from: String => line().required();
-        /// Port downstream.
+        /// Port downstream: the side of the consumer.
         to: String => line().required();
-        /// Pressure at `from` at which it is half open [Pa], > 0.
-        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure upstream at which it opens");
-        /// Width of the pressure range over which it opens smoothly [Pa], > 0.
-        width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
+        /// Pressure at `from` at which the valve is half open [Pa], > 0.
+        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure upstream at which @ is half \
+            open");
+        /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
+        width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
-        /// Free flow back at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: none.
-        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow back at the rated \
-            pressure drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
+        /// Flow from `to` to `from` at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: no
+        /// such check valve.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ against the \
+            positive direction, at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve: opens while the pressure at its pilot is above a limit.
+    /// Sequence valve. The valve is open while the pressure at its pilot is above a limit.
     pub struct Sequence {
-        /// Port upstream.
+        /// Port upstream: the side of the pressure source.
         from: String => line().required();
-        /// Port downstream.
+        /// Port downstream: the side of the consumer.
         to: String => line().required();
         /// Port whose pressure opens the valve.
         pilot: String => line().required();
-        /// Pressure at the pilot at which it is half open [Pa], > 0.
-        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at the pilot at which it opens");
-        /// Width of the pressure range over which it opens smoothly [Pa], > 0.
-        width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
+        /// Pressure at the pilot at which the valve is half open [Pa], > 0.
+        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pilot pressure at which @ is half open");
+        /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
+        width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
-        /// Free flow back at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: none.
-        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow back at the rated \
-            pressure drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
+        /// Flow from `to` to `from` at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: no
+        /// such check valve.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ against the \
+            positive direction, at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
     }
 
-    /// Pilot operated check valve (lock valve): oil flows back only while p_pilot > ratio * p_to.
+    /// Pilot operated check valve (lock valve). Oil flows from `to` back to `from` only while the pilot pressure is
+    /// above `ratio` times the pressure at `to`.
     pub struct PilotCheck {
         /// Port from which oil flows freely.
         from: String => line().required();
@@ -183,22 +204,26 @@ keys! {
         to: String => line().required();
         /// Port whose pressure opens the valve for the flow back.
         pilot: String => line().required();
-        /// Pressure at the pilot over the pressure at `to` that opens it [1], > 0.
-        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pressure at the pilot over that at the locked \
-            port that opens it");
-        /// Width of the pressure range over which it opens smoothly [Pa], > 0.
-        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
+        /// Pilot ratio: pilot pressure divided by the pressure at `to`, above which the valve opens for the flow back
+        /// [1], > 0.
+        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: pilot pressure divided by the \
+            pressure at the locked port, at which the valve opens");
+        /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
+        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
         /// Pressure drop to which the rated flow refers [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
     }
 
-    /// Counterbalance valve: oil flows back while p_to + ratio * p_pilot is above a limit.
+    /// Counterbalance valve. Oil flows from `to` back to `from` while p_to + ratio * p_pilot is above a limit. Here
+    /// p_to and p_pilot are the pressures at `to` and at the pilot.
     pub struct Counterbalance {
         /// Port from which oil flows freely.
         from: String => line().required();
@@ -206,46 +231,51 @@ keys! {
         to: String => line().required();
         /// Port whose pressure helps to open the valve.
         pilot: String => line().required();
-        /// Pilot ratio [1], > 0.
-        ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio");
+        /// Pilot ratio: factor of the pilot pressure in the sum that opens the valve [1], > 0.
+        ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: factor of the pilot pressure \
+            in the sum that opens the valve");
         /// Sum p_to + ratio * p_pilot at which the valve is half open [Pa], > 0.
-        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which it is half open");
-        /// Width of the pressure range over which it opens smoothly [Pa], > 0.
-        width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Pressure over which it opens");
+        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Load pressure plus pilot ratio times \
+            pilot pressure, at which @ is half open");
+        /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
+        width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
+            opens");
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
         /// Pressure drop to which the rated flow refers [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
     }
 
-    /// By-pass (dump valve). Its opening is the input `<name>.open`, from 0 to 1.
+    /// By-pass (dump valve). The input `<name>.open` is its opening: 0 is closed, 1 is fully open.
     pub struct Bypass {
         /// Port at one side.
         from: String => line().required();
         /// Port at the other side.
         to: String => line().required();
-        /// Start value of the input `<name>.open` [1], 0 to 1.
+        /// Start value of the input `<name>.open` [1], from 0 (closed) to 1 (open).
         open: f64 => number(One, UnitRange);
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow at the rated pressure \
-            drop");
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
         /// Pressure drop to which the rated flow refers [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
     }
 
-    /// Valve with four ports and three positions. Its command is the input `<name>.command`: positive values connect
-    /// supply -> a and b -> return.
+    /// Valve with four ports and three positions. Its command is the input `<name>.command`. A positive command
+    /// connects the supply to port a, and port b to the return.
     pub struct Valve {
-        /// Port from which it is supplied.
+        /// Port from which the valve takes oil.
         supply: String => line().required();
-        /// Port to which oil returns.
+        /// Port to which the valve returns oil.
         r#return as "return": String => line().required();
         /// Working port a.
         a: String => line().required();
@@ -254,48 +284,56 @@ keys! {
         /// Start value of the input `<name>.command` [1], -1 to 1.
         command: f64 => number(One, Finite);
         /// Flow through one fully open metering edge at the rated pressure drop [m3/s], > 0.
-        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one open edge \
-            at the rated pressure drop");
-        /// The same of the edges of port b [m3/s], > 0. Without this key it is `rated_flow`.
-        rated_flow_b: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one open \
-            edge of port b");
-        /// The same of the edge b -> return [m3/s], > 0. Without this key it is that of the edges of port b.
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
+            open edge of @ at the rated pressure drop");
+        /// Flow through one fully open edge at port b, at the rated pressure drop [m3/s], > 0. Default: `rated_flow`.
+        rated_flow_b: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
+            open edge at port b of @, at the rated pressure drop");
+        /// Flow through the fully open edge from port b to the return, at the rated pressure drop [m3/s], > 0. Default:
+        /// `rated_flow_b`.
         rated_flow_b_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
-            open edge from b to return");
-        /// The same of the edge a -> return [m3/s], > 0. Without this key it is `rated_flow`.
+            fully open edge from b to return of @, at the rated pressure drop");
+        /// Flow through the fully open edge from port a to the return, at the rated pressure drop [m3/s], > 0. Default:
+        /// `rated_flow`.
         rated_flow_a_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
-            open edge from a to return");
+            fully open edge from a to return of @, at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
-        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop between laminar \
-            and turbulent flow");
-        /// Opening at the closed edge due to the clearance of the spool, relative to the full opening [1], > 0.
-        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Opening by the clearance of the spool");
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
+        /// Opening of a closed edge due to the clearance of the spool, relative to the full opening [1], > 0.
+        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Opening of a closed edge of @ due to the \
+            clearance of the spool, relative to the full opening");
         /// Overlap: spool position at which an edge opens [1]. Negative values are an underlap.
-        overlap: f64 => number(One, Finite).parameter(Circuit, "Spool position at which an edge opens");
-        /// Natural frequency of the spool [Hz], > 0. Without this key the spool position is the command.
-        frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool");
+        overlap: f64 => number(One, Finite).parameter(Circuit, "Spool position at which an edge of @ opens");
+        /// Natural frequency of the spool [Hz], > 0. Without this key the spool follows the command at once.
+        frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool of @");
         /// Damping ratio of the spool [1], > 0.
-        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool");
+        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
     }
 
     /// Chamber of a cylinder.
     pub struct Chamber: Copy {
-        /// Oil volume where the chamber is smallest, including its lines [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Least volume, lines included");
-        /// Pressure at the start [Pa], above the negative ambient pressure.
-        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure at the start");
-        /// Volume of the hose, included in the dead volume [m3], >= 0. 0: no hose.
-        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose");
+        /// Oil volume of the chamber at its end of the travel, including the lines [m3], > 0.
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Least oil volume of @, lines \
+            included");
+        /// Pressure at the start [Pa]. As an absolute pressure it must be above 0.
+        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
+            the ambient pressure");
+        /// Volume of the hose [m3], >= 0. This volume is a part of `dead_volume`. 0: no hose.
+        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
+            dead volume; 0: no hose");
         /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. 0: no restrictor.
-        restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out through the \
-            restrictor");
+        restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
+            restrictor at the rated pressure drop; 0: no restrictor");
         /// Travel over which the cushion throttles the flow out of the chamber [m], >= 0. 0: no cushion.
-        cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles");
+        cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles \
+            the flow out of @; 0: no cushion");
         /// Flow out of the chamber at the end of the travel, at the rated pressure drop [m3/s], >= 0. 0: no cushion.
-        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out at the end of the \
-            travel");
+        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ at the end of \
+            the travel and the rated pressure drop; 0: no cushion");
     }
 
     /// Differential cylinder. Its chambers are the ports `<name>.a`, on the piston side, and `<name>.b`, on the rod
@@ -303,56 +341,59 @@ keys! {
     pub struct Cylinder {
         /// Diameter of the piston [m], > 0.
         bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
-        /// Diameter of the rod [m], >= 0 and smaller than the bore.
+        /// Diameter of the rod [m], >= 0. The rod must be smaller than the bore.
         rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
         /// Travel of the piston [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
         /// Length of the cylinder between its end points when fully retracted [m], >= 0.
-        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length with the rod in");
+        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length of @ between its end \
+            points when fully retracted");
         /// Start value of the input `<name>.length` [m], >= 0. Without this key the cylinder starts in the middle of
         /// its travel.
         length: Option<f64> => number(Metre, NonNegative);
         /// Start value of the input `<name>.speed` [m/s].
         speed: f64 => number(MetrePerSecond, Finite);
-        /// Start value of the input `<name>.reduced_mass` [kg], >= 0: what the cylinder moves where no mechanism is
-        /// connected. 0: the cylinder moves by its inputs.
+        /// Start value of the input `<name>.reduced_mass` [kg], >= 0: the mass that the cylinder moves if no mechanism
+        /// is connected. 0: the inputs `<name>.length` and `<name>.speed` prescribe the motion.
         reduced_mass: f64 => number(Kilogram, NonNegative);
-        /// Start value of the input `<name>.holding_force` [N]: the load of that mass.
+        /// Start value of the input `<name>.holding_force` [N]: the load on the mass `reduced_mass`, positive if the
+        /// cylinder must push.
         holding_force: f64 => number(Newton, Finite);
-        /// Start value of the input `<name>.lower_limit` [m], >= 0.
+        /// Start value of the input `<name>.lower_limit` [m], >= 0: least length that the stops of the mechanism allow.
         lower_limit: f64 => number(Metre, NonNegative);
-        /// Start value of the input `<name>.upper_limit` [m], >= 0. 0, as the lower limit: no limits.
+        /// Start value of the input `<name>.upper_limit` [m], >= 0: largest length that the stops of the mechanism
+        /// allow. If both limits are 0, the length is not limited.
         upper_limit: f64 => number(Metre, NonNegative);
         /// Pressure drop to which the flows of restrictors and cushions refer [Pa], > 0.
-        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Rated pressure drop");
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
         /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the volume [Pa], >= 0.
         /// 0: rigid walls.
-        wall_modulus: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure over relative growth, 0 for \
-            rigid");
-        /// Modulus E_hose of the hoses: pressure divided by the relative growth of the volume [Pa], > 0.
-        hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Pressure over relative growth of the \
-            hoses");
+        wall_modulus: f64 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls of @; \
+            0: rigid walls");
+        /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
+        hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Modulus of the hoses of @: pressure \
+            divided by the relative growth of the hose volume");
         /// Chamber A, on the piston side.
         chamber_a: Chamber;
         /// Chamber B, on the rod side.
         chamber_b: Chamber;
-        /// Laminar leakage. Without this key there is none.
+        /// Laminar leakage of the chambers. Without this key there is no leakage.
         leakage: Option<Leakage>;
-        /// Friction of the seals. Without this key there is none.
+        /// Friction of the seals. Without this key there is no seal friction.
         seal: Option<Seal>;
     }
 
-    /// Lock that pressure releases. The output `<name>.engaged` is true while the pressure is below the release
-    /// pressure.
+    /// Lock that oil pressure releases, such as an uplock. The output `<name>.engaged` is true while the lock holds.
     pub struct PressureLock {
         /// Node or chamber whose pressure releases the lock.
         at: String => line().required();
         /// Pressure at which the lock releases [Pa], > 0.
-        release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which it releases");
-        /// Difference between the pressures of release and engagement [Pa], >= 0: it engages below release_pressure -
-        /// hysteresis.
-        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Pressure between release and \
-            engagement");
+        release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ releases");
+        /// Hysteresis [Pa], >= 0: the lock engages again when the pressure falls below `release_pressure` -
+        /// `hysteresis`.
+        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Difference between the pressures at \
+            which @ releases and engages");
     }
 }
 
