@@ -30,14 +30,13 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator at the start of a step; within the step the actuator integrates its speed",
+        "Length of the actuator at the start of a step; within the step its speed is integrated",
         Unit::Metre,
     ),
     ("actuator.speed", "Speed of the actuator, positive when it extends", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when it extends; only derivatives of outputs use it; 0: the \
-         acceleration of the reduced mass is used",
+        "Acceleration when the actuator extends, for derivatives of outputs only; 0: that of the reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1, positive to extend", Unit::One),
@@ -63,21 +62,15 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of actuator.holding_force with respect to the length; 0: not known",
         Unit::NewtonPerMetre,
     ),
-    (
-        "preview.horizon",
-        "Size of the next communication step; 0: the next step is as long as the last one",
-        Unit::Second,
-    ),
+    ("preview.horizon", "Size of the next communication step; 0: as long as the last one", Unit::Second),
     (
         "actuator.lower_limit",
-        "Least length that the stops of the mechanism allow; the present length while a stop or a lock holds the \
-         mechanism",
+        "Least length that the stops allow; the present length while a stop or lock holds the mechanism",
         Unit::Metre,
     ),
     (
         "actuator.upper_limit",
-        "Largest length that the stops of the mechanism allow; the present length while a stop or \
-        a lock holds the mechanism; 0: not known",
+        "Largest length that the stops allow; the present length while the mechanism is held; 0: not known",
         Unit::Metre,
     ),
 ];
@@ -131,8 +124,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Predicted force at the start of the next step, for hosts that also pass preview.force_rate; both together \
-         give the predicted impulse",
+        "Predicted force at the start of the next step, for hosts that also pass preview.force_rate",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
@@ -257,8 +249,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "coupling.stable_step",
-        "Longest stable communication step of a coupling without preview; 0: no limit, or actuator.reduced_mass is not \
-         known",
+        "Longest stable step of a coupling without preview; 0: no limit, or no reduced mass is connected",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -320,8 +311,7 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     list.push(Variable {
         name: "coupling.mode".to_owned(),
         description: format!(
-            "Motion of the actuator within a step: {words}; preview and delayed predict the motion \
-            from actuator.reduced_mass, follow uses the motion at the inputs"
+            "Motion of the actuator within a step: {words}; follow: the motion at the inputs, else the predicted motion"
         ),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,

@@ -44,19 +44,22 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ),
     (
         "lower_limit",
-        "Least length of @ that the stops of the mechanism allow; the present length while a stop or a \
-        lock holds the mechanism",
+        "Least length of @ that the stops allow; the present length while a stop or lock holds the mechanism",
         Unit::Metre,
     ),
-    ("upper_limit", "Largest length of @ that the stops of the mechanism allow; both limits 0: not known", Unit::Metre),
+    (
+        "upper_limit",
+        "Largest length of @ that the stops allow; the present length while the mechanism is held; 0: not \
+        known",
+        Unit::Metre,
+    ),
 ];
 
 /// Name, text, unit and quantity of each output of the foreseen motion of a cylinder.
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Predicted force of @ at the start of the next step, for hosts that also pass preview.force_rate; both \
-         together give the predicted impulse",
+        "Predicted force of @ at the start of the next step, for hosts that also pass @.preview.force_rate",
         Unit::Newton,
         Ahead::Force,
     ),
@@ -219,7 +222,7 @@ impl Builder<'_> {
                 self.input(format!("{name}.{key}"), text.replace('@', name), unit, start);
             }
         }
-        let text = "Size of the next communication step; 0: the next step is as long as the last one".to_owned();
+        let text = "Size of the next communication step; 0: as long as the last one".to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
 

@@ -86,10 +86,10 @@ keys! {
             .parameter(Role::Law, "Coefficient of kinetic friction").required();
         /// Slip speed V_S at which the coefficient is the static one [m/s], > 0 (with the law `stick` >= 0).
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
-            .parameter(Role::Load, "Slip speed at which friction is static");
+            .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static one");
         /// Slip speed V_d from which the coefficient is the kinetic one [m/s], > V_S (with the law `stick` >= 0).
         kinetic_speed: f64 = 1.0 => number(MetrePerSecond, Range::NonNegative)
-            .parameter(Role::Load, "Slip speed from which friction is kinetic");
+            .parameter(Role::Load, "Slip speed from which the coefficient of friction is the kinetic one");
     }
 }
 

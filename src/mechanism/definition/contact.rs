@@ -21,26 +21,28 @@ keys! {
         /// cannot rise above.
         limit: Limit => Key::PLAIN.required();
         /// Angle at the stop [rad]: of the body, or in a revolute joint of the second body relative to the first.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
         /// Position of the prismatic joint at the stop [m].
-        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position");
+        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
-        length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the points");
+        length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the two points at \
+            the stop @");
         /// Whether the mechanism has this stop (false: the stop is ignored).
-        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether @ is enabled");
+        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether the stop @ is enabled");
         /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. Must
         /// be given together with `stiffness`, `damping` or `points`.
         rigid: Option<bool> => Key::PLAIN
-            .parameter(Role::Load, "Whether @ is rigid; otherwise a bumper with stiffness and damping that only \
-                                    pushes").absent("true");
+            .parameter(Role::Load, "Whether the stop @ is rigid; false: a bumper, which is a spring and damper that \
+                only pushes").absent("true");
         /// Rigid stop only: speed after an impact divided by the speed before [1], 0 to 1.
-        restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Restitution");
+        restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
+            by the speed before");
         /// Bumper only: stiffness [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Stiffness as a bumper");
+            .parameter(Role::Law, "Stiffness of the stop @ as a bumper");
         /// Bumper only: damping [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Damping as a bumper");
+            .parameter(Role::Law, "Damping of the stop @ as a bumper");
         /// Bumper only: additional force as a curve over the compression. Pairs of compression and force [m or rad, N
         /// or N.m]. The first pair is [0, 0], and the force never falls. Beyond the last pair the curve continues as a
         /// straight line.

@@ -33,11 +33,13 @@ keys! {
         eccentricity: Option<f64> =>
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
         /// Elliptic gears: number of lobes of each wheel [1], a whole number. 1: an ellipse that turns about its focus.
-        lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Lobes of each wheel").absent("1");
+        lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
+            wheel").absent("1");
         /// Elliptic gears: direction from the centre of the first wheel to the nearest vertex of its pitch curve, as an
         /// angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex").absent("0");
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex of the first pitch \
+                curve").absent("0");
         /// Cam: shape of the follower.
         follower: Option<Follower>;
         /// Cam: point of the follower (`body.point`): the centre of the roller, or a point on the flat face.
@@ -52,7 +54,8 @@ keys! {
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
         /// Cam: angle u1 at which the first segment starts, or at which the table has the angle 0 [rad].
         start_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle at which the lift starts").absent("0");
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of the cam @ at which the lift \
+                starts").absent("0");
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution as pairs of angle and lift [rad, m or rad], in place of `segments`. The angles
@@ -63,10 +66,11 @@ keys! {
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
         /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of the two numbers matters.
-        first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Teeth of the first wheel");
+        first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Number of teeth of the \
+            first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
         second_teeth: Option<f64> => number(One, Range::Positive)
-            .parameter(Role::Geometry, "Teeth of the second wheel");
+            .parameter(Role::Geometry, "Number of teeth of the second wheel");
         /// Gears: true if the wheel with more teeth is an internal gear (ring gear).
         internal: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: radius of the first pulley [m], > 0.
@@ -166,8 +170,13 @@ impl Coupling {
                     _ => 1,
                 };
                 let key = match (key.name, is_rotary) {
-                    ("phase", false) => Key { words: "Position at angle 0 of the wheel", ..key },
-                    ("phase", true) => Key { words: "Second angle at the first angle 0", range: Range::Turn, ..key },
+                    ("phase", false) => Key { words: "Position of the rack @ at angle 0 of its wheel", ..key },
+                    ("phase", true) => Key {
+                        words: "Angle of the second wheel of @ at angle 0 of the first \
+                        wheel",
+                        range: Range::Turn,
+                        ..key
+                    },
                     _ => key,
                 };
                 (is_of == part).then_some(key)

@@ -28,7 +28,8 @@ keys! {
         /// present loads would give the mechanism over a motion of 1 rad. Small values make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
-            "Smallest speed for relative errors, as a part of the speed gained over 1 rad under the present loads",
+            "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
+             give over 1 rad",
         );
         /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
         /// of `rigid_fem` and events count too.
@@ -45,7 +46,8 @@ keys! {
         /// false: each evaluation solves the loop equations, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
-            "Whether the equation of motion is read from tables; otherwise it is computed at each step",
+            "Whether the equation of motion is read from tables; false: each step solves the loop equations, which is \
+             slower",
         );
     }
 }

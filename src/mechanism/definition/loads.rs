@@ -136,7 +136,7 @@ keys! {
         /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston this is the cross section of the
         /// rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Area on which the gas acts").required();
+            .parameter(Role::Load, "Area under gas pressure").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
@@ -159,7 +159,7 @@ keys! {
         /// true: drag depends on the air velocity relative to the moving surface. false: on the airspeed alone.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
-            "Whether the speed of the surfaces counts in the relative speed of the air",
+            "Whether drag depends on the air velocity relative to the moving surface; false: on the airspeed alone",
         );
         /// Start value of the input `airspeed` [m/s].
         airspeed: f64 => number(MetrePerSecond, Range::Finite);

@@ -105,7 +105,8 @@ pub(super) fn add_energy(b: &mut Builder) {
     b.output("energy", "kinetic", &["Kinetic energy"], Joule, Output::Kinetic, kinetic);
     let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
-    let text = "Energy error of the integration: present energy minus energy at the start minus work done";
+    let text = "Energy error of the integration: present energy minus the energy at the start, minus the work of all \
+        loads";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }
 
@@ -128,8 +129,8 @@ pub(super) fn add_small_motion(b: &mut Builder) {
 pub(super) fn add_frames(b: &mut Builder) {
     for (body, carried) in b.source.linkage.bodies.iter().enumerate().skip(1) {
         let parts = [
-            ("x", "x of the origin of ", Metre, FramePart::Origin(0)),
-            ("y", "y of the origin of ", Metre, FramePart::Origin(1)),
+            ("x", "x coordinate of the origin of ", Metre, FramePart::Origin(0)),
+            ("y", "y coordinate of the origin of ", Metre, FramePart::Origin(1)),
             ("cos", "Cosine of the angle of ", One, FramePart::Cos),
             ("sin", "Sine of the angle of ", One, FramePart::Sin),
             ("minus_sin", "Negative sine of the angle of ", One, FramePart::MinusSin),

@@ -37,7 +37,7 @@ pub(super) fn add_commands(b: &mut Builder) {
     for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
         if drive.curve.is_some() {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            b.load_input(&["Command of ", name, ": factor on the ", what, " of its curve"], One, a.command());
+            b.load_input(&["Command of ", name, ": factor of its curve of ", what, " over speed"], One, a.command());
         }
     }
 }
@@ -69,7 +69,15 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
 /// Whether the motion of a drive is prescribed.
 pub(super) fn add_motion_switch(b: &mut Builder) {
     let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
-    let text = b.text(|| ["Whether the motion of ", name, " is prescribed; if not, its force acts"].concat());
+    let text = b.text(|| {
+        [
+            "Whether the motion of ",
+            name,
+            "is prescribed; false: the drive acts with the force or \
+        torque of its input",
+        ]
+        .concat()
+    });
     let start = (None, Value::Boolean(motion.enabled));
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
 }
@@ -157,48 +165,43 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let locks: Vec<usize> = s.locks().collect();
     let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
-        b.output(n, suffix, &[text, " ", n], unit, Output::OneElement { drive, term }, needs);
+        // An @ in the text stands for the drive.
+        let (before, after) = text.split_once('@').unwrap_or((text, ""));
+        b.output(n, suffix, &[before, n, after], unit, Output::OneElement { drive, term }, needs);
     };
     let (inertia, force) = ([Kilogram, KilogramSquareMetre], [Newton, NewtonMetre]);
     let change = [KilogramPerMetre, KilogramSquareMetrePerRadian];
-    let text = "Inertia of the whole mechanism reduced to";
+    let text = "Mass, or moment of inertia for a rotary drive, of the whole mechanism reduced to @";
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
-    let text = "Derivative of the reduced inertia with respect to the displacement of";
+    let text = "Derivative of the reduced mass or inertia with respect to the displacement of @";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    add("static_load", "static_load", "All other loads, as they act now, reduced to", force, StaticLoad, load);
-    let text = "-1/2 speed^2 times the derivative of the reduced inertia, for";
+    add("static_load", "static_load", "Sum of all other present loads, reduced to @", force, StaticLoad, load);
+    let text = "Force or torque of @ due to the change of the reduced inertia: -1/2 speed^2 times its derivative";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
-    let text = "Force or torque that gives the demanded acceleration, with friction and losses, of";
+    let text = "Force or torque of @ that gives the demanded acceleration, with friction and losses";
     add("required_force", "required_force", text, force, RequiredForce, required);
-    let text = "Force or torque that holds the mechanism at rest under the present loads, without friction, of";
+    let text = "Force or torque of @ that holds the mechanism at rest under the present loads, without friction";
     add("holding_force", "holding_torque", text, force, HoldingForce, holding);
-    let text = "Derivative of the holding force or torque with respect to the displacement of";
+    let text = "Derivative of the holding force or torque with respect to the displacement of @";
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
     let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
     add(linear, rotary, text, stiffness, term, holding);
     if !l.stops.is_empty() {
         let limit = Needs { inputs: &locks, loads: &stops, ..placed() };
-        let (text, way) = ("Least displacement that stops and locks leave, of", [Metre, Radian]);
+        let (text, way) = ("Least displacement of @ that stops and locks allow", [Metre, Radian]);
         add("lower_limit", "lower_limit", text, way, LowerLimit, limit);
-        let text = "Largest displacement that stops and locks leave, of";
+        let text = "Largest displacement of @ that stops and locks allow";
         add("upper_limit", "upper_limit", text, way, UpperLimit, limit);
     }
     if rubs {
-        let text =
-            "Force or torque above which the mechanism starts to move forward from rest, with static friction, of";
+        let text = "Force or torque of @ above which the mechanism starts to move forward from rest, with friction";
         add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
-        let text =
-            "Force or torque below which the mechanism starts to move backward from rest, with static friction, of";
+        let text = "Force or torque of @ below which the mechanism starts to move backward from rest, with friction";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
             let force = ": no force of this drive gives the demanded acceleration, ";
-            [
-                "Whether friction locks the mechanism against ",
-                n,
-                force,
-                "starts a forward motion or starts a backward motion",
-            ]
-            .concat()
+            ["Whether friction locks the mechanism against ", n, force, "or starts a motion forward or backward"]
+                .concat()
         });
         let locking = Needs { statics: true, ..required };
         b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);

@@ -78,21 +78,34 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
 fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]) {
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
     match indicator {
-        Indicator::End(0) => {
-            (own("low_end"), ["Gap to the rigid stop at the low end; at rest on the stop, the force on it", "", "", ""])
-        }
+        Indicator::End(0) => (
+            own("low_end"),
+            [
+                "Gap to the rigid stop at the low end of the travel; at rest on the stop, the force on \
+                the stop",
+                "",
+                "",
+                "",
+            ],
+        ),
         Indicator::End(_) => (
             own("high_end"),
-            ["Gap to the rigid stop at the high end; at rest on the stop, the force on it", "", "", ""],
+            [
+                "Gap to the rigid stop at the high end of the travel; at rest on the stop, the force on the \
+                stop",
+                "",
+                "",
+                "",
+            ],
         ),
         Indicator::Bumper(stop) => {
             let name = s.loading.stops[stop].name.as_str();
-            let text = "Gap before contact or force during contact of ";
+            let text = "Gap before the contact, or force during the contact, with the bumper ";
             ([name, ".indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Lock(lock) => {
             let name = s.loading.locks[lock].name.as_str();
-            let text = "Distance to the position at which the mechanism is caught by ";
+            let text = "Distance to the position at which the mechanism is caught by the lock ";
             ([name, ".indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Reversal => (
@@ -103,7 +116,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             let border = if kinetic { "kinetic" } else { "static" };
-            let text = ["Slip speed minus friction.", border, "_speed in ", name];
+            let text = ["Slip speed minus friction.", border, "_speed in the joint ", name];
             ([name, ".", border, "_indicator"].concat(), text)
         }
         Indicator::DriveSign(load) => {

@@ -11,7 +11,7 @@ use crate::variables::{Causality, Unit, Value};
 pub(super) fn add_inputs(b: &mut Builder) {
     let m = b.source.mechanism;
     if let Some(gravity) = &m.gravity {
-        b.load_input(&["Load factor: multiple of gravity.acceleration that acts"], One, gravity.load_factor);
+        b.load_input(&["Load factor: gravity as a multiple of gravity.acceleration"], One, gravity.load_factor);
     }
     for (name, force) in m.forces.iter().filter(|(_, f)| !f.constant) {
         for (value, axis) in force.force.into_iter().zip(["x", "y"]) {
@@ -47,7 +47,7 @@ pub(super) fn add_springs(b: &mut Builder) {
         let position = Needs { loads: &[load], ..s.displacement(load) };
         let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
         b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
-        let text = ["Sum of preload, spring and damper of ", n, sense];
+        let text = ["Total ", force, " of ", n, sense];
         b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
     }
 }
@@ -66,7 +66,9 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
-        let text = b.text(|| ["Whether ", name, " holds the mechanism at the stop ", &lock.stop].concat());
+        let text = b.text(|| {
+            ["Whether the lock ", name, " is engaged, to hold the mechanism at the stop ", &lock.stop].concat()
+        });
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
     }
@@ -82,11 +84,11 @@ pub(super) fn add_stops(b: &mut Builder) {
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };
-        let text = b.text(|| ["Whether the mechanism is at or beyond ", n].concat());
+        let text = b.text(|| ["Whether the mechanism is at the stop ", n, " or beyond"].concat());
         b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
         let (suffix, what, unit) = match stop.quantity == "angle" {
-            true => ("torque", "Torque of ", NewtonMetre),
-            false => ("force", "Force of ", Newton),
+            true => ("torque", "Torque of the stop ", NewtonMetre),
+            false => ("force", "Force of the stop ", Newton),
         };
         let text = [what, n, " on the mechanism, negative for an upper stop"];
         b.output(n, suffix, &text, unit, Output::Stop { stop: i }, s.acceleration());
@@ -98,14 +100,19 @@ pub(super) fn add_stops(b: &mut Builder) {
 fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     let s = b.source;
     let name = &s.loading.stops[stop].name;
-    let met = "Magnitude of the impulse of the last impact (for a bumper reduced mass times speed) on ";
+    let size = "; for a bumper, reduced mass times speed of arrival";
     let parts = [
-        ("impact_count", "Number of impacts since the start on ", One, ImpactPart::Count),
-        ("impact_time", "Time of the last impact (-1 s before the first one) on ", Second, ImpactPart::Time),
-        ("impact_impulse", met, impulse, ImpactPart::Impulse),
+        ("impact_count", ["Number of impacts on the stop ", " since the start"], One, ImpactPart::Count),
+        (
+            "impact_time",
+            ["Time of the last impact on the stop ", "; -1 before the first one"],
+            Second,
+            ImpactPart::Time,
+        ),
+        ("impact_impulse", ["Impulse of the last impact on the stop ", size], impulse, ImpactPart::Impulse),
     ];
-    for (suffix, text, unit, part) in parts {
-        b.output(name, suffix, &[text, name], unit, Output::Impact { stop, part }, Needs::default());
+    for (suffix, [before, after], unit, part) in parts {
+        b.output(name, suffix, &[before, name, after], unit, Output::Impact { stop, part }, Needs::default());
     }
 }
 
@@ -114,7 +121,7 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
     if b.source.loading.stops.is_empty() {
         return;
     }
-    let text = b.text(|| format!("State of the contact with the stops: {}", CONTACT_MODES.join(", ")));
+    let text = b.text(|| format!("Contact of the mechanism with its stops: {}", CONTACT_MODES.join(", ")));
     let name = "contact.mode".to_owned();
     b.add((name, text), Causality::Local, (None, None), Quantity::Contact, Needs::default());
 }
@@ -131,7 +138,13 @@ pub(super) fn add_sticking(b: &mut Builder) {
 pub(super) fn add_locks(b: &mut Builder) {
     let s = b.source;
     for (i, lock) in s.loading.locks.iter().enumerate() {
-        let text = ["Force of ", &lock.name, " on the mechanism, positive towards ", &s.loading.stops[lock.stop].name];
+        let text = [
+            "Force of the stop \
+            ",
+            &lock.name,
+            " on the mechanism, positive towards ",
+            &s.loading.stops[lock.stop].name,
+        ];
         b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
     }
 }
