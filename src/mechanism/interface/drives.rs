@@ -163,7 +163,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     stops.sort_unstable();
     stops.dedup();
     let locks: Vec<usize> = s.locks().collect();
-    let mut add = |linear, rotary, text, units: [Unit; 2], term, needs| {
+    let mut add = |linear, rotary, text: &str, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
         // An @ in the text stands for the drive.
         let (before, after) = text.split_once('@').unwrap_or((text, ""));

@@ -138,13 +138,8 @@ pub(super) fn add_sticking(b: &mut Builder) {
 pub(super) fn add_locks(b: &mut Builder) {
     let s = b.source;
     for (i, lock) in s.loading.locks.iter().enumerate() {
-        let text = [
-            "Force of the stop \
-            ",
-            &lock.name,
-            " on the mechanism, positive towards ",
-            &s.loading.stops[lock.stop].name,
-        ];
+        let stop = &s.loading.stops[lock.stop].name;
+        let text = ["Force of the lock ", &lock.name, " on the mechanism, positive towards the stop ", stop];
         b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
     }
 }
