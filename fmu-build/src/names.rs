@@ -45,7 +45,7 @@ pub fn check(path: &str) -> Result<()> {
 /// What is wrong with a name.
 fn fault(name: &str) -> Option<String> {
     if name.is_empty() || name == "." {
-        return Some(format!("the path contains the part \"{name}\""));
+        return Some(format!("the path contains the folder or file name \"{name}\""));
     }
     if name.len() > LONGEST_NAME {
         return Some(format!("a name has {} bytes, but at most {LONGEST_NAME} are allowed", name.len()));
@@ -62,7 +62,7 @@ fn fault(name: &str) -> Option<String> {
         matches!((digits.next(), digits.next()), (Some('0'..='9' | '¹' | '²' | '³'), None))
     });
     if is_numbered || DEVICES.contains(&stem.as_str()) {
-        return Some(format!("{stem} is the name of a device"));
+        return Some(format!("{stem} is the name of a device of Windows"));
     }
     None
 }
@@ -123,7 +123,7 @@ mod tests {
             ("extra/a\u{7f}b", "the character '\\u{7f}'"),
             ("extra/a.", "ends in a dot or a space"),
             ("extra/a ", "ends in a dot or a space"),
-            ("extra//a", "the path contains the part \"\""),
+            ("extra//a", "the path contains the folder or file name \"\""),
         ] {
             let message = check(path).unwrap_err().to_string();
             assert!(message.contains(words) && message.ends_with("rename it") && !message.contains('\n'), "{message}");

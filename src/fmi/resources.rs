@@ -45,7 +45,7 @@ pub fn load(
     if guid.to_bytes() != own.as_bytes() {
         return Err(Refusal::error(format!(
             "{guid_argument} is '{}', but the interface of '{}' has '{own}'; import the FMU again, or restore the \
-             names in the file",
+             original names of the elements in the file",
             guid.to_bytes().escape_ascii(),
             file.display(),
         )));

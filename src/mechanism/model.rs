@@ -323,8 +323,8 @@ impl Model {
         self.has_told = true;
         let position = state.describe(reduced);
         Some(format!(
-            "the motion is at {position}, beyond the curve computed at the start: the curve and its tables are \
-             extended during the run"
+            "the mechanism is at {position}, outside the part of its travel that was computed before the first step: \
+             further tables are computed during the run"
         ))
     }
 

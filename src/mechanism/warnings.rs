@@ -147,7 +147,7 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
     let warning = |miss: &NearMiss| {
         let message = format!(
             "branches of motion almost cross at {}: the lengths miss a crossing by {:.1e} of the size of the mechanism \
-             ({:.1e} m), and the motion turns off there",
+             ({:.1e} m), and the motion turns sharply there",
             miss.position,
             miss.miss,
             miss.miss * size

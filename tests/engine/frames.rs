@@ -116,7 +116,7 @@ fn a_local_variable_is_read_only_and_has_no_derivatives() {
     assert!(list.iter().all(|v| v.dependencies.is_empty() && v.start.is_none() && v.name.contains(".frame.")));
     let input = run.0.reference("actuator.force").unwrap();
     let refused = run.directional_derivative(&[locals[0]], &[input], &[1.0], &mut |_, _| {}).unwrap_err();
-    assert_says(refused, &["crank.frame.x", "an unknown must be a continuous output"]);
+    assert_says(refused, &["crank.frame.x", "an unknown (the variable to differentiate) must be a continuous output"]);
     let refused = run.output_derivative(locals[0], 1).unwrap_err();
     assert_says(refused, &["crank.frame.x", "derivatives are available for continuous outputs only"]);
     assert!(run.set_real(locals[0], 1.0).is_err());

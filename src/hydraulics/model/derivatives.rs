@@ -76,10 +76,20 @@ impl Model {
         report: &mut dyn FnMut(usize, f64),
     ) -> Result<(), HydraulicsError> {
         for &known in knowns {
-            self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+            self.continuous(
+                known,
+                Causality::Input,
+                "a known (the variable to differentiate by) must be a continuous \
+                input",
+            )?;
         }
         for &unknown in unknowns {
-            self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+            self.continuous(
+                unknown,
+                Causality::Output,
+                "an unknown (the variable to differentiate) must be a \
+                continuous output",
+            )?;
         }
         let mut direction = Direction { circuit: [0.0; CIRCUIT], inputs: [0.0; INPUT_COUNT] };
         for (known, seed) in knowns.iter().zip(seeds) {

@@ -114,8 +114,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
              mechanism"
         ),
         Warning::Toggle => format!(
-            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of \
-             the actuator: no motion is predicted there"
+            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of the \
+             actuator: no motion is predicted there; use shorter steps near this position"
         ),
         Warning::Unforeseen => format!(
             "no motion can be predicted with actuator.reduced_mass = {one} kg and actuator.holding_force = {two} N: \

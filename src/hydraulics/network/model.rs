@@ -198,7 +198,7 @@ impl Model {
                 let input = self.parameters.laws.layout.input(index);
                 if let Input::Reservoir(_) = input {
                     let ambient = self.parameters.laws.ambient();
-                    let allowed = || format!("a number {ABOVE_VACUUM}; the former is {} Pa", -ambient);
+                    let allowed = || format!("a number {ABOVE_VACUUM}; -fluid.ambient_pressure is {} Pa", -ambient);
                     return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
                 input_range(input)
@@ -382,7 +382,7 @@ impl Model {
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
         let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else { return None };
         let value = self.output(output).ok()?;
-        let text = "beyond the largest number under the present inputs and parameters: check their sizes";
+        let text = "larger than the largest number with the present inputs and parameters: check their values";
         (!value.is_finite()).then(|| text.to_owned())
     }
 

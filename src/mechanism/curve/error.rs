@@ -58,8 +58,9 @@ impl fmt::Display for CurveError {
             ),
             Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: rounding decides between them; change a length \
-                 by at least 1e-5 of its value, or write the lengths with all digits so that the branches cross"
+                "two branches of motion almost cross at {position}, so rounding would decide how the motion continues; \
+                 change a length by at least 1e-5 of its value, or write the lengths with all digits so that the \
+                 branches cross"
             ),
             Self::NearCrossing { position, miss: Some(miss), .. } => write!(
                 f,
@@ -77,9 +78,9 @@ impl fmt::Display for CurveError {
             }
             Self::Unwound { position, revolutions } => write!(
                 f,
-                "an angle has made {revolutions:.1e} revolutions at {position}: the rounding of the angle, {:.0e} \
-                 rad, is too large to keep the wheels of the couplings in mesh; use numbers of teeth whose angles \
-                 all return within 100 revolutions, which have no limit",
+                "an angle has made {revolutions:.1e} revolutions at {position}: the rounding of the angle, {:.0e} rad, \
+                 is too large to keep the wheels of the couplings in mesh; use numbers of teeth with which all wheels \
+                 return to their start within 100 revolutions; such a motion has no limit",
                 revolutions * TAU * f64::EPSILON
             ),
             Self::Outside(position) => {
@@ -89,7 +90,11 @@ impl fmt::Display for CurveError {
                 )
             }
             Self::TooLong { panels } => {
-                write!(f, "the motion does not return to its start within {panels} panels; simplify the linkage")
+                write!(
+                    f,
+                    "the motion is too long to be computed: it does not return to its start within {panels} \
+                    sections of its path; simplify the linkage"
+                )
             }
             Self::Inconsistent { joint, gap, position } => write!(
                 f,

@@ -239,7 +239,7 @@ fn add_travel(
         }
         out.facts.push(match turns == 0.0 {
             true => fact,
-            false => fact.saying(format!("makes full turns: {} for each cycle of the mechanism", turns.round())),
+            false => fact.saying(format!("makes {} full turns in each cycle of the mechanism", turns.round())),
         });
         toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
     }
@@ -304,7 +304,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
                 format!("no stop: {reason}")
             }
             (None, Ends::Closed(_)) if turns => "no stop: the mechanism turns without end".to_owned(),
-            (None, Ends::Closed(_)) => "no stop: the motion is a cycle that returns to its beginning".to_owned(),
+            (None, Ends::Closed(_)) => "no stop: the motion is a cycle that returns to its start".to_owned(),
             (None, _) => format!("no stop: the motion continues beyond {}", walk.describe(walk.ends[side])),
         };
         out.facts.push(Fact::new("Ends of travel", word).saying(text));
@@ -357,11 +357,19 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
     let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
     for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
-        let text = format!("branches cross at {}; the motion continues straight", curve.describe(sigma, 0.0));
+        let text = format!(
+            "two branches of motion cross at {}; the motion continues straight \
+            on",
+            curve.describe(sigma, 0.0)
+        );
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
-        let text = format!("branches almost cross at {}; the motion turns off there", miss.position);
+        let text = format!(
+            "two branches of motion almost cross at {}; the motion turns sharply there instead of \
+            continuing straight on",
+            miss.position
+        );
         let fact = Fact::new(NEAR, "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
         out.facts.push(fact.with("relative to the mechanism", miss.miss, Unit::One).saying(text));
     }
@@ -396,9 +404,15 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
         others.dedup();
         let names: Vec<&str> = others.iter().map(|&other| linkage.joints[other].name.as_str()).collect();
         let text = match names.is_empty() {
-            true => "repeats conditions of other joints of its loop; these joints share the reactions".to_owned(),
+            true => "is redundant, because it repeats conditions of other joints in its loop; these joints share the \
+                reactions"
+                .to_owned(),
             false => {
-                format!("repeats conditions of {}; the joints of these loops share the reactions", names.join(", "))
+                format!(
+                    "is redundant, because it repeats conditions of {}; the joints of these loops share the \
+                    reactions",
+                    names.join(", ")
+                )
             }
         };
         facts.push(Fact::new("Redundant joints", &linkage.joints[joint].name).saying(text));

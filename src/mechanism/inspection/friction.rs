@@ -35,7 +35,7 @@ pub fn add((reduced, state): (&Reduced, &State), inputs: &Inputs, [low, high]: [
             if count <= ARCS {
                 let joint = reduced.locking_joint(0.5 * (from + to));
                 let [from, to] = [from, to].map(|sigma| reduced.curve().describe(sigma, 0.0));
-                let text = format!("locks slow {word} motion from {from} to {to}, mainly in this joint");
+                let text = format!("friction locks slow {word} motion from {from} to {to}, mainly in this joint");
                 out.facts.push(Fact::new("Friction", joint).saying(text));
             }
         }
@@ -47,8 +47,8 @@ pub fn add((reduced, state): (&Reduced, &State), inputs: &Inputs, [low, high]: [
         out.facts.push(Fact::new("Friction", "").saying(format!("and {} more ranges", count - ARCS)));
     }
     let message = format!(
-        "locks slow motion in {count} ranges of the travel under the loads at the start: a run that reaches one of \
-         these ranges ends with an error"
+        "friction locks slow motion in {count} ranges of the travel under the loads at the start: a run that reaches \
+         one of these ranges ends with an error"
     );
     let remedy = "reduce the coefficients or the pin radii, or add stops before these ranges";
     out.findings.push(Finding::warning("friction", message, remedy));

@@ -28,12 +28,22 @@ impl Model {
     ) -> Result<(), ModelError> {
         for &known in knowns {
             if self.known_state(known).is_none() {
-                self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+                self.continuous(
+                    known,
+                    Causality::Input,
+                    "a known (the variable to differentiate by) must be a \
+                    continuous input",
+                )?;
             }
         }
         for &unknown in unknowns {
             if self.unknown_rate(unknown).is_none() {
-                self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+                self.continuous(
+                    unknown,
+                    Causality::Output,
+                    "an unknown (the variable to differentiate) must be a \
+                    continuous output",
+                )?;
             }
         }
         if let Some((seed, known)) = seeds.iter().zip(knowns).find(|(seed, _)| !seed.is_finite()) {

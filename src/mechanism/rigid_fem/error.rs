@@ -40,21 +40,25 @@ impl fmt::Display for RigidFemError {
         match self {
             Self::Prismatic { joint } => write!(
                 f,
-                "{joint} is prismatic, but rigid finite elements support revolute joints only; choose the reduced \
-                 model"
+                "{joint} is prismatic, but rigid finite elements support revolute joints only; choose solver.method = \
+                 \"reduced\""
             ),
             Self::Screw => {
-                write!(f, "a drive has a screw, which rigid finite elements do not support; choose the reduced model")
+                write!(
+                    f,
+                    "a drive has a screw, which rigid finite elements do not support; choose solver.method = \
+                    \"reduced\""
+                )
             }
             Self::Coupling { coupling } => write!(
                 f,
                 "{coupling} couples two bodies, but rigid finite elements support no gears, racks, belts and cams; \
-                 choose the reduced model"
+                 choose solver.method = \"reduced\""
             ),
             Self::Nodes { body, count } => write!(
                 f,
-                "{body} has joints at {count} points, but a rigid finite element has exactly 2; choose the reduced \
-                 model"
+                "{body} has joints at {count} points, but a rigid finite element has exactly 2; choose solver.method = \
+                 \"reduced\""
             ),
             Self::AxialStiffness { body, value } => {
                 let value = Decimal(*value);
@@ -63,18 +67,22 @@ impl fmt::Display for RigidFemError {
             Self::Massless { body, mass } => write!(
                 f,
                 "mass of {body} = {mass} kg: one of its joints can move by stretching rods alone, without moving a \
-                 mass; give {body} a mass away from its pivot, or choose the reduced model"
+                 mass; give {body} a mass away from its pivot, or choose solver.method = \"reduced\""
             ),
             Self::Efficiency { drive, value } => write!(
                 f,
                 "efficiency of {drive} = {value}: rigid finite elements support no losses in drives; set the \
-                 efficiency to 1, or choose the reduced model"
+                 efficiency to 1, or choose solver.method = \"reduced\""
             ),
             Self::StepSize { name, value } => {
                 write!(f, "step size {name} = {} s: must be finite and > 0", Decimal(*value))
             }
             Self::Substeps { count, limit } => {
-                write!(f, "the step needs {count:e} steps of h_fem, but at most {limit:e} are allowed: increase h_fem")
+                write!(
+                    f,
+                    "the step needs {count:e} steps of solver.fem_step, but at most {limit:e} are allowed: \
+                    increase solver.fem_step"
+                )
             }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,

@@ -37,7 +37,11 @@ pub fn written_out(text: &str, document: &Document) -> Result<String> {
                 Some(class) => Some(class),
                 None => {
                     let line = document.text_pos_at(node.range().start).row;
-                    bail!("line {line}: there is no default class \"{}\"", name.escape_debug())
+                    bail!(
+                        "line {line}: there is no default class \"{}\"; define this class, or correct its \
+                        name",
+                        name.escape_debug()
+                    )
                 }
             },
             None => classes.first(),

@@ -28,7 +28,7 @@ pub fn of_attributes<'a>(root: Node<'a, 'a>) -> impl Iterator<Item = String> {
     root.descendants().filter_map(|node| {
         let (_, keys) = ATTRIBUTES.iter().find(|(tag, _)| node.has_tag_name(*tag))?;
         let stated: Vec<_> = keys.iter().copied().filter(|key| node.has_attribute(*key)).collect();
-        (!stated.is_empty()).then(|| format!("{}: left out: {}", at(node), stated.join(", ")))
+        (!stated.is_empty()).then(|| format!("{}: these attributes are left out: {}", at(node), stated.join(", ")))
     })
 }
 
@@ -46,7 +46,7 @@ pub fn of_drive(node: Node) -> Option<String> {
     for key in BOUNDS {
         parts.extend(node.attribute(key).map(|value| format!("{key} {}", value.escape_debug())));
     }
-    (!parts.is_empty()).then(|| format!("{}: left out: {}", at(node), parts.join(", ")))
+    (!parts.is_empty()).then(|| format!("{}: these attributes are left out: {}", at(node), parts.join(", ")))
 }
 
 /// What is left out of the defaults of drives.
@@ -85,7 +85,7 @@ pub fn of_urdf(root: Node) -> Vec<String> {
             |node: Node| node.children().any(|limit| limit.has_tag_name("limit") && limit.has_attribute(key));
         let joints = named("joint", &is_limited);
         if !joints.is_empty() {
-            notes.push(format!("the limit {key} of {} is left out: {what} is not limited", joints.join(", ")));
+            notes.push(format!("the limit {key} of {} is left out: the {what} is not limited", joints.join(", ")));
         }
     }
     for tag in OF_JOINTS {

@@ -84,7 +84,10 @@ fn form_of(path: &Path, text: &str) -> Result<Form> {
         ("txt" | "pmks", _) => Form::Pmks,
         (_, text) if text.contains("mech=") => Form::Pmks,
         _ => {
-            bail!("the format of this file is unknown; give it by --form pmks, pmks-plus, pyslvs, mjcf, urdf or table")
+            bail!(
+                "the format of this file is unknown; state the format with --form pmks, pmks-plus, pyslvs, mjcf, \
+                urdf or table"
+            )
         }
     })
 }

@@ -92,15 +92,23 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     let length = body.encode_utf16().count();
     ensure!(
         DIGITS.chars().nth(length % CHECKS) == Some(check),
-        "the last letter of a PMKS+ file states its length, but \"{}\" does not fit {length} letters: the file or \
-         link is incomplete, or older than 2023; open it in PMKS+ and save it again",
+        "the last letter of a PMKS+ file is a check of its length, but the letter \"{}\" does not fit a file of \
+         {length} letters: the file or link is incomplete, or older than 2023; open the file in PMKS+ and save it \
+         again",
         check.escape_debug()
     );
     let mut sections = body.split('.');
-    let mut next = |what: &str| sections.next().with_context(|| format!("the section of the {what} is missing"));
+    let mut next = |what: &str| {
+        sections.next().with_context(|| {
+            format!(
+                "the section of the {what} is missing: open \
+        the file in PMKS+ and save it again"
+            )
+        })
+    };
     let flags = number(next("switches")?, "switches")?;
     next("scale")?;
-    let speed = number(next("speed")?.split(',').next().unwrap_or_default(), "the input's speed")?;
+    let speed = number(next("speed")?.split(',').next().unwrap_or_default(), "the speed of the input")?;
     let units = units(next("units")?)?;
     let mut records = |what: &str| -> Vec<(String, &str)> {
         let all = sections.by_ref().take_while(|record| !record.is_empty());
@@ -149,21 +157,21 @@ fn units(letters: &str) -> Result<Units> {
             mass: Unit(POUND, 1e3),
             inertia: Unit(POUND * INCH * INCH, 1e3),
             force: Unit(POUND * 9.80665, 1e3),
-            names: "units of the file: in, lb, lb in2, lbf",
+            names: "the units of the file are in, lb, lb in2 and lbf",
         },
         Some('1') => Units {
             length: Unit(1.0, 1e5),
             mass: Unit(1.0, 1e6),
             inertia: Unit(1.0, 1e7),
             force: Unit(1.0, 1e3),
-            names: "units of the file: cm, g, kg cm2, N",
+            names: "the units of the file are cm, g, kg cm2 and N",
         },
         Some('2') => Units {
             length: Unit(1.0, 1e3),
             mass: Unit(1.0, 1e3),
             inertia: Unit(1.0, 1e3),
             force: Unit(1.0, 1e3),
-            names: "units of the file: m, kg, kg m2, N",
+            names: "the units of the file are m, kg, kg m2 and N",
         },
         other => bail!("unit of length {other:?}: must be 0 (in), 1 (cm) or 2 (m)"),
     };
@@ -177,7 +185,7 @@ fn units(letters: &str) -> Result<Units> {
 /// Value of the letter that packs the switches of a record, and what follows it.
 fn flags(record: &str) -> Result<(usize, &str)> {
     let mut letters = record.chars();
-    let letter = letters.next().context("the record is empty")?;
+    let letter = letters.next().context("this record is empty: open the file in PMKS+ and save it again")?;
     let value = DIGITS.find(letter).with_context(|| format!("\"{}\" is not a digit", letter.escape_debug()))?;
     Ok((value, letters.as_str()))
 }
@@ -192,7 +200,7 @@ fn pin(record: &str, units: &Units) -> Result<Pin> {
         [bar, a, b, ..] if ![bar, a, b].iter().all(|word| word.is_empty()) => {
             Some([bar, a, b].map(|word| (*word).into()))
         }
-        [bar, ..] if !bar.is_empty() => bail!("a slot needs a bar and two joints"),
+        [bar, ..] if !bar.is_empty() => bail!("a slot needs a link and two joints: correct the slot in PMKS+"),
         _ => None,
     };
     let angle = number(angle, "angle")? / 1e3;
@@ -225,7 +233,10 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
     };
     let words: Vec<&str> = letters.as_str().split(',').collect();
     let [id, name, mass, inertia, x, y, _color, rest @ ..] = words.as_slice() else {
-        bail!("a link needs a name, a mass, an inertia and a centre");
+        bail!(
+            "a link needs a name, a mass, a moment of inertia and a centre of mass: open the file in PMKS+ and save \
+            it again"
+        );
     };
     // An empty word ends the joints.
     let end = rest.iter().position(|word| word.is_empty()).unwrap_or(rest.len());
@@ -239,7 +250,14 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
         is_block,
         mass,
         inertia,
-        center: [units.length.of(number(x, "x of the centre")?), units.length.of(number(y, "y of the centre")?)],
+        center: [
+            units.length.of(number(
+                x,
+                "x of the centre of \
+            mass",
+            )?),
+            units.length.of(number(y, "y of the centre of mass")?),
+        ],
         pins: owned(&rest[..end]),
         parts: owned(&rest[end..]),
     })
@@ -250,7 +268,7 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     let (flags, rest) = flags(record)?;
     let words: Vec<&str> = rest.split(',').collect();
     let [_id, link, name, ax, ay, bx, by, size, ..] = words.as_slice() else {
-        bail!("a force needs a link, a name, two places and a size");
+        bail!("a force needs a link, a name, two points and a size: open the file in PMKS+ and save it again");
     };
     if flags & 1 != 0 {
         bail!(
@@ -269,7 +287,11 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     ensure!(size.is_finite(), "the unit of forces must be N or lbf: choose one of these in PMKS+");
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]);
-    ensure!(length > 0.0, "the force has no direction");
+    ensure!(
+        length > 0.0,
+        "the two points of the force are equal, so the force has no direction: move one of the \
+        points in PMKS+"
+    );
     let taken: Vec<String> = own.names().chain(pins.iter().map(|pin| pin.name.clone())).collect();
     let name = identifier(name, "force", &taken.iter().map(String::as_str).collect::<Vec<_>>());
     own.forces.push((name, at + 1, from, along.map(|part| size * part / length)));
@@ -339,7 +361,7 @@ impl<'a> Builder<'a> {
             if pin.slides { self.slide(pin) } else { self.revolute(pin) }.with_context(named)?;
         }
         if self.own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-            bail!("no joint is grounded");
+            bail!("no joint is on the ground: ground at least one joint in PMKS+");
         }
         match self.own.drives.first().map(|(_, joint)| &self.own.joints[*joint]) {
             None => self.own.notes.push("no joint is an input, so the mechanism has no drive".to_owned()),
@@ -401,11 +423,11 @@ impl<'a> Builder<'a> {
                     Ok(pin.with_context(|| format!("there is no joint {}", id.escape_debug()))?.place)
                 };
                 let (a, b) = (place(a)?, place(b)?);
-                ensure!(a != b, "the two joints of the slot are at the same place");
+                ensure!(a != b, "the two joints of the slot are at the same place: move one of them in PMKS+");
                 (base, (b[1] - a[1]).atan2(b[0] - a[0]))
             }
             None if is_grounded => (0, pin.angle),
-            None => bail!("the slide is neither grounded nor in a link"),
+            None => bail!("the slot is neither on the ground nor in a link: correct the slot in PMKS+"),
         };
         // Without a block of its own the links are hinged on one without mass, or slide themselves where they do not
         // turn.

@@ -79,8 +79,8 @@ fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     // A link may have the name of a kind: the kind is the last such word before the numbers.
     let is_number = |word: &&str| word.parse::<f64>().is_ok();
     let at = (1..words.len()).rev().find(|&at| kind(words[at]).is_some() && words.get(at + 1).is_some_and(is_number));
-    let at = at.context("the joint type (R, P or RP) before the coordinates is missing")?;
-    let kind = kind(words[at]).context("not a joint type")?;
+    let at = at.context("the joint type (R, P or RP) is missing: write links, joint type, x and y in this order")?;
+    let kind = kind(words[at]).context("the joint type must be R, P or RP")?;
     let mut rest = words[at + 1..].iter().copied();
     let place = [number(rest.next(), "x")?, number(rest.next(), "y")?];
     let mut rest: Vec<&str> = rest.collect();
@@ -88,7 +88,7 @@ fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     if rest.first().is_some_and(is_number) {
         axis = number(Some(rest.remove(0)), "angle")?.to_radians();
     } else if kind != Kind::Revolute {
-        notes.push(format!("{}: the angle of the slide is missing; 0 is used, as in PMKS", words.join(" ")));
+        notes.push(format!("{}: the angle of the slide is missing; the angle 0 is used, as in PMKS", words.join(" ")));
     }
     // Shown are position, speed and acceleration; the fourth flag tells the drive.
     let is_driven = match rest.as_slice() {
@@ -109,8 +109,9 @@ fn link_named(name: &str) -> String {
 
 /// The JSON of PMKS, whose slides have their angle in rad from the first of their links.
 fn of_json(text: &str) -> Result<Table> {
-    let file: Value = serde_json::from_str(text).context("this is not JSON")?;
-    let joints = file["Joints"].as_array().context("the JSON of PMKS has the key \"Joints\", which is missing here")?;
+    let file: Value = serde_json::from_str(text).context("the file starts like JSON, but is not valid JSON")?;
+    let joints =
+        file["Joints"].as_array().context("the key \"Joints\" is missing: save the mechanism in PMKS again")?;
     let mut table = Table { name: file["Name"].as_str().map(str::to_owned), ..Table::default() };
     for (joint, of) in joints.iter().zip(1..) {
         let row = json_row(joint, &file["Links"]).with_context(|| format!("joint {of}"))?;
@@ -129,12 +130,18 @@ fn json_row(joint: &Value, links: &Value) -> Result<Row> {
         bail!("gears (G) are not imported: add them as `couplings` of the definition");
     }
     let kind = kind(word).with_context(|| format!("TypeOfJoint = \"{}\": must be R, P or RP", word.escape_debug()))?;
-    let coordinate = |key: &str| joint[key].as_f64().with_context(|| format!("{key} is not a number"));
+    let coordinate = |key: &str| joint[key].as_f64().with_context(|| format!("{key} must be a number"));
     let place = [coordinate("X")?, coordinate("Y")?];
-    let names = joint["Links"].as_array().context("Links is not a list")?;
+    let names = joint["Links"].as_array().context("Links must be a list of names")?;
     let names: Option<Vec<&str>> = names.iter().map(Value::as_str).collect();
-    let names: Vec<String> =
-        names.context("Links contains an entry that is not a name")?.into_iter().map(link_named).collect();
+    let names: Vec<String> = names
+        .context(
+            "Links must be a list of names, but one entry is not a \
+            text",
+        )?
+        .into_iter()
+        .map(link_named)
+        .collect();
     let mut axis = 0.0;
     if kind != Kind::Revolute {
         let first = names.first().map(String::as_str).unwrap_or_default();

@@ -33,7 +33,7 @@ fn fixed<const N: usize>(node: Node, name: &str) -> Result<Option<[f64; N]>> {
     let Some(all) = numbers(node, name)? else { return Ok(None) };
     let count = all.len();
     let array = <[f64; N]>::try_from(all);
-    array.map(Some).map_err(|_| anyhow!("{}: {name} has {count} numbers, not {N}", at(node)))
+    array.map(Some).map_err(|_| anyhow!("{}: {name} has {count} numbers, but needs {N}", at(node)))
 }
 
 fn one(node: Node, name: &str) -> Result<Option<f64>> {
@@ -89,7 +89,7 @@ pub fn of_mjcf(name: &str, text: &str) -> Result<Space> {
         reader.section(section)?;
     }
     if reader.space.solids.len() < 2 {
-        bail!("there is no <body> in <worldbody>");
+        bail!("<worldbody> contains no <body>, so there is no mechanism");
     }
     // Connections and drives name bodies and joints that stand anywhere.
     for section in elements(root) {
@@ -121,10 +121,10 @@ impl Mjcf {
             "compiler" => {
                 self.in_degrees = node.attribute("angle") != Some("radian");
                 for wrong in ["eulerseq", "coordinate", "meshdir"].into_iter().filter(|key| node.has_attribute(*key)) {
-                    self.space.notes.push(format!("{}: {wrong} is not read", at(node)));
+                    self.space.notes.push(format!("{}: the attribute {wrong} is ignored", at(node)));
                 }
                 if node.attribute("eulerseq").is_some_and(|order| order != "xyz") {
-                    bail!("{}: eulerseq: only xyz is supported", at(node));
+                    bail!("{}: only eulerseq = \"xyz\" is supported: convert the angles, or use quat", at(node));
                 }
             }
             "option" => {
@@ -132,7 +132,11 @@ impl Mjcf {
                     self.space.gravity = gravity;
                 }
             }
-            "include" => bail!("{}: included files are not read: put their content here", at(node)),
+            "include" => bail!(
+                "{}: included files are not read: replace this element by the content of the \
+                file",
+                at(node)
+            ),
             "worldbody" => {
                 self.space.solids.push(Solid::default());
                 self.body(node, 0, ([0.0; 3], SAME))?;
@@ -155,7 +159,13 @@ impl Mjcf {
             let half = (x * x + y * y + z * z).sqrt();
             inner = unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)));
         } else if let Some([x, y, z, angle]) = fixed(node, "axisangle")? {
-            let axis = unit([x, y, z]).with_context(|| format!("{}: axisangle has no axis", at(node)))?;
+            let axis = unit([x, y, z]).with_context(|| {
+                format!(
+                    "{}: the axis in axisangle is zero: write a vector with \
+                a length",
+                    at(node)
+                )
+            })?;
             inner = about(axis, self.angle(angle));
         } else if let Some(angles) = fixed::<3>(node, "euler")? {
             for (axis, angle) in SAME.into_iter().zip(angles) {
@@ -173,7 +183,13 @@ impl Mjcf {
         let stated = child(node, "inertial");
         if let Some(inertial) = stated {
             let (center, rotation) = self.frame(inertial, frame)?;
-            let mass = one(inertial, "mass")?.with_context(|| format!("{}: mass is missing", at(inertial)))?;
+            let mass = one(inertial, "mass")?.with_context(|| {
+                format!(
+                    "{}: the attribute mass is missing: add \
+                it",
+                    at(inertial)
+                )
+            })?;
             let own = match (fixed::<3>(inertial, "diaginertia")?, fixed::<6>(inertial, "fullinertia")?) {
                 (Some(d), _) => [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]],
                 (None, Some([xx, yy, zz, xy, xz, yz])) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
@@ -188,10 +204,14 @@ impl Mjcf {
                 "joint" => {
                     joints += 1;
                     if joints > 1 {
-                        bail!("{}: a second joint of one body; put a body without mass between them", at(inner));
+                        bail!(
+                            "{}: the body has a second joint, but only one is supported: put a body without mass \
+                            between the two joints",
+                            at(inner)
+                        );
                     }
                 }
-                "freejoint" => bail!("{}: a free body is not part of a mechanism", at(inner)),
+                "freejoint" => bail!("{}: a free body is not part of a mechanism: remove this element", at(inner)),
                 "site" | "camera" | "light" => self.sites = true,
                 _ => {}
             }
@@ -199,7 +219,7 @@ impl Mjcf {
         let solid = &mut self.space.solids[own];
         (solid.mass, solid.center, solid.inertia) = together(&masses);
         if node.ancestors().nth(DEEPEST).is_some() {
-            bail!("{}: is nested in {DEEPEST} other bodies; at most {DEEPEST} are supported", at(node));
+            bail!("{}: this body is nested too deeply: at most {DEEPEST} are supported", at(node));
         }
         for inner in elements(node).filter(|inner| inner.has_tag_name("body")) {
             let index = self.space.solids.len();
@@ -229,7 +249,13 @@ impl Mjcf {
         }
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(fixed(node, "axis")?.unwrap_or([0.0, 0.0, 1.0]));
-        let axis = axis.with_context(|| format!("{}: the axis has no direction", at(node)))?;
+        let axis = axis.with_context(|| {
+            format!(
+                "{}: the axis is zero, so it has no direction: write a vector with a \
+            length",
+                at(node)
+            )
+        })?;
         let stated = fixed::<2>(node, "range")?.filter(|_| node.attribute("limited") != Some("false"));
         // MuJoCo takes a range without width for none, unless it is said to be a limit.
         let stated = stated.filter(|[lower, upper]| lower != upper || node.attribute("limited") == Some("true"));
@@ -257,16 +283,30 @@ impl Mjcf {
         let (mut place, mut rotation) = self.frame(node, frame)?;
         let kind = node.attribute("type").unwrap_or("sphere");
         let size = numbers(node, "size")?.unwrap_or_default();
-        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", at(node)));
+        let part = |k: usize| {
+            size.get(k).copied().with_context(|| {
+                format!(
+                    "{}: the attribute size has too few numbers \
+            for this type of geom: add them",
+                    at(node)
+                )
+            })
+        };
         let mut half = size.get(1).copied();
         if let Some([ax, ay, az, bx, by, bz]) = fixed(node, "fromto")? {
             let (a, b) = ([ax, ay, az], [bx, by, bz]);
             let along = add(b, scaled(a, -1.0));
             place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
-            let direction = unit(along).with_context(|| format!("{}: fromto has no length", at(node)))?;
+            let direction = unit(along).with_context(|| {
+                format!(
+                    "{}: the two points of fromto are equal: move one of \
+                them",
+                    at(node)
+                )
+            })?;
             half = Some(0.5 * super::spatial::dot(along, along).sqrt());
             if matches!(kind, "box" | "ellipsoid") {
-                bail!("{}: fromto of a {kind} is not supported", at(node));
+                bail!("{}: fromto is not supported for a {kind}: write pos, euler and size", at(node));
             }
             // Any two axes across the direction serve a body of revolution.
             let aside = if direction[0].abs() < 0.9 { SAME[0] } else { SAME[1] };
@@ -274,7 +314,15 @@ impl Mjcf {
             let local = [across, super::spatial::cross(direction, across), direction];
             rotation = after(&frame.1, &local);
         }
-        let half = || half.with_context(|| format!("{}: size has no half length", at(node)));
+        let half = || {
+            half.with_context(|| {
+                format!(
+                    "{}: the attribute size has no half length: add a second number, or \
+            write fromto",
+                    at(node)
+                )
+            })
+        };
         // Volume, and moments of inertia for a mass of 1 about the centre, across and along the axis of revolution.
         let (volume, across, along) = match kind {
             "sphere" => {
@@ -317,7 +365,7 @@ impl Mjcf {
         match found {
             Some(index) => Ok(index + 1),
             None if name == "world" => Ok(0),
-            None => bail!("{}: {key} = \"{}\": there is no such body", at(node), name.escape_debug()),
+            None => bail!("{}: {key} = \"{}\": no body has this name; correct the name", at(node), name.escape_debug()),
         }
     }
 
@@ -327,11 +375,17 @@ impl Mjcf {
             bail!("{}: only <connect> with body1, body2 and anchor is supported among the equalities", at(node));
         }
         if node.attribute("active") == Some("false") {
-            self.space.notes.push(format!("{}: is not active, so it is left out", at(node)));
+            self.space.notes.push(format!("{}: this connection is not active, so it is left out", at(node)));
             return Ok(());
         }
         let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
-        let anchor = fixed(node, "anchor")?.with_context(|| format!("{}: anchor is missing", at(node)))?;
+        let anchor = fixed(node, "anchor")?.with_context(|| {
+            format!(
+                "{}: the attribute anchor is missing: add \
+            it",
+                at(node)
+            )
+        })?;
         let frame = self.frame_of(node.document().root_element(), first)?;
         let count = self.space.hinges.len();
         self.space.hinges.push(Hinge {
@@ -361,15 +415,22 @@ impl Mjcf {
 
     fn drive(&mut self, node: Node) -> Result<()> {
         let Some(name) = node.attribute("joint") else {
-            self.space.notes.push(format!("{}: acts on no joint, so it is left out", at(node)));
+            self.space.notes.push(format!("{}: this actuator acts on no joint, so it is left out", at(node)));
             return Ok(());
         };
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
-        let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
+        let hinge = found.with_context(|| {
+            format!(
+                "{}: there is no joint {}; correct the \
+            name",
+                at(node),
+                name.escape_debug()
+            )
+        })?;
         let is_second = std::mem::replace(&mut hinge.is_driven, true);
         if is_second {
             let text = format!(
-                "{}: acts on {} like another actuator: the two are combined into one drive",
+                "{}: this actuator acts on the joint {}, like another one: the import combines them into one drive",
                 at(node),
                 name.escape_debug()
             );
@@ -377,7 +438,11 @@ impl Mjcf {
         }
         self.space.notes.extend(left_out::of_drive(node));
         if !node.has_tag_name("motor") {
-            self.space.notes.push(format!("{}: its control law is left out; its force is an input", at(node)));
+            self.space.notes.push(format!(
+                "{}: the control law of this actuator is left out; its force is an input of \
+                the FMU",
+                at(node)
+            ));
         }
         Ok(())
     }
@@ -426,14 +491,14 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     let joints: Vec<Node> = elements(root).filter(|node| node.has_tag_name("joint")).collect();
     let of = |node: Node, key: &str| -> Result<String> {
         let name = child(node, key).and_then(|child| child.attribute("link"));
-        Ok(name.with_context(|| format!("{}: <{key}> is missing", at(node)))?.to_owned())
+        Ok(name.with_context(|| format!("{}: the element <{key}> is missing: add it", at(node)))?.to_owned())
     };
     let ends: Vec<(String, String)> =
         joints.iter().map(|joint| Ok((of(*joint, "parent")?, of(*joint, "child")?))).collect::<Result<_>>()?;
     let links: Vec<Node> = elements(root).filter(|node| node.has_tag_name("link")).collect();
     let is_base = |link: &&Node| ends.iter().all(|(_, child)| link.attribute("name") != Some(child));
     let base = links.iter().find(is_base).context("every link is moved by a joint, so there is no ground link")?;
-    space.notes.push(format!("the link {} is the ground", base.attribute("name").unwrap_or_default()));
+    space.notes.push(format!("the link {} becomes the body ground", base.attribute("name").unwrap_or_default()));
     space.solids.push(Solid::default());
     let mut known = vec![(base.attribute("name").unwrap_or_default().to_owned(), ([0.0; 3], SAME))];
     let mut left: Vec<usize> = (0..joints.len()).collect();
@@ -445,7 +510,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
         let kind = joint.attribute("type").unwrap_or_default();
         let is_fixed = kind == "fixed";
         let link = links.iter().find(|link| link.attribute("name") == Some(child_name));
-        let link = link.with_context(|| format!("{}: there is no link {child_name}", at(joint)))?;
+        let link = link.with_context(|| format!("{}: there is no link {child_name}; correct the name", at(joint)))?;
         let mut solid = Solid { name: child_name.clone(), place: frame.0, ..Solid::default() };
         solid.fixed_to = is_fixed.then_some(first);
         (solid.mass, solid.center, solid.inertia) = urdf_mass(*link, frame)?;
@@ -457,7 +522,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
         }
     }
     if let Some(&lost) = left.first() {
-        bail!("{}: its parent is not connected to the other links", at(joints[lost]));
+        bail!("{}: the parent link of this joint is not connected to the other links", at(joints[lost]));
     }
     space.notes.extend(left_out::of_urdf(root));
     for node in elements(root) {
@@ -497,18 +562,28 @@ fn urdf_joint(
     let slides = match kind {
         "revolute" | "continuous" => false,
         "prismatic" => true,
-        other => bail!("{}: a joint of the type {other} is not supported", at(node)),
+        other => bail!(
+            "{}: joints of the type {other} are not supported; use revolute, continuous, prismatic or \
+            fixed",
+            at(node)
+        ),
     };
     if child(node, "mimic").is_some() {
         bail!("{}: <mimic> is not supported, because a linkage has no joint that copies another", at(node));
     }
     let axis = child(node, "axis").map(|axis| fixed(axis, "xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
-    let axis = unit(axis).with_context(|| format!("{}: the axis has no direction", at(node)))?;
+    let axis = unit(axis).with_context(|| {
+        format!(
+            "{}: the axis is zero, so it has no direction: write a vector with a \
+        length",
+            at(node)
+        )
+    })?;
     let mut damping = 0.0;
     if let Some(dynamics) = child(node, "dynamics") {
         damping = one(dynamics, "damping")?.unwrap_or(0.0);
         if one(dynamics, "friction")?.is_some_and(|friction| friction != 0.0) {
-            notes.push(format!("{}: friction is left out", at(node)));
+            notes.push(format!("{}: the joint friction is left out: add the key friction to the definition", at(node)));
         }
     }
     let limit = child(node, "limit").filter(|_| kind != "continuous");

@@ -134,7 +134,7 @@ pub fn project(space: Space) -> Result<Linkage> {
     let weight = dot(space.gravity, space.gravity).sqrt();
     if weight > 0.0 {
         if dot(space.gravity, normal).abs() > OFF * weight {
-            own.notes.push("the component of gravity across the plane of motion is left out".to_owned());
+            own.notes.push("the component of gravity perpendicular to the plane of motion is left out".to_owned());
         }
         let [x, y] = flat(space.gravity);
         own.gravity = Some(x.hypot(y));
@@ -154,7 +154,7 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
     let upward = unit(scaled(space.gravity, -1.0)).unwrap_or([0.0, 0.0, 1.0]);
     let beside = || slides.first().and_then(|slide| unit(cross(*slide, upward)));
     let Some(normal) = turning.or_else(across).or_else(beside) else {
-        bail!("no joint defines the plane of the motion");
+        bail!("no hinge or slide defines the plane of the motion: add a joint");
     };
     for hinge in &space.hinges {
         let Some(axis) = hinge.axis else { continue };

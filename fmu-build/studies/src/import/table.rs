@@ -77,7 +77,7 @@ pub fn of_pyslvs(text: &str) -> Result<Table> {
             let fields = parts(joint)?;
             let kind = fields.first().and_then(|word| kind(word)).context("the type of a joint must be R, P or RP")?;
             let field = |name: &str| fields.iter().find_map(|field| inside(field, name));
-            let mut place = field("P").context("a joint needs its place as P[x, y]")?.split(',').map(str::trim);
+            let mut place = field("P").context("a joint needs its coordinates as P[x, y]")?.split(',').map(str::trim);
             let place = [number(place.next(), "x")?, number(place.next(), "y")?];
             let axis = match field("A") {
                 Some(angle) => number(Some(angle.trim()), "A")?.to_radians(),
@@ -116,7 +116,7 @@ fn parts(text: &str) -> Result<Vec<&str>> {
         }
     }
     if depth != 0 {
-        bail!("a closing bracket is missing");
+        bail!("a closing bracket is missing: add ] at the end");
     }
     all.push(text[from..].trim());
     all.retain(|part| !part.is_empty());
@@ -141,7 +141,14 @@ pub fn of_csv(text: &str) -> Result<Table> {
     };
     let names: Vec<String> = table.headers()?.iter().map(str::to_ascii_lowercase).collect();
     let column = |name: &str| names.iter().position(|other| other == name);
-    let needed = |name: &str| column(name).with_context(|| format!("the table has no column \"{name}\""));
+    let needed = |name: &str| {
+        column(name).with_context(|| {
+            format!(
+                "the table has no column \"{name}\"; the columns \
+        type, x, y and links are required"
+            )
+        })
+    };
     let (types, x, y, links) = (needed("type")?, needed("x")?, needed("y")?, needed("links")?);
     let (angle, driven) = (column("angle"), column("driven"));
     let mut rows = Vec::new();
@@ -155,7 +162,7 @@ pub fn of_csv(text: &str) -> Result<Table> {
             let axis = match (stated, kind) {
                 (Some(word), _) => number(Some(word), "angle")?.to_radians(),
                 (None, Kind::Revolute) => 0.0,
-                (None, _) => bail!("a slide (P, RP) needs an angle"),
+                (None, _) => bail!("a slide (type P or RP) needs an angle: fill the column angle"),
             };
             let links = record.get(links).unwrap_or_default().split_whitespace().map(str::to_owned).collect();
             let driven = driven.and_then(|driven| record.get(driven)).unwrap_or_default();
@@ -198,7 +205,7 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
         add_joints(&mut own, row, of, &bodies)?;
     }
     if own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-        bail!("no joint is on the link \"ground\"");
+        bail!("no joint is on the link \"ground\": name the fixed link ground");
     }
     if own.drives.is_empty() {
         let is_input = |joint: &&Joint| {
@@ -210,7 +217,7 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
         let name = driven.or_else(first).unwrap_or_default();
         let index = own.joints.iter().position(|joint| joint.name == name).unwrap_or_default();
         own.drives.push(("drive".to_owned(), index));
-        own.notes.push(format!("the file has no drive: a drive is added to the joint {name}"));
+        own.notes.push(format!("the file names no drive: the import adds a drive in the joint {name}"));
     }
     add_masses(&mut own);
     own.notes.push("the file states no units: lengths are read in m and angles in degrees".to_owned());
@@ -219,7 +226,12 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
 
 /// The joints of a row.
 fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Result<()> {
-    let (&first, others) = bodies.split_first().with_context(|| format!("joint {of} has no links"))?;
+    let (&first, others) = bodies.split_first().with_context(|| {
+        format!(
+            "joint {of} names no links: name the links \
+        that it connects"
+        )
+    })?;
     if others.is_empty() {
         let taken: Vec<&str> = own.bodies.iter().map(|body| body.name.as_str()).collect();
         let name = identifier(&format!("point_{of}"), "point", &taken);

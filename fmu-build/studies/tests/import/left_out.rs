@@ -20,12 +20,15 @@ fn gears_and_bounds_of_drives() {
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, drive);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["line 20: <motor \"m\">: left out: gear 50 (", ", ctrlrange -1 1, forcerange -9 9"],
+        &["line 20: <motor \"m\">: these attributes are left out: gear 50 (", ", ctrlrange -1 1, forcerange -9 9"],
     );
     let same = replaced(MJCF, r#"<motor joint="bearing"/>"#, r#"<motor joint="bearing" gear="1"/>"#);
     assert!(!notes(Form::Mjcf, &same).contains("gear"));
     let by_default = r#"<default><default class="strong"><motor ctrlrange="-2 2"/></default></default><option"#;
-    assert_says(&notes(Form::Mjcf, &replaced(MJCF, "<option", by_default)), &["<motor>: left out: ctrlrange -2 2"]);
+    assert_says(
+        &notes(Form::Mjcf, &replaced(MJCF, "<option", by_default)),
+        &["<motor>: these attributes are left out: ctrlrange -2 2"],
+    );
     let joint = replaced(MJCF, r#"name="pin""#, r#"name="pin" actuatorfrcrange="-1 1""#);
     assert_says(&notes(Form::Mjcf, &joint), &["<joint \"pin\">: actuatorfrcrange is left out"]);
 }
@@ -34,14 +37,16 @@ fn gears_and_bounds_of_drives() {
 fn medium_softness_and_second_drives() {
     assert!(!notes(Form::Mjcf, MJCF).contains("density"));
     let text = replaced(MJCF, "<option", r#"<option density="1.2" wind="1 0 0""#);
-    assert_says(&notes(Form::Mjcf, &text), &["<option>: left out: density, wind"]);
+    assert_says(&notes(Form::Mjcf, &text), &["<option>: these attributes are left out: density, wind"]);
     let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
-    assert_says(&notes(Form::Mjcf, &text), &["<joint \"pin\">: left out: margin, solreflimit"]);
+    assert_says(&notes(Form::Mjcf, &text), &["<joint \"pin\">: these attributes are left out: margin, solreflimit"]);
     let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["<motor \"second\">: acts on bearing like another actuator: the two are combined into one drive"],
+        &[
+            "<motor \"second\">: this actuator acts on the joint bearing, like another one: the import combines them into one drive",
+        ],
     );
 }
 

@@ -70,7 +70,8 @@ impl HydraulicSystem {
                 Some(port)
                     if port >= ports.volumes && matches!((link.group, link.key), ("pumps", "to") | (_, "at")) =>
                 {
-                    let allowed = "a node, or a chamber such as cylinder.a; a reservoir has a given pressure";
+                    let allowed = "a node, or a chamber such as cylinder.a, but not a reservoir, because its pressure \
+                        is given";
                     faults.push(DefinitionError::value(link.path(), format!("\"{}\"", link.port), allowed));
                 }
                 Some(_) => {}
@@ -81,8 +82,11 @@ impl HydraulicSystem {
                 other.group == link.group && other.name == link.name && other.port == link.port && other.carries_flow()
             };
             if let Some(other) = links[..index].iter().find(of_same) {
-                let message =
-                    format!("\"{}\" is its port {} too; connect each port to another place", link.port, other.key);
+                let message = format!(
+                    "\"{}\" is also connected to port {} of this element; connect each port to another \
+                        place",
+                    link.port, other.key
+                );
                 faults.push(DefinitionError::key(link.path(), message));
             }
             // A node may serve several valves; a chamber has one.
@@ -91,7 +95,8 @@ impl HydraulicSystem {
             let of_other = |other: &&Link<'_>| is_working(other) && other.name != link.name && other.port == link.port;
             if let (true, Some(other)) = (is_working(link), links[..index].iter().find(of_other)) {
                 let message = format!(
-                    "\"{}\" is connected to {} already; connect one valve only, or both through a node",
+                    "\"{}\" is already connected to {}; connect only one valve to a chamber, or connect both valves to \
+                        a node",
                     link.port,
                     other.path()
                 );
@@ -107,7 +112,7 @@ impl HydraulicSystem {
         self.elements(&mut |group, name| {
             let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
             if !name.starts_with(|c: char| c.is_ascii_alphabetic()) || !name.chars().all(is_word) {
-                let allowed = "a word: ASCII letters, digits and underscores, beginning with a letter";
+                let allowed = "a word: ASCII letters, digits and underscores, starting with a letter";
                 faults.push(DefinitionError::value(format_args!("{group}.{name}"), format!("\"{name}\""), allowed));
             }
             if let Some((other, _)) = names.iter().find(|(_, known)| known == name) {
@@ -127,15 +132,22 @@ impl HydraulicSystem {
             ("valves", "valves", self.valves.len(), MOST_VALVES),
             ("nodes", "components of the state", components, MOST_COMPONENTS),
             ("nodes", "ports", ports.names().len(), MOST_COMPONENTS),
-            ("resistances", "flow paths, four for each valve", paths, MOST_PATHS),
+            ("resistances", "flow paths (four in each valve)", paths, MOST_PATHS),
         ] {
             if count > most {
-                let message = format!("the network has {count} {what}; at most {most}: split it into two FMUs");
+                let message = format!(
+                    "the network has {count} {what}, but at most {most} are allowed: split the \
+                    network into two FMUs"
+                );
                 faults.push(DefinitionError::key(key, message));
             }
         }
         if self.nodes.is_empty() && self.cylinders.is_empty() {
-            faults.push(DefinitionError::key("nodes", "there is neither a node nor a cylinder; give one of them"));
+            faults.push(DefinitionError::key(
+                "nodes",
+                "the network has neither a node nor a cylinder: add a node or a \
+                cylinder",
+            ));
         }
     }
 
@@ -172,12 +184,15 @@ impl HydraulicSystem {
         for (name, node) in self.nodes.iter() {
             let path = |key: &str| format!("nodes.{name}.{key}");
             if node.volume == 0.0 {
-                let allowed = "> 0 m3: where elements are connected without a volume, their flows and the pressure are \
-                               an algebraic loop; give it the volume of its lines";
+                let allowed = "> 0 m3, because the pressure of a node without a volume cannot be integrated; write the \
+                               volume of the lines at this node";
                 faults.push(DefinitionError::value(path("volume"), 0, allowed));
             } else if node.hose_volume > node.volume {
-                let allowed =
-                    format!("at most the volume of the node, {} m3, of which it is a part", Decimal(node.volume));
+                let allowed = format!(
+                    "at most {} m3, the volume of the node, because the hose volume is part of the node \
+                        volume",
+                    Decimal(node.volume)
+                );
                 faults.push(DefinitionError::value(path("hose_volume"), Decimal(node.hose_volume), allowed));
             }
         }
@@ -200,20 +215,28 @@ impl HydraulicSystem {
         for (name, cylinder) in self.cylinders.iter() {
             let path = |key: &str| format!("cylinders.{name}.{key}");
             if cylinder.rod >= cylinder.bore {
-                let allowed = format!("below bore = {} m, for chamber B to have an area", Decimal(cylinder.bore));
+                let allowed = format!("below bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
                 faults.push(DefinitionError::value(path("rod"), Decimal(cylinder.rod), allowed));
             }
             for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {
                 if chamber.hose_volume > chamber.dead_volume {
-                    let allowed =
-                        format!("at most dead_volume = {} m3, of which it is a part", Decimal(chamber.dead_volume));
+                    let allowed = format!(
+                        "at most dead_volume = {} m3, because the hose volume is part of the dead \
+                            volume",
+                        Decimal(chamber.dead_volume)
+                    );
                     let path = path(&format!("chamber_{side}.hose_volume"));
                     faults.push(DefinitionError::value(path, Decimal(chamber.hose_volume), allowed));
                 }
             }
             let [least, most] = cylinder.lengths();
             if let Some(length) = cylinder.length.filter(|length| !(least..=most).contains(length)) {
-                let allowed = format!("within the travel, {} m to {} m", Decimal(least), Decimal::rounded(most));
+                let allowed = format!(
+                    "from closed_length = {} m to closed_length + stroke = {} \
+                    m",
+                    Decimal(least),
+                    Decimal::rounded(most)
+                );
                 faults.push(DefinitionError::value(path("length"), Decimal(length), allowed));
             }
         }
@@ -264,16 +287,22 @@ impl HydraulicSystem {
         };
         for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
             if !feeds(link.port, link.name) {
-                let message =
-                    format!("nothing but this valve is connected to \"{}\": it has no {}", link.port, link.key);
+                let message = format!(
+                    "nothing but this valve is connected to \"{}\", so the valve has no \
+                        {}",
+                    link.port, link.key
+                );
                 warn(link.path(), message, "connect a pump, an accumulator, a reservoir or another element there");
             }
         }
         for name in &ports.names()[ports.nodes..ports.volumes] {
             if !feeds(name, "") {
                 let (cylinder, side) = name.split_once('.').unwrap_or((name, ""));
-                let message = format!("nothing is connected to its chamber {side}: its oil is shut in");
-                warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to it");
+                let message = format!(
+                    "nothing is connected to chamber {side} of this cylinder, so the oil cannot \
+                    leave the chamber"
+                );
+                warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to this chamber");
             }
         }
         for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Fixed) {
@@ -284,12 +313,13 @@ impl HydraulicSystem {
             let flow = self.reliefs.iter().fold(0.0, relief);
             if flow < pump.max_flow {
                 let message = format!(
-                    "is {} m3/s; relief valves at \"{}\" take {} m3/s at a tenth above their pressure",
+                    "is {} m3/s, but the relief valves at \"{}\" can discharge only {} m3/s at 10 % above their \
+                        opening pressure",
                     Decimal(pump.max_flow),
                     pump.to,
                     Decimal::rounded(flow)
                 );
-                let remedy = "give a relief valve there a larger conductance, or take a compensated pump";
+                let remedy = "increase the conductance of a relief valve there, or use a compensated pump";
                 warn(format!("pumps.{name}.max_flow"), message, remedy);
             }
         }
@@ -301,12 +331,17 @@ impl HydraulicSystem {
                     Decimal(pump.full_pressure),
                     Decimal(one.pressure)
                 );
-                warn(format!("pumps.{name}.full_pressure"), message, "raise the pressure of the relief valve");
+                warn(
+                    format!("pumps.{name}.full_pressure"),
+                    message,
+                    "raise the pressure of the relief valve, or lower \
+                    full_pressure",
+                );
             }
         }
         for (name, accumulator) in self.accumulators.iter().filter(|(_, one)| one.precharge_pressure >= highest) {
             let message = format!(
-                "is {} Pa, not below the highest pressure of pumps, reservoirs and start, {} Pa: it never takes oil",
+                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the accumulator never takes oil",
                 Decimal(accumulator.precharge_pressure),
                 Decimal(highest)
             );
@@ -314,7 +349,7 @@ impl HydraulicSystem {
         }
         for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
             let message = format!(
-                "is {} Pa, not below the highest pressure of pumps, reservoirs and start, {} Pa: it never releases",
+                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the lock never releases",
                 Decimal(lock.release_pressure),
                 Decimal(highest)
             );
@@ -337,8 +372,12 @@ impl super::Cylinder {
 fn unknown(ports: &Ports, link: &Link<'_>) -> DefinitionError {
     let near = nearest(ports.names().iter().map(String::as_str), link.port);
     let allowed = match near.is_empty() {
-        true => "declare it under nodes with a volume, or under reservoirs".to_owned(),
-        false => format!("the nearest are {}; declare a node with a volume, or name a port", near.join(", ")),
+        true => "declare this port under nodes with a volume, or under reservoirs".to_owned(),
+        false => format!(
+            "the nearest names are {}; declare a node with a volume, or write the name of a \
+            port",
+            near.join(", ")
+        ),
     };
     DefinitionError::unknown(link.path(), link.port, allowed)
 }

@@ -166,7 +166,7 @@ impl HydraulicSystem {
         let mut letters = self.name.chars();
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if !letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_') || !letters.all(is_word) {
-            let allowed = "a C identifier: ASCII letters, digits and underscores, not beginning with a digit";
+            let allowed = "a C identifier: ASCII letters, digits and underscores, not starting with a digit";
             faults.push(DefinitionError::value("name", format!("\"{}\"", self.name), allowed));
         }
         faults.keep(self.about.check());

@@ -201,7 +201,7 @@ impl Laws {
             .enumerate()
             .fold((0, f64::INFINITY), |least, (index, p)| if *p < least.1 { (index, *p) } else { least });
         let remedy = if lowest + self.ambient < CAVITATES * self.ambient {
-            ", which cavitates; give fluid.air_fraction a larger value, or connect a check valve from a reservoir"
+            ", where the oil cavitates; increase fluid.air_fraction, or connect a check valve from a reservoir"
         } else {
             ", the lowest pressure"
         };

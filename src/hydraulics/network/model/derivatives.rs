@@ -38,10 +38,20 @@ impl Model {
         report: &mut dyn FnMut(usize, f64),
     ) -> Result<(), HydraulicsError> {
         for &known in knowns {
-            self.continuous(known, Causality::Input, "a known must be a continuous input")?;
+            self.continuous(
+                known,
+                Causality::Input,
+                "a known (the variable to differentiate by) must be a continuous \
+                input",
+            )?;
         }
         for &unknown in unknowns {
-            self.continuous(unknown, Causality::Output, "an unknown must be a continuous output")?;
+            self.continuous(
+                unknown,
+                Causality::Output,
+                "an unknown (the variable to differentiate) must be a \
+                continuous output",
+            )?;
         }
         self.started()?;
         let layout = self.parameters.laws.layout;
@@ -138,7 +148,7 @@ impl Model {
         self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = "maxOutputDerivativeOrder is 1: use order 1".into();
+            let reason = "maxOutputDerivativeOrder is 1: request order 1".into();
             return Err(HydraulicsError::Derivative { what, reason });
         }
         self.started()?;
@@ -193,11 +203,13 @@ impl Model {
     pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
         match self.original.variables.quantity(reference)? {
             Quantity::Output(Output::Preview(_, Ahead::StartAcceleration | Ahead::Acceleration)) => {
-                Some("an acceleration at one instant of the next step, which has no rate".to_owned())
+                Some("an acceleration at one instant of the next step has no rate".to_owned())
             }
-            Quantity::Output(_) => {
-                Some("beyond the largest number under the present inputs and parameters: check their sizes".to_owned())
-            }
+            Quantity::Output(_) => Some(
+                "larger than the largest number with the present inputs and parameters: check their \
+                    values"
+                    .to_owned(),
+            ),
             _ => None,
         }
     }
@@ -207,11 +219,11 @@ impl Model {
     /// # Errors
     /// No continuous input has this reference, the order is not one of those that count, the value is not finite.
     pub fn check_input_derivative(&self, reference: Reference, own: i32, value: f64) -> Result<(), HydraulicsError> {
-        self.continuous(reference, Causality::Input, "derivatives are set of continuous inputs")?;
+        self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         let most = order(self.parameters.laws.layout.input(reference as usize));
         if !(1..=most as i32).contains(&own) {
             let what = format!("order {own} of the derivative of {}", self.name_of(reference));
-            let reason = format!("set the orders 1 to {most}");
+            let reason = format!("set orders 1 to {most}");
             return Err(HydraulicsError::Derivative { what, reason });
         }
         if !value.is_finite() {

@@ -110,20 +110,25 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
     let name = |names: Vec<&str>| names.get(index).copied().unwrap_or_default().to_owned();
     match kind {
         Warning::Clipped => {
-            format!("{}.command is {one}: clipped to the range from -1 to 1", name(system.valves.names()))
+            format!(
+                "{}.command is {one}: the command was clipped to the range from -1 to \
+                1",
+                name(system.valves.names())
+            )
         }
         Warning::Horizon => format!(
-            "a step of {two} s was announced as preview.horizon = {one} s: the motion was predicted again; set \
-             preview.horizon to the next step, or to 0 where all steps are equal"
+            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again; set preview.horizon \
+             to the next step size, or to 0 if all steps are equal"
         ),
         Warning::Empty => format!(
-            "{} is empty: the pressure {one} Pa is below the precharge pressure {two} Pa, where its law does not hold; \
-             give it a larger volume, or the pump a larger flow",
+            "the accumulator {} is empty: its pressure of {one} Pa is below the precharge pressure of {two} Pa, where \
+             the gas law does not hold; use a larger accumulator or a larger pump",
             name(system.accumulators.names())
         ),
         Warning::Toggle => format!(
-            "{}.reduced_mass = {one} kg changes too much within a step of {two} s, as near a toggle of the cylinder: \
-             its motion is taken from the inputs there",
+            "{}.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of the \
+             cylinder: no motion is predicted there, and the cylinder moves by its inputs; use shorter steps near this \
+             position",
             name(system.cylinders.names())
         ),
     }
