@@ -65,8 +65,9 @@ pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, Strin
     let mut out = BTreeMap::new();
     for (file, elements) in files() {
         let mut index = format!(
-            "# Index of keys: {file}\n\nEvery object of {file}, where it stands, and its keys. The link leads to the \
-             page with value, unit, limits and default of each key.\n\n| object | keys | stands at |\n|---|---|---|\n"
+            "# Index of keys: {file}\n\nThis table lists every object of {file} with its keys and its place in the \
+             file. Each link opens the page with the value, unit, limits and default of each key.\n\n| object | keys | \
+             place in the file |\n|---|---|---|\n"
         );
         for element in &elements {
             let name = mark(file, element);

@@ -9,11 +9,11 @@ const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author"
 super::keys! {
     /// Author, copyright and licence of a model, one line of text each; the description of the FMU shows them.
     pub struct About {
-        /// Name and organisation of the model's author; none where empty.
+        /// Name and organisation of the model's author. Empty: no author is stated.
         author: String => line();
-        /// Copyright of the model; that of the library where empty.
+        /// Copyright of the model. Empty: the copyright of the library.
         copyright: String => line();
-        /// Licence of the model; that of the library where empty.
+        /// Licence of the model. Empty: the licence of the library.
         license: String => line();
     }
 }

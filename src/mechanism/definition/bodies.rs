@@ -14,7 +14,7 @@ keys! {
             axis").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
-        /// Mass [kg], >= 0.
+        /// Mass of the body [kg], >= 0.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
         /// Mass distribution. `uniform_rod`: the mass is spread evenly from `origin` to `end`. Without this key,
         /// `center` and `inertia` describe the mass.
@@ -57,12 +57,12 @@ keys! {
         /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle between the bodies").absent("0");
-        /// Revolute joint only: pin radius [m], >= 0. Without it the joint has no friction.
+        /// Revolute joint only: pin radius [m], >= 0. Without this key the joint has no friction.
         pin_radius: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin");
-        /// Coefficient of static friction in this joint [1], >= 0. Without it, the value in `friction` applies.
+        /// Coefficient of static friction in this joint [1], >= 0. Without this key, the value in `friction` applies.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction");
-        /// Coefficient of kinetic friction in this joint [1], >= 0. Without it, the value in `friction` applies.
+        /// Coefficient of kinetic friction in this joint [1], >= 0. Without this key, the value in `friction` applies.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction");
     }

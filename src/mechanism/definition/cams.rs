@@ -18,10 +18,11 @@ keys! {
     pub struct CamSegment: Copy {
         /// Motion law of the lift.
         law: CamLaw => Key::PLAIN.required();
-        /// Cam angle of the segment [rad], > 0. Without it in the last segment: the rest of the revolution.
+        /// Cam angle over which the segment extends [rad], > 0. In the last segment this key may be absent: the segment
+        /// then fills the rest of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
         /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A dwell
-        /// has none. Without it in the last segment: back to lift 0.
+        /// has no rise. In the last segment this key may be absent: the lift then returns to 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }

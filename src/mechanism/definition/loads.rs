@@ -33,7 +33,7 @@ keys! {
         first: Option<String> => point();
         /// Point (`body.point`) at the second end.
         second: Option<String> => point();
-        /// Joint in which it acts, in place of `first` and `second`.
+        /// Joint in which the drive acts, in place of `first` and `second`.
         joint: Option<String> => element();
         /// Start value of the input `<name>.force` [N]. Not in a revolute joint and not with a screw.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
@@ -100,12 +100,12 @@ keys! {
         first: Option<String> => point();
         /// Point (`body.point`) at the second end.
         second: Option<String> => point();
-        /// Joint in which it acts, in place of `first` and `second`.
+        /// Joint in which the spring acts, in place of `first` and `second`.
         joint: Option<String> => element();
-        /// Stiffness [N/m or N.m/rad], >= 0.
+        /// Stiffness of the linear spring [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Load, "Stiffness");
-        /// Damping [N.s/m or N.m.s/rad], >= 0.
+        /// Damping coefficient of the linear damper [N.s/m or N.m.s/rad], >= 0.
         damping: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Load, "Damping").absent("0");
         /// Length at which the spring force is the preload [m]. Between two points >= 0.
@@ -150,7 +150,7 @@ keys! {
 
     /// Uniform air flow past the mechanism. The airspeed is the input `airspeed`.
     pub struct Air: Copy {
-        /// Mass density [kg/m3], >= 0.
+        /// Density of the air [kg/m3], >= 0.
         density: f64 => number(KilogramPerCubicMetre, Range::NonNegative)
             .parameter(Role::Law, "Density of the air").required();
         /// Direction in which the air flows, as an angle from the X axis [rad].
@@ -177,10 +177,10 @@ keys! {
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface");
         /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
-        /// Area [m2], >= 0.
+        /// Area of the surface [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area");
-        /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without it, the area is
-        /// the same from all sides.
+        /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without this key, the
+        /// area is the same from all sides.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle of the flat area");
         /// Drag coefficient c [1], >= 0.
         drag_coefficient: f64 => number(One, Range::NonNegative).parameter(Role::Law, "Drag coefficient").required();

@@ -20,7 +20,7 @@ keys! {
         /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. Only
         /// without a profile.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
-        /// Motion law over time. Without it, position, speed and acceleration are inputs.
+        /// Motion law over time. Without this key, position, speed and acceleration are inputs.
         profile: Option<ProfileKind>;
         /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
         /// prescribed.

@@ -21,7 +21,7 @@ keys! {
     /// Named parameters that several definitions share: path of a file, relative to the folder of the definition. In an
     /// FMU both the path and the contents are stored.
     pub struct Shared or (Short::First) {
-        /// Path of the file.
+        /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
         /// Contents of the file. Written by `package` into the definition inside an FMU.
         contents: Option<SharedContents> => Key::PLAIN.required();
@@ -33,7 +33,7 @@ keys! {
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;
-        /// The parameters.
+        /// The shared parameters by name.
         parameters: Named<NamedParameter>;
     }
 }
