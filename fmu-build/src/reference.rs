@@ -295,7 +295,10 @@ mod tests {
             ("mechanism/springs.md", "Location: `springs.<name>.gas`."),
             ("mechanism/cams.md", "Location: `couplings.<name>.segments[i]`."),
             ("mechanism/actuators.md", "[circuit](../hydraulics/circuit.md#keys-of-circuit)"),
-            ("mechanism/springs.md", "| `stiffness` | Stiffness. | number [N/m or N.m/rad], >= 0 | `0.0` | fixed |"),
+            (
+                "mechanism/springs.md",
+                "| `stiffness` | Stiffness of the linear spring. | number [N/m or N.m/rad], >= 0 | `0.0` | fixed |",
+            ),
             ("mechanism/stops.md", "| number, from 0 to 1 | `0.0` | tunable |"),
             ("mechanism/joints.md", "| `revolute`, `prismatic` | required |"),
             ("mechanism/index.md", "| `equilibrium`, or [start](start.md#keys-of-start) | required |"),

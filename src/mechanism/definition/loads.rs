@@ -127,8 +127,8 @@ keys! {
         gas: Option<Gas>;
     }
 
-    /// The gas of a gas spring. Its volume is V = volume + area * (length - free_length), its pressure p = pressure *
-    /// (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
+    /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length), the gas pressure p =
+    /// pressure * (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
     pub struct Gas: Copy {
         /// Absolute pressure at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)

@@ -44,14 +44,14 @@ keys! {
         units: Option<Units> => Key::PLAIN.brief();
         /// Uniform gravity. Without this key there is no gravity.
         gravity: Option<Gravity>;
-        /// Rigid bodies by name. One of them must be `ground`, which does not move.
+        /// Rigid bodies by name. The body `ground`, which does not move, is required.
         bodies: Named<Body> => Key::PLAIN.required();
         /// Joints by name. All joints and couplings together must leave one degree of freedom.
         joints: Named<Joint> => Key::PLAIN.required();
         /// Gears, racks, belts and cams by name.
         couplings: Named<Coupling> => Key::PLAIN.brief();
-        /// Drives by name. Each has the input `<name>.force` or `<name>.torque`, and outputs of the mechanism reduced
-        /// to the drive.
+        /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs of the mechanism
+        /// reduced to the drive.
         actuators: Named<Actuator>;
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;
