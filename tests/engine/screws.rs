@@ -125,7 +125,7 @@ fn what_is_no_screw_is_refused() {
         m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
         m["bodies"]["arm"]["axial_stiffness"] = json!(1e9);
     });
-    assert_says(refusal(other_formulation), &["screw", "reduced model"]);
+    assert_says(refusal(other_formulation), &["screw", "solver.method = \"reduced\""]);
     refused(|m| m["actuators"]["motor"]["force"] = json!(5), &["actuators.motor", "give torque", "screw"]);
     refused(
         |m| {

@@ -181,7 +181,7 @@ fn growth_is_told_once() {
             assert_eq!(host.step(f64::from(k), 1.0), Status::Ok);
         }
         let told = host.log.take();
-        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("are extended"));
+        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("further tables"));
         assert_eq!(told.count(), expected);
     }
 }

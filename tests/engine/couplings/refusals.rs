@@ -47,7 +47,7 @@ fn the_other_formulation_names_the_coupling() {
             m["bodies"][body]["axial_stiffness"] = json!(1e9);
         }
     });
-    assert_says(refusal(&text), &["mesh", "gears", "reduced model"]);
+    assert_says(refusal(&text), &["mesh", "gears", "solver.method = \"reduced\""]);
 }
 
 /// A planet of 24 teeth between a sun of 24 and a ring of 72 is one wheel; with a ring of 100 it would be two.

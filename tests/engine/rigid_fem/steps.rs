@@ -141,7 +141,7 @@ fn a_refused_step_changes_nothing() {
         assert!(matches!(error, RigidFemError::StepSize { .. }), "{error}");
     }
     let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &gear.sizes, 1.0, 1e-300).unwrap_err();
-    assert!(error.to_string().contains("increase h_fem"), "{error}");
+    assert!(error.to_string().contains("increase solver.fem_step"), "{error}");
     for sizes in [vec![1e300; 7], vec![f64::NAN; 7]] {
         let error = gear.fem.advance(&mut gear.state, &mut gear.scratch, &sizes, 1e-2, 1e-3).unwrap_err();
         assert!(error.to_string().contains("smaller step"), "{error}");
