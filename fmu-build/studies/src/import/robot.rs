@@ -159,13 +159,8 @@ impl Mjcf {
             let half = (x * x + y * y + z * z).sqrt();
             inner = unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)));
         } else if let Some([x, y, z, angle]) = fixed(node, "axisangle")? {
-            let axis = unit([x, y, z]).with_context(|| {
-                format!(
-                    "{}: the axis in axisangle is zero: write a vector with \
-                a length",
-                    at(node)
-                )
-            })?;
+            let axis = unit([x, y, z])
+                .with_context(|| format!("{}: axisangle has no axis: write a vector with a length", at(node)))?;
             inner = about(axis, self.angle(angle));
         } else if let Some(angles) = fixed::<3>(node, "euler")? {
             for (axis, angle) in SAME.into_iter().zip(angles) {
@@ -365,7 +360,7 @@ impl Mjcf {
         match found {
             Some(index) => Ok(index + 1),
             None if name == "world" => Ok(0),
-            None => bail!("{}: {key} = \"{}\": no body has this name; correct the name", at(node), name.escape_debug()),
+            None => bail!("{}: {key} = \"{}\": there is no such body; correct the name", at(node), name.escape_debug()),
         }
     }
 
