@@ -79,16 +79,14 @@ impl Model {
             self.continuous(
                 known,
                 Causality::Input,
-                "a known (the variable to differentiate by) must be a continuous \
-                input",
+                "a known (the variable to differentiate by) must be a continuous input",
             )?;
         }
         for &unknown in unknowns {
             self.continuous(
                 unknown,
                 Causality::Output,
-                "an unknown (the variable to differentiate) must be a \
-                continuous output",
+                "an unknown (the variable to differentiate) must be a continuous output",
             )?;
         }
         let mut direction = Direction { circuit: [0.0; CIRCUIT], inputs: [0.0; INPUT_COUNT] };

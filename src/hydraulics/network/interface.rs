@@ -49,8 +49,7 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ),
     (
         "upper_limit",
-        "Largest length of @ that the stops allow; the present length while the mechanism is held; 0: not \
-        known",
+        "Largest length of @ that the stops allow; the present length while the mechanism is held; 0: not known",
         Unit::Metre,
     ),
 ];
@@ -187,10 +186,7 @@ impl Builder<'_> {
         for (name, _) in system.pumps.iter() {
             self.input(
                 format!("{name}.speed"),
-                format!(
-                    "Relative speed of the pump {name}: 1 is the full speed, 0 is \
-                off"
-                ),
+                format!("Relative speed of the pump {name}: 1 is the full speed, 0 is off"),
                 Unit::One,
                 1.0,
             );

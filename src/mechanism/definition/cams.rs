@@ -88,8 +88,7 @@ impl Coupling {
             (Some(_), Some(_)) => {
                 return refused(
                     at("second"),
-                    "the follower slides in a joint already: remove second, or remove joint for a follower that \
-                     turns",
+                    "the follower slides in a joint already: remove second, or remove joint for a follower that turns",
                 );
             }
             (None, None) => {

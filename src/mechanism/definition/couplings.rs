@@ -172,8 +172,7 @@ impl Coupling {
                 let key = match (key.name, is_rotary) {
                     ("phase", false) => Key { words: "Position of the rack @ at angle 0 of its wheel", ..key },
                     ("phase", true) => Key {
-                        words: "Angle of the second wheel of @ at angle 0 of the first \
-                        wheel",
+                        words: "Angle of the second wheel of @ at angle 0 of the first wheel",
                         range: Range::Turn,
                         ..key
                     },

@@ -122,8 +122,7 @@ impl Mechanism {
         let key = format!("actuators.{name}.motion");
         if let Some((_, other, _)) = self.hydraulic_drive() {
             let message = format!(
-                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove one of the \
-                 two"
+                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove one of the two"
             );
             faults.keep::<()>(refused(&key, message));
         }

@@ -357,11 +357,8 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
     let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
     for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
-        let text = format!(
-            "two branches of motion cross at {}; the motion continues straight \
-            on",
-            curve.describe(sigma, 0.0)
-        );
+        let text =
+            format!("two branches of motion cross at {}; the motion continues straight on", curve.describe(sigma, 0.0));
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
@@ -409,8 +406,7 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
                 .to_owned(),
             false => {
                 format!(
-                    "is redundant, because it repeats conditions of {}; the joints of these loops share the \
-                    reactions",
+                    "is redundant, because it repeats conditions of {}; the joints of these loops share the reactions",
                     names.join(", ")
                 )
             }

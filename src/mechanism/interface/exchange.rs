@@ -81,8 +81,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(0) => (
             own("low_end"),
             [
-                "Gap to the rigid stop at the low end of the travel; at rest on the stop, the force on \
-                the stop",
+                "Gap to the rigid stop at the low end of the travel; at rest on the stop, the force on the stop",
                 "",
                 "",
                 "",
@@ -91,8 +90,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(_) => (
             own("high_end"),
             [
-                "Gap to the rigid stop at the high end of the travel; at rest on the stop, the force on the \
-                stop",
+                "Gap to the rigid stop at the high end of the travel; at rest on the stop, the force on the stop",
                 "",
                 "",
                 "",

@@ -31,8 +31,7 @@ impl Model {
                 self.continuous(
                     known,
                     Causality::Input,
-                    "a known (the variable to differentiate by) must be a \
-                    continuous input",
+                    "a known (the variable to differentiate by) must be a continuous input",
                 )?;
             }
         }
@@ -41,8 +40,7 @@ impl Model {
                 self.continuous(
                     unknown,
                     Causality::Output,
-                    "an unknown (the variable to differentiate) must be a \
-                    continuous output",
+                    "an unknown (the variable to differentiate) must be a continuous output",
                 )?;
             }
         }

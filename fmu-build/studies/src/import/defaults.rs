@@ -38,8 +38,7 @@ pub fn written_out(text: &str, document: &Document) -> Result<String> {
                 None => {
                     let line = document.text_pos_at(node.range().start).row;
                     bail!(
-                        "line {line}: there is no default class \"{}\"; define this class, or correct its \
-                        name",
+                        "line {line}: there is no default class \"{}\"; define this class, or correct its name",
                         name.escape_debug()
                     )
                 }

@@ -92,20 +92,12 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     let length = body.encode_utf16().count();
     ensure!(
         DIGITS.chars().nth(length % CHECKS) == Some(check),
-        "the last letter of a PMKS+ file is a check of its length, but the letter \"{}\" does not fit a file of \
-         {length} letters: the file or link is incomplete, or older than 2023; open the file in PMKS+ and save it \
-         again",
+        "the last letter of a PMKS+ file checks its length, but \"{}\" does not fit {length} letters: the file or link \
+         is incomplete, or older than 2023; open it in PMKS+ and save it again",
         check.escape_debug()
     );
     let mut sections = body.split('.');
-    let mut next = |what: &str| {
-        sections.next().with_context(|| {
-            format!(
-                "the section of the {what} is missing: open \
-        the file in PMKS+ and save it again"
-            )
-        })
-    };
+    let mut next = |what: &str| sections.next().with_context(|| format!("the section of the {what} is missing"));
     let flags = number(next("switches")?, "switches")?;
     next("scale")?;
     let speed = number(next("speed")?.split(',').next().unwrap_or_default(), "the speed of the input")?;
@@ -233,10 +225,7 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
     };
     let words: Vec<&str> = letters.as_str().split(',').collect();
     let [id, name, mass, inertia, x, y, _color, rest @ ..] = words.as_slice() else {
-        bail!(
-            "a link needs a name, a mass, a moment of inertia and a centre of mass: open the file in PMKS+ and save \
-            it again"
-        );
+        bail!("a link needs a name, a mass, a moment of inertia and a centre of mass");
     };
     // An empty word ends the joints.
     let end = rest.iter().position(|word| word.is_empty()).unwrap_or(rest.len());
@@ -250,14 +239,7 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
         is_block,
         mass,
         inertia,
-        center: [
-            units.length.of(number(
-                x,
-                "x of the centre of \
-            mass",
-            )?),
-            units.length.of(number(y, "y of the centre of mass")?),
-        ],
+        center: [units.length.of(number(x, "x of the centre")?), units.length.of(number(y, "y of the centre")?)],
         pins: owned(&rest[..end]),
         parts: owned(&rest[end..]),
     })
@@ -287,11 +269,7 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     ensure!(size.is_finite(), "the unit of forces must be N or lbf: choose one of these in PMKS+");
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]);
-    ensure!(
-        length > 0.0,
-        "the two points of the force are equal, so the force has no direction: move one of the \
-        points in PMKS+"
-    );
+    ensure!(length > 0.0, "the force has no direction: move one of its points in PMKS+");
     let taken: Vec<String> = own.names().chain(pins.iter().map(|pin| pin.name.clone())).collect();
     let name = identifier(name, "force", &taken.iter().map(String::as_str).collect::<Vec<_>>());
     own.forces.push((name, at + 1, from, along.map(|part| size * part / length)));

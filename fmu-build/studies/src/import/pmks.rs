@@ -135,10 +135,7 @@ fn json_row(joint: &Value, links: &Value) -> Result<Row> {
     let names = joint["Links"].as_array().context("Links must be a list of names")?;
     let names: Option<Vec<&str>> = names.iter().map(Value::as_str).collect();
     let names: Vec<String> = names
-        .context(
-            "Links must be a list of names, but one entry is not a \
-            text",
-        )?
+        .context("Links must be a list of names, but one entry is not a text")?
         .into_iter()
         .map(link_named)
         .collect();

@@ -132,11 +132,7 @@ impl Mjcf {
                     self.space.gravity = gravity;
                 }
             }
-            "include" => bail!(
-                "{}: included files are not read: replace this element by the content of the \
-                file",
-                at(node)
-            ),
+            "include" => bail!("{}: included files are not read: put their content here", at(node)),
             "worldbody" => {
                 self.space.solids.push(Solid::default());
                 self.body(node, 0, ([0.0; 3], SAME))?;
@@ -178,13 +174,7 @@ impl Mjcf {
         let stated = child(node, "inertial");
         if let Some(inertial) = stated {
             let (center, rotation) = self.frame(inertial, frame)?;
-            let mass = one(inertial, "mass")?.with_context(|| {
-                format!(
-                    "{}: the attribute mass is missing: add \
-                it",
-                    at(inertial)
-                )
-            })?;
+            let mass = one(inertial, "mass")?.with_context(|| format!("{}: mass is missing: add it", at(inertial)))?;
             let own = match (fixed::<3>(inertial, "diaginertia")?, fixed::<6>(inertial, "fullinertia")?) {
                 (Some(d), _) => [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]],
                 (None, Some([xx, yy, zz, xy, xz, yz])) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
@@ -199,11 +189,7 @@ impl Mjcf {
                 "joint" => {
                     joints += 1;
                     if joints > 1 {
-                        bail!(
-                            "{}: the body has a second joint, but only one is supported: put a body without mass \
-                            between the two joints",
-                            at(inner)
-                        );
+                        bail!("{}: a second joint of one body; put a body without mass between them", at(inner));
                     }
                 }
                 "freejoint" => bail!("{}: a free body is not part of a mechanism: remove this element", at(inner)),
@@ -244,13 +230,7 @@ impl Mjcf {
         }
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(fixed(node, "axis")?.unwrap_or([0.0, 0.0, 1.0]));
-        let axis = axis.with_context(|| {
-            format!(
-                "{}: the axis is zero, so it has no direction: write a vector with a \
-            length",
-                at(node)
-            )
-        })?;
+        let axis = axis.with_context(|| format!("{}: the axis is zero: write a direction", at(node)))?;
         let stated = fixed::<2>(node, "range")?.filter(|_| node.attribute("limited") != Some("false"));
         // MuJoCo takes a range without width for none, unless it is said to be a limit.
         let stated = stated.filter(|[lower, upper]| lower != upper || node.attribute("limited") == Some("true"));
@@ -278,27 +258,13 @@ impl Mjcf {
         let (mut place, mut rotation) = self.frame(node, frame)?;
         let kind = node.attribute("type").unwrap_or("sphere");
         let size = numbers(node, "size")?.unwrap_or_default();
-        let part = |k: usize| {
-            size.get(k).copied().with_context(|| {
-                format!(
-                    "{}: the attribute size has too few numbers \
-            for this type of geom: add them",
-                    at(node)
-                )
-            })
-        };
+        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", at(node)));
         let mut half = size.get(1).copied();
         if let Some([ax, ay, az, bx, by, bz]) = fixed(node, "fromto")? {
             let (a, b) = ([ax, ay, az], [bx, by, bz]);
             let along = add(b, scaled(a, -1.0));
             place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
-            let direction = unit(along).with_context(|| {
-                format!(
-                    "{}: the two points of fromto are equal: move one of \
-                them",
-                    at(node)
-                )
-            })?;
+            let direction = unit(along).with_context(|| format!("{}: fromto has no length: move an end", at(node)))?;
             half = Some(0.5 * super::spatial::dot(along, along).sqrt());
             if matches!(kind, "box" | "ellipsoid") {
                 bail!("{}: fromto is not supported for a {kind}: write pos, euler and size", at(node));
@@ -309,15 +275,7 @@ impl Mjcf {
             let local = [across, super::spatial::cross(direction, across), direction];
             rotation = after(&frame.1, &local);
         }
-        let half = || {
-            half.with_context(|| {
-                format!(
-                    "{}: the attribute size has no half length: add a second number, or \
-            write fromto",
-                    at(node)
-                )
-            })
-        };
+        let half = || half.with_context(|| format!("{}: size has no half length: add a second number", at(node)));
         // Volume, and moments of inertia for a mass of 1 about the centre, across and along the axis of revolution.
         let (volume, across, along) = match kind {
             "sphere" => {
@@ -374,13 +332,7 @@ impl Mjcf {
             return Ok(());
         }
         let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
-        let anchor = fixed(node, "anchor")?.with_context(|| {
-            format!(
-                "{}: the attribute anchor is missing: add \
-            it",
-                at(node)
-            )
-        })?;
+        let anchor = fixed(node, "anchor")?.with_context(|| format!("{}: anchor is missing: add it", at(node)))?;
         let frame = self.frame_of(node.document().root_element(), first)?;
         let count = self.space.hinges.len();
         self.space.hinges.push(Hinge {
@@ -414,14 +366,7 @@ impl Mjcf {
             return Ok(());
         };
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
-        let hinge = found.with_context(|| {
-            format!(
-                "{}: there is no joint {}; correct the \
-            name",
-                at(node),
-                name.escape_debug()
-            )
-        })?;
+        let hinge = found.with_context(|| format!("{}: there is no joint {}", at(node), name.escape_debug()))?;
         let is_second = std::mem::replace(&mut hinge.is_driven, true);
         if is_second {
             let text = format!(
@@ -433,11 +378,7 @@ impl Mjcf {
         }
         self.space.notes.extend(left_out::of_drive(node));
         if !node.has_tag_name("motor") {
-            self.space.notes.push(format!(
-                "{}: the control law of this actuator is left out; its force is an input of \
-                the FMU",
-                at(node)
-            ));
+            self.space.notes.push(format!("{}: the control law is left out; the force is an input", at(node)));
         }
         Ok(())
     }
@@ -557,23 +498,13 @@ fn urdf_joint(
     let slides = match kind {
         "revolute" | "continuous" => false,
         "prismatic" => true,
-        other => bail!(
-            "{}: joints of the type {other} are not supported; use revolute, continuous, prismatic or \
-            fixed",
-            at(node)
-        ),
+        other => bail!("{}: a joint of the type {other} is not supported; use revolute or prismatic", at(node)),
     };
     if child(node, "mimic").is_some() {
         bail!("{}: <mimic> is not supported, because a linkage has no joint that copies another", at(node));
     }
     let axis = child(node, "axis").map(|axis| fixed(axis, "xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
-    let axis = unit(axis).with_context(|| {
-        format!(
-            "{}: the axis is zero, so it has no direction: write a vector with a \
-        length",
-            at(node)
-        )
-    })?;
+    let axis = unit(axis).with_context(|| format!("{}: the axis is zero: write a direction", at(node)))?;
     let mut damping = 0.0;
     if let Some(dynamics) = child(node, "dynamics") {
         damping = one(dynamics, "damping")?.unwrap_or(0.0);

@@ -143,10 +143,7 @@ pub fn of_csv(text: &str) -> Result<Table> {
     let column = |name: &str| names.iter().position(|other| other == name);
     let needed = |name: &str| {
         column(name).with_context(|| {
-            format!(
-                "the table has no column \"{name}\"; the columns \
-        type, x, y and links are required"
-            )
+            format!("the table has no column \"{name}\"; the columns type, x, y and links are required")
         })
     };
     let (types, x, y, links) = (needed("type")?, needed("x")?, needed("y")?, needed("links")?);
@@ -226,12 +223,8 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
 
 /// The joints of a row.
 fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Result<()> {
-    let (&first, others) = bodies.split_first().with_context(|| {
-        format!(
-            "joint {of} names no links: name the links \
-        that it connects"
-        )
-    })?;
+    let (&first, others) =
+        bodies.split_first().with_context(|| format!("joint {of} names no links: name the links that it connects"))?;
     if others.is_empty() {
         let taken: Vec<&str> = own.bodies.iter().map(|body| body.name.as_str()).collect();
         let name = identifier(&format!("point_{of}"), "point", &taken);

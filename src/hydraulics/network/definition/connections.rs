@@ -83,8 +83,7 @@ impl HydraulicSystem {
             };
             if let Some(other) = links[..index].iter().find(of_same) {
                 let message = format!(
-                    "\"{}\" is also connected to port {} of this element; connect each port to another \
-                        place",
+                    "\"{}\" is also connected to port {} of this element; connect each port to another place",
                     link.port, other.key
                 );
                 faults.push(DefinitionError::key(link.path(), message));
@@ -136,8 +135,7 @@ impl HydraulicSystem {
         ] {
             if count > most {
                 let message = format!(
-                    "the network has {count} {what}, but at most {most} are allowed: split the \
-                    network into two FMUs"
+                    "the network has {count} {what}, but at most {most} are allowed: split the network into two FMUs"
                 );
                 faults.push(DefinitionError::key(key, message));
             }
@@ -145,8 +143,7 @@ impl HydraulicSystem {
         if self.nodes.is_empty() && self.cylinders.is_empty() {
             faults.push(DefinitionError::key(
                 "nodes",
-                "the network has neither a node nor a cylinder: add a node or a \
-                cylinder",
+                "the network has neither a node nor a cylinder: add a node or a cylinder",
             ));
         }
     }
@@ -189,8 +186,7 @@ impl HydraulicSystem {
                 faults.push(DefinitionError::value(path("volume"), 0, allowed));
             } else if node.hose_volume > node.volume {
                 let allowed = format!(
-                    "at most {} m3, the volume of the node, because the hose volume is part of the node \
-                        volume",
+                    "at most {} m3, the volume of the node, because the hose volume is part of the node volume",
                     Decimal(node.volume)
                 );
                 faults.push(DefinitionError::value(path("hose_volume"), Decimal(node.hose_volume), allowed));
@@ -221,8 +217,7 @@ impl HydraulicSystem {
             for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {
                 if chamber.hose_volume > chamber.dead_volume {
                     let allowed = format!(
-                        "at most dead_volume = {} m3, because the hose volume is part of the dead \
-                            volume",
+                        "at most dead_volume = {} m3, because the hose volume is part of the dead volume",
                         Decimal(chamber.dead_volume)
                     );
                     let path = path(&format!("chamber_{side}.hose_volume"));
@@ -232,8 +227,7 @@ impl HydraulicSystem {
             let [least, most] = cylinder.lengths();
             if let Some(length) = cylinder.length.filter(|length| !(least..=most).contains(length)) {
                 let allowed = format!(
-                    "from closed_length = {} m to closed_length + stroke = {} \
-                    m",
+                    "from closed_length = {} m to closed_length + stroke = {} m",
                     Decimal(least),
                     Decimal::rounded(most)
                 );
@@ -288,8 +282,7 @@ impl HydraulicSystem {
         for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
             if !feeds(link.port, link.name) {
                 let message = format!(
-                    "nothing but this valve is connected to \"{}\", so the valve has no \
-                        {}",
+                    "nothing but this valve is connected to \"{}\", so the valve has no {}",
                     link.port, link.key
                 );
                 warn(link.path(), message, "connect a pump, an accumulator, a reservoir or another element there");
@@ -299,8 +292,7 @@ impl HydraulicSystem {
             if !feeds(name, "") {
                 let (cylinder, side) = name.split_once('.').unwrap_or((name, ""));
                 let message = format!(
-                    "nothing is connected to chamber {side} of this cylinder, so the oil cannot \
-                    leave the chamber"
+                    "nothing is connected to chamber {side} of this cylinder, so the oil cannot leave the chamber"
                 );
                 warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to this chamber");
             }
@@ -334,8 +326,7 @@ impl HydraulicSystem {
                 warn(
                     format!("pumps.{name}.full_pressure"),
                     message,
-                    "raise the pressure of the relief valve, or lower \
-                    full_pressure",
+                    "raise the pressure of the relief valve, or lower full_pressure",
                 );
             }
         }
@@ -374,8 +365,7 @@ fn unknown(ports: &Ports, link: &Link<'_>) -> DefinitionError {
     let allowed = match near.is_empty() {
         true => "declare this port under nodes with a volume, or under reservoirs".to_owned(),
         false => format!(
-            "the nearest names are {}; declare a node with a volume, or write the name of a \
-            port",
+            "the nearest names are {}; declare a node with a volume, or write the name of a port",
             near.join(", ")
         ),
     };

@@ -41,16 +41,14 @@ impl Model {
             self.continuous(
                 known,
                 Causality::Input,
-                "a known (the variable to differentiate by) must be a continuous \
-                input",
+                "a known (the variable to differentiate by) must be a continuous input",
             )?;
         }
         for &unknown in unknowns {
             self.continuous(
                 unknown,
                 Causality::Output,
-                "an unknown (the variable to differentiate) must be a \
-                continuous output",
+                "an unknown (the variable to differentiate) must be a continuous output",
             )?;
         }
         self.started()?;
@@ -206,9 +204,7 @@ impl Model {
                 Some("an acceleration at one instant of the next step has no rate".to_owned())
             }
             Quantity::Output(_) => Some(
-                "larger than the largest number with the present inputs and parameters: check their \
-                    values"
-                    .to_owned(),
+                "larger than the largest number with the present inputs and parameters: check their values".to_owned(),
             ),
             _ => None,
         }

@@ -111,8 +111,7 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
     match kind {
         Warning::Clipped => {
             format!(
-                "{}.command is {one}: the command was clipped to the range from -1 to \
-                1",
+                "{}.command is {one}: the command was clipped to the range from -1 to 1",
                 name(system.valves.names())
             )
         }
