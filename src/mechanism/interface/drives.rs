@@ -70,7 +70,7 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
 pub(super) fn add_motion_switch(b: &mut Builder) {
     let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
     let text = b.text(|| {
-        ["Whether the motion of ", name, "is prescribed; false: the drive acts with the force or torque of its input"]
+        ["Whether the motion of ", name, " is prescribed; false: the drive acts with the force or torque of its input"]
             .concat()
     });
     let start = (None, Value::Boolean(motion.enabled));
