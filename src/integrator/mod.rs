@@ -6,6 +6,7 @@
 //! request, the interpolant and where it passes a level. It must not know what y means.
 mod control;
 mod dense;
+mod kept;
 mod methods;
 mod pair;
 mod root;
@@ -15,6 +16,7 @@ mod system;
 
 pub use control::Integrator;
 pub use dense::Dense;
+pub use kept::Kept;
 pub use root::Direction;
 pub use statistics::{Method, Statistics};
 pub use step::Step;

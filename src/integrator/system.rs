@@ -1,4 +1,5 @@
 //! What is integrated, and why an integration stops.
+use super::kept::Kept;
 
 /// A first-order system with the error weights of its components. f must be smooth: who has kinks ends a step at each.
 pub trait System<const N: usize> {
@@ -38,6 +39,15 @@ pub trait System<const N: usize> {
     fn admits(&mut self, _y: &[f64; N]) -> bool {
         true
     }
+
+    /// The Jacobian that implicit steps keep from step to step, if the system has a place for one: it then belongs to
+    /// the memory of the integration. Without one each step takes a new one.
+    fn take_kept(&mut self) -> Option<Box<Kept<N>>> {
+        None
+    }
+
+    /// Put back what [`Self::take_kept`] took.
+    fn give_kept(&mut self, _kept: Box<Kept<N>>) {}
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.

@@ -5,6 +5,7 @@
 use super::inverse_root::inverse_root;
 use super::memory::{Begin, Integrator};
 use super::stiffness::largest_eigenvalue;
+use crate::integrator::kept::Kept;
 use crate::integrator::methods::dop853::STABLE_TO;
 use crate::integrator::methods::radau::{self, Newton, Radau};
 use crate::integrator::pair::{Pair, Start};
@@ -100,22 +101,50 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
+        match system.take_kept() {
+            Some(mut kept) => {
+                let step = self.implicit_step_with(system, begin, (end, tolerance), &mut kept);
+                system.give_kept(kept);
+                step
+            }
+            None => self.implicit_step_with(system, begin, (end, tolerance), &mut Kept::default()),
+        }
+    }
+
+    /// [`Self::implicit_step`] with a Jacobian that is kept.
+    fn implicit_step_with<S: System<N>>(
+        &mut self,
+        system: &mut S,
+        begin: &Begin<N>,
+        (end, tolerance): (f64, f64),
+        kept: &mut Kept<N>,
+    ) -> Result<Step<N>, IntegrationError> {
         let &Begin { ref start, rest, ref scale, mut wish } = begin;
-        let jacobian = system.jacobian(start.t, &start.y);
-        self.statistics.jacobians += 1;
         self.last = None;
         let before = self.before;
-        let newton = Newton { jacobian: &jacobian, scale, tolerance, before: before.as_ref() };
+        let newton = Newton { scale, tolerance, before: before.as_ref() };
+        // Explicit steps, a jump or a step taken back lie between.
+        let mut is_old = kept.is_useful && before.is_some();
+        if !is_old {
+            self.renew(system, start, kept);
+        }
         let mut grow_most = GROW_MOST;
         loop {
             let h = fitted(wish, rest);
-            let shrink = match Radau::attempt(system, start, &newton, h, &mut self.statistics) {
+            let attempt = Radau::attempt(system, start, (&newton, &mut *kept), h, &mut self.statistics);
+            let shrink = match attempt {
                 Some((outcome, error)) if error <= 1.0 && system.admits(&outcome.end) => {
-                    self.stiffness.implicit_step(h, largest_eigenvalue(&jacobian, S::LEADING));
+                    self.stiffness.implicit_step(h, kept.lambda);
                     self.before = Some(outcome.stages.collocation(h, [&start.y, &outcome.end]));
                     let grow = SAFETY * inverse_root(error, radau::ERROR_POWER);
                     self.propose(h, wish, grow.clamp(SHRINK_MOST, grow_most));
                     return Ok(self.accept(begin, h, outcome));
+                }
+                // A new Jacobian may do, at the same size.
+                _ if is_old => {
+                    self.renew(system, start, kept);
+                    is_old = false;
+                    continue;
                 }
                 Some((_, error)) if error <= 1.0 => SHRINK_OUTSIDE,
                 Some((_, error)) => shrink(error, radau::ERROR_POWER, SHRINK_INFINITE),
@@ -124,6 +153,13 @@ impl<const N: usize> Integrator<N> {
             grow_most = 1.0;
             wish = self.reject(start.t, h, shrink, end)?;
         }
+    }
+
+    /// A new Jacobian, at the start of a step.
+    fn renew<S: System<N>>(&mut self, system: &mut S, start: &Start<N>, kept: &mut Kept<N>) {
+        let jacobian = system.jacobian(start.t, &start.y);
+        self.statistics.jacobians += 1;
+        kept.take(jacobian, largest_eigenvalue(&jacobian, S::LEADING));
     }
 
     /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by

@@ -2,10 +2,11 @@
 use super::methods::radau::{Newton, Radau};
 use super::pair::{Pair, Start};
 use super::step::Stages;
-use super::{Integrator, Statistics, Step, System};
+use super::{Integrator, Kept, Statistics, Step, System};
 
 mod choice;
 mod dop853;
+mod kept;
 mod orders;
 mod radau_iia;
 mod retake;
@@ -91,8 +92,10 @@ pub fn run(system: &mut impl System<2>, h: f64, spans: u32, tolerance: f64) -> (
 /// One step of Radau of size h, without error control.
 pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
     let (start, jacobian) = (start(system, t, y), system.jacobian(t, y));
-    let newton = Newton { jacobian: &jacobian, scale: &[1.0; N], tolerance: 1e-14, before: None };
-    let outcome = Radau::attempt(system, &start, &newton, h, &mut Statistics::default()).unwrap().0;
+    let newton = Newton { scale: &[1.0; N], tolerance: 1e-14, before: None };
+    let mut kept = Kept::default();
+    kept.take(jacobian, 0.0);
+    let outcome = Radau::attempt(system, &start, (&newton, &mut kept), h, &mut Statistics::default()).unwrap().0;
     Step::new(&start, h, false, outcome)
 }
 

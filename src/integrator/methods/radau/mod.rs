@@ -7,9 +7,10 @@ pub mod coefficients;
 
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::dense::TERMS;
+use crate::integrator::kept::{Factored, Kept};
 use crate::integrator::pair::{BULGE_MARGIN, Outcome, Path, Start, add_compensated, mean_square};
 use crate::integrator::{Dense, Method, Statistics, System};
-use crate::numerics::gauss::{Complex, Factors};
+use crate::numerics::gauss::Complex;
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 
 /// Order of the error estimate plus 1: it falls as this power of the step size.
@@ -18,6 +19,9 @@ pub const ERROR_POWER: f64 = 4.0;
 const ITERATIONS: u32 = 10;
 /// Part of the tolerance at which Newton's method stops.
 const NEWTON: f64 = 0.01;
+/// Rate of convergence up to which a Jacobian is kept for the next step: a new one costs about as much as three
+/// iterations.
+const KEEP: f64 = 0.03;
 /// Ratio of a correction to that goal, below which no second correction is needed to estimate the rate of convergence.
 const NEGLIGIBLE: f64 = 0.1;
 
@@ -39,8 +43,6 @@ pub struct Radau<const N: usize> {
 
 /// Newton's method of a step: the matrix, the goal, and the step before, from which it starts.
 pub struct Newton<'a, const N: usize> {
-    /// df/dy.
-    pub jacobian: &'a [[f64; N]; N],
     pub scale: &'a [f64; N],
     pub tolerance: f64,
     /// The step before, if it was one of Radau.
@@ -123,17 +125,22 @@ impl<const N: usize> Radau<N> {
         Collocation { h, z: [self.inner[0], self.inner[1], std::array::from_fn(|n| end[n] - start[n])] }
     }
 
-    /// The step of size h with its error over the tolerance; none if Newton's method does not converge.
+    /// The step of size h with its error over the tolerance; none if Newton's method does not converge with the
+    /// Jacobian in `kept`, which is of no use from then on unless it converges well.
     pub fn attempt<S: System<N>>(
         system: &mut S,
         start: &Start<N>,
-        newton: &Newton<N>,
+        (newton, kept): (&Newton<N>, &mut Kept<N>),
         h: f64,
         statistics: &mut Statistics,
     ) -> Option<(Outcome<Self, N>, f64)> {
         let guess = newton.before.map_or([[0.0; N]; STAGES], |before| before.guess(1.0, h));
-        let (z, real) = collocate(system, start, newton, h, guess, ITERATIONS, statistics)?;
-        let e = error(start, h, &z, &real);
+        let solved = kept.factored(h, S::LEADING).and_then(|factored| {
+            let found = collocate(system, start, (newton, factored), h, guess, ITERATIONS, statistics)?;
+            Some((found, error(start, h, &found.0, factored)))
+        });
+        kept.is_useful = solved.as_ref().is_some_and(|((_, rate), _)| *rate <= KEEP);
+        let ((z, _), e) = solved?;
         let norm = mean_square(N, &newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt();
         Some((Self::outcome(system, start, newton.tolerance, h, (&z, e), statistics), norm))
     }
@@ -150,9 +157,10 @@ impl<const N: usize> Radau<N> {
     ) -> Outcome<Self, N> {
         let (scale, jacobian) = (system.scale(&start.y, &start.first), system.jacobian(start.t, &start.y));
         statistics.jacobians += 1;
-        let newton = Newton { jacobian: &jacobian, scale: &scale, tolerance: self.tolerance, before: None };
+        let newton = Newton { scale: &scale, tolerance: self.tolerance, before: None };
         let guess = whole.guess(0.0, h);
-        let found = collocate(system, start, &newton, h, guess, 3 * ITERATIONS, statistics);
+        let found = Factored::new(&jacobian, h, S::LEADING)
+            .and_then(|f| collocate(system, start, (&newton, &f), h, guess, 3 * ITERATIONS, statistics));
         let z = found.map_or(guess, |(z, _)| z);
         Self::outcome(system, start, self.tolerance, h, (&z, self.error), statistics)
     }
@@ -173,11 +181,6 @@ impl<const N: usize> Radau<N> {
     }
 }
 
-/// (factor I - h J) / h.
-fn shifted<const N: usize>(jacobian: &[[f64; N]; N], factor: f64, h: f64) -> [[f64; N]; N] {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { factor / h } else { 0.0 } - jacobian[i][j]))
-}
-
 /// matrix times z, block by block.
 #[inline(never)]
 fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<N>) -> Increments<N> {
@@ -185,29 +188,24 @@ fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<
 }
 
 /// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
-/// one complex system; eqs. (8.4) to (8.13). Also the factors of the real one.
+/// one complex system; eqs. (8.4) to (8.13). Also the rate of convergence, 0 where one correction was enough.
 ///
 /// It stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding.
 fn collocate<S: System<N>, const N: usize>(
     system: &mut S,
     start: &Start<N>,
-    newton: &Newton<N>,
+    (newton, Factored { real, complex, .. }): (&Newton<N>, &Factored<N>),
     h: f64,
     mut z: Increments<N>,
     iterations: u32,
     statistics: &mut Statistics,
-) -> Option<(Increments<N>, Factors<f64, N>)> {
-    let real = Factors::new(shifted(newton.jacobian, GAMMA, h), S::LEADING)?;
-    let diagonal = shifted(newton.jacobian, ALPHA, h);
-    let entry = |i: usize, j: usize| Complex { re: diagonal[i][j], im: if i == j { BETA / h } else { 0.0 } };
-    let complex: Factors<Complex<f64>, N> =
-        Factors::new(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))), S::LEADING)?;
+) -> Option<(Increments<N>, f64)> {
     let stop: [f64; N] = std::array::from_fn(|n| {
         let rounding = 8.0 * f64::EPSILON * start.y[n].abs();
         (NEWTON * newton.tolerance * newton.scale[n]).max(rounding)
     });
     let mut w = transformed(&T_INVERSE, &z);
-    let mut last = f64::INFINITY;
+    let (mut last, mut rate) = (f64::INFINITY, 0.0);
     for iteration in 0..iterations {
         let mut slopes = [[0.0; N]; STAGES];
         for i in 0..STAGES {
@@ -235,19 +233,21 @@ fn collocate<S: System<N>, const N: usize>(
         if !change.is_finite() {
             return None;
         }
+        if iteration > 0 {
+            rate = change / last;
+        }
         if change <= NEGLIGIBLE {
-            return Some((z, real));
+            return Some((z, rate));
         }
         if iteration > 0 {
-            let rate = change / last;
             if rate >= 0.99 {
                 // Rounding stops it a little above its goal; anything more is divergence.
-                return (change <= 0.1 / NEWTON).then_some((z, real));
+                return (change <= 0.1 / NEWTON).then_some((z, rate));
             }
             // The changes left sum to at most this, for all of them and for those after the last iteration.
             let rest = change * rate / (1.0 - rate);
             if rest <= 1.0 {
-                return Some((z, real));
+                return Some((z, rate));
             }
             if rest * rate.powi((iterations - 1 - iteration) as i32) > 1.0 {
                 return None;
@@ -261,7 +261,7 @@ fn collocate<S: System<N>, const N: usize>(
 /// Error: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
 /// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
 /// component too, which that makes h |lambda| times smaller than it is.
-fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, real: &Factors<f64, N>) -> [f64; N] {
+fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, factored: &Factored<N>) -> [f64; N] {
     let defect = std::array::from_fn(|n| start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h);
-    real.solve(defect).map(f64::abs)
+    factored.real.solve(defect).map(f64::abs)
 }
