@@ -85,8 +85,8 @@ impl fmt::Display for HydraulicsError {
             Self::Travel { length, lengths: [least, most] } => write!(
                 f,
                 "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m \
-                 (cylinder.closed_length + cylinder.stroke); use a longer stroke, or add a stop that ends the \
-                 travel before",
+                 (cylinder.closed_length + cylinder.stroke); connect actuator.reduced_mass and preview.force_mean, so \
+                 that the actuator can stop the motion there, or use a longer stroke",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)

@@ -193,7 +193,9 @@ impl Model {
         }
         let present = cache.present.get_or_insert_with(|| {
             let energies = std::array::from_fn(|index| state.circuit[ENERGY + index]);
-            Present::new(&parameters.laws, point(parameters, dynamic(&state.circuit), inputs), energies)
+            let (setting, load) = (parameters.setting(inputs), inputs.get(Input::Load));
+            let end_force = |force| state.end_force(&setting, load, force);
+            Present::new(&parameters.laws, point(parameters, dynamic(&state.circuit), inputs), energies, end_force)
         });
         Ok(present.output(&parameters.laws, output).unwrap_or(f64::NAN))
     }
@@ -431,8 +433,8 @@ fn preview(
 ) -> Preview<f64> {
     let (laws, speed) = (&parameters.laws, inputs.get(Input::Speed));
     match foreseen {
-        Some(seen @ Foreseen { element, end, start_force, course, h, .. }) if seen.is_whole() => {
-            Preview::new(laws, element, (*start_force, speed), (end, *course), *h)
+        Some(seen @ Foreseen { element, start, end, start_force, course, h, .. }) if seen.is_whole() => {
+            Preview::new(laws, element, (*start_force, *start), (end, *course), *h)
         }
         _ => {
             let force = laws.force(state.pressures(), speed);

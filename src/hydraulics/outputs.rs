@@ -30,6 +30,7 @@ pub enum Output {
     SupplyPressure,
     TankFlow,
     StrokePosition,
+    EndForce,
     Power(usize),
     Energy(usize),
     Balance,
@@ -77,14 +78,17 @@ pub struct Present<T> {
     flows: Flows<T>,
     powers: Powers<T>,
     energies: [T; ENERGIES],
+    end_force: T,
 }
 
 impl<T: Number> Present<T> {
-    /// Evaluate the laws at a point; `energies`: those of the state.
-    pub fn new(laws: &Equations, at: Point<T>, energies: [T; ENERGIES]) -> Self {
+    /// Evaluate the laws at a point. `energies`: those of the state; `end_force`: of the end of the cylinder at which
+    /// the piston rests, from the force of the oil at rest.
+    pub fn new(laws: &Equations, at: Point<T>, energies: [T; ENERGIES], end_force: impl Fn(T) -> T) -> Self {
         let flows = laws.flows(&at);
         let powers = laws.powers(&at, &flows);
-        Self { at, flows, powers, energies }
+        let end_force = end_force(laws.force(at.pressures, T::constant(0.0)));
+        Self { at, flows, powers, energies, end_force }
     }
 
     /// Value of an output that needs the present state only; none if it needs the foreseen motion, or derivatives.
@@ -104,6 +108,7 @@ impl<T: Number> Present<T> {
             Output::SupplyPressure => at.supply,
             Output::TankFlow => flows.tank,
             Output::StrokePosition => at.length - T::constant(laws.lengths()[0]),
+            Output::EndForce => self.end_force,
             Output::Power(index) => self.powers.in_order()[index],
             Output::Energy(index) => self.energies[index],
             Output::Balance => {

@@ -14,7 +14,7 @@ use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// Version of the record.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// All values that decide how a model continues.
 #[derive(Clone, Debug)]

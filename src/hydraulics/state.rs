@@ -7,8 +7,9 @@ mod delayed;
 mod limits;
 mod march;
 mod preview;
+mod reported;
 
-use super::circuit::{CIRCUIT, DYNAMIC, Equations};
+use super::circuit::{CIRCUIT, DYNAMIC, Equations, SLACK};
 use super::definition::{Circuit, Solver};
 use super::error::HydraulicsError;
 use super::inputs::{CommandSignal, Input, Inputs, Surroundings};
@@ -18,11 +19,14 @@ use crate::integrator::Integrator;
 pub use delayed::Told;
 pub use march::interrupted;
 use march::{Instants, Levels, March, finite};
-pub use preview::{Blind, Foreseen, Preview};
+pub use preview::{Blind, Foreseen};
+pub use reported::Preview;
 
 /// Difference of two steps that is rounding, as of t[n+1] - t[n], as a part of them.
 pub const SAME_STEP: f64 = 1e-9;
 
+/// Length beyond an end of the cylinder that a mechanism may have, besides the way of a step [m].
+const OVERRUN: f64 = 1e-3;
 /// Part of the longest step that counts in the next one.
 const FADING: f64 = 0.95;
 
@@ -71,6 +75,15 @@ pub struct Last {
     pub is_known: bool,
     /// Whether the actuator has kept a motion that the mechanism did not make, as its force was for another step.
     pub owes: bool,
+    /// Whether the piston was at an end of the cylinder.
+    pub met_end: bool,
+    /// Whether it rests there, where the length foreseen ends.
+    pub rests_on_end: bool,
+    /// Farthest way [m] from there that the mechanism may then have at the end of the next step, with its way by its
+    /// speed.
+    pub reach: f64,
+    /// Time [s] in which it comes there.
+    pub settling: f64,
     /// Length foreseen at its end [m].
     pub end_length: f64,
     /// Speed foreseen at its end [m/s].
@@ -115,16 +128,18 @@ impl Setting<'_> {
         CommandSignal::new(self.inputs.polynomial(Input::Command), &self.circuit.command, time)
     }
 
-    /// Refuse a length that the cylinder does not have.
-    pub fn check_length(&self, length: f64) -> Result<(), HydraulicsError> {
-        if self.laws.has_length(length) {
+    /// Refuse a length that is farther beyond the ends of the cylinder than `beyond` [m].
+    pub fn check_length(&self, length: f64, beyond: f64) -> Result<(), HydraulicsError> {
+        let lengths @ [least, most] = self.laws.lengths();
+        if length >= least - beyond && length <= most + beyond {
             return Ok(());
         }
-        Err(HydraulicsError::Travel { length, lengths: self.laws.lengths() })
+        Err(HydraulicsError::Travel { length, lengths })
     }
 
-    /// Refuse a motion of the inputs that leads within a step of size h to a length that the cylinder does not have.
-    pub fn check_way(&self, h: f64) -> Result<(), HydraulicsError> {
+    /// Refuse a motion of the inputs that leads within a step of size h to a length that is farther beyond the ends of
+    /// the cylinder than `beyond` [m].
+    pub fn check_way(&self, h: f64, beyond: f64) -> Result<(), HydraulicsError> {
         let (path, lengths) = (self.inputs.length(), self.laws.lengths());
         let begin = self.inputs.get(Input::Length);
         let spread = path.spread(h);
@@ -133,12 +148,12 @@ impl Setting<'_> {
         }
         // The farthest length is at the end, or where the speed is 0.
         let mut farthest = path.at(h);
-        let beyond = |length: f64| (lengths[0] - length).max(length - lengths[1]);
+        let excess = |length: f64| (lengths[0] - length).max(length - lengths[1]);
         self.inputs.polynomial(Input::Speed).passages(0.0, h, &mut |t| {
             let length = path.at(t);
-            farthest = if beyond(length) > beyond(farthest) { length } else { farthest };
+            farthest = if excess(length) > excess(farthest) { length } else { farthest };
         });
-        if self.laws.has_length(farthest) {
+        if excess(farthest) <= beyond {
             return Ok(());
         }
         Err(HydraulicsError::Overrun { speed: self.inputs.get(Input::Speed), length: farthest, lengths })
@@ -160,6 +175,13 @@ impl State {
             arrival: None,
             told: None,
         }
+    }
+
+    /// How far beyond the ends of the cylinder a mechanism may be [m] that the actuator stops there by its force: up to
+    /// the way of the last step. Without the mass of what it moves the actuator stops nothing.
+    pub fn overrun(&self, setting: &Setting<'_>) -> f64 {
+        let way = self.arrival.map_or(0.0, |[_, way]| way);
+        if setting.inputs.get(Input::Mass) > 0.0 { OVERRUN + way } else { SLACK }
     }
 
     /// Time since the start [s].
@@ -240,9 +262,14 @@ impl State {
             start_speed: speed,
             rests: speed == 0.0
                 && !is_locked
+                && !foreseen.course.met_end
                 && (foreseen.end[LENGTH] != length || foreseen.element.limits == [length; 2]),
             is_known,
-            owes: keeps && !is_known,
+            owes: keeps && !is_known && !foreseen.course.met_end,
+            met_end: foreseen.course.met_end,
+            rests_on_end: foreseen.course.rests_on_end,
+            reach: foreseen.reach(),
+            settling: foreseen.course.settling,
             end_length: foreseen.end[LENGTH],
             speed: foreseen.end[SPEED],
             correction: foreseen.correction,
@@ -273,6 +300,10 @@ impl State {
             rests: false,
             is_known: false,
             owes: false,
+            met_end: false,
+            rests_on_end: false,
+            reach: 0.0,
+            settling: 0.0,
             end_length: 0.0,
             speed: 0.0,
             correction: 0.0,
@@ -285,6 +316,11 @@ impl State {
             record.flag("rests", &mut last.rests)?;
             record.flag("force known", &mut last.is_known)?;
             record.flag("way owed", &mut last.owes)?;
+            record.flag("end of the cylinder met", &mut last.met_end)?;
+            record.flag("rests on the end of the cylinder", &mut last.rests_on_end)?;
+            for value in [&mut last.reach, &mut last.settling] {
+                record.number("way to the end", value, |value| value.is_finite() && value >= 0.0, ">= 0")?;
+            }
             record.finite("predicted length", &mut last.end_length)?;
             record.finite("speed before", &mut last.start_speed)?;
             record.finite("predicted speed", &mut last.speed)?;

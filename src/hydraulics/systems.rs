@@ -151,6 +151,38 @@ pub fn element_rates<T: Number>(
     all
 }
 
+/// What holds the element at rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hold {
+    /// Nothing.
+    #[default]
+    Free,
+    /// A stop or a lock of what the actuator moves: the force of the actuator is that of the oil.
+    Stop,
+    /// An end of the cylinder: the force of the actuator is the load.
+    End,
+}
+
+impl Hold {
+    /// Whether anything does.
+    pub fn is_held(self) -> bool {
+        self != Self::Free
+    }
+
+    /// Rates of a circuit with an element that this holds, from those of one that is free.
+    #[inline]
+    fn rates<T: Number>(self, element: &Element<T>, t: T, length: T, mut rates: [T; ELEMENT]) -> [T; ELEMENT] {
+        if self.is_held() {
+            (rates[LENGTH], rates[SPEED]) = (T::constant(0.0), T::constant(0.0));
+        }
+        if self == Self::End {
+            let load = element.load_at(length, t);
+            (rates[IMPULSE], rates[MOMENT]) = (load, load * t);
+        }
+        rates
+    }
+}
+
 /// A circuit with an element that it moves.
 #[derive(Clone, Copy, Debug)]
 pub struct Coupled<'a> {
@@ -159,8 +191,8 @@ pub struct Coupled<'a> {
     pub element: Element<f64>,
     /// Stroke of the cylinder [m].
     pub stroke: f64,
-    /// Whether a stop or a lock holds the element.
-    pub is_held: bool,
+    /// What holds the element.
+    pub hold: Hold,
 }
 
 impl System<ELEMENT> for Coupled<'_> {
@@ -169,11 +201,8 @@ impl System<ELEMENT> for Coupled<'_> {
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; ELEMENT]) -> [f64; ELEMENT] {
-        let mut rates = element_rates(self.laws, &self.element, self.surroundings.at(t), t, y);
-        if self.is_held {
-            (rates[LENGTH], rates[SPEED]) = (0.0, 0.0);
-        }
-        rates
+        let rates = element_rates(self.laws, &self.element, self.surroundings.at(t), t, y);
+        self.hold.rates(&self.element, t, y[LENGTH], rates)
     }
 
     #[inline]
@@ -200,11 +229,9 @@ impl System<ELEMENT> for Coupled<'_> {
         let [load_derivative, load_rate, length] = [load_derivative, load_rate, length].map(Dual::constant);
         let element = Element { mass, mass_derivative, load, load_derivative, load_rate, length, limits };
         let ports = self.surroundings.at(t).map(Dual::constant);
-        let mut rates = element_rates(self.laws, &element, ports, Dual::constant(t), &duals);
-        if self.is_held {
-            (rates[LENGTH], rates[SPEED]) = (Dual::constant(0.0), Dual::constant(0.0));
-        }
-        rates.map(|rate| row(rate.slope))
+        let t = Dual::constant(t);
+        let rates = element_rates(self.laws, &element, ports, t, &duals);
+        self.hold.rates(&element, t, duals[LENGTH], rates).map(|rate| row(rate.slope))
     }
 }
 
@@ -227,10 +254,9 @@ impl System<TANGENT> for Tangent<'_> {
         let duals = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k]] });
         let values = self.coupled.surroundings.at(t);
         let ports = std::array::from_fn(|k| Dual { value: values[k], slope: [self.ports[k]] });
-        let mut rates = element_rates(self.coupled.laws, &self.element, ports, Dual::constant(t), &duals);
-        if self.coupled.is_held {
-            (rates[LENGTH], rates[SPEED]) = (Dual::constant(0.0), Dual::constant(0.0));
-        }
+        let t = Dual::constant(t);
+        let rates = element_rates(self.coupled.laws, &self.element, ports, t, &duals);
+        let rates = self.coupled.hold.rates(&self.element, t, duals[LENGTH], rates);
         std::array::from_fn(|k| if k < ELEMENT { rates[k].value } else { rates[k - ELEMENT].slope[0] })
     }
 

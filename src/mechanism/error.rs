@@ -66,8 +66,8 @@ pub enum ModelError {
     Saved { what: String },
     /// The motion goes past the end of its travel, with what is the matter there and the remedy.
     Travel { position: String, reason: String },
-    /// The cylinder of a drive does not have this length [m] at a place: its name, least and largest length, the place.
-    Stroke { name: String, length: f64, lengths: [f64; 2], what: String },
+    /// The cylinder of a drive does not have this length [m] at the start: its name, least and largest length.
+    Stroke { name: String, length: f64, lengths: [f64; 2] },
     /// The absolute pressure of a chamber has come to 0.
     Vacuum { chamber: &'static str },
     /// A prescribed motion that the mechanism cannot make: the quantity of its drive, the value asked for, the time
@@ -234,11 +234,10 @@ impl fmt::Display for ModelError {
                  cannot hold the mechanism: use a point that moves there"
             ),
             Self::Saved { what } => write!(f, "the saved state does not belong to this mechanism: {what}"),
-            Self::Stroke { name, length, lengths: [least, most], what } => write!(
+            Self::Stroke { name, length, lengths: [least, most] } => write!(
                 f,
-                "{name} = {} m at {what}: the cylinder allows {} m (cylinder.closed_length) to {} m \
-                 (cylinder.closed_length + cylinder.stroke); use a longer stroke, or add a stop that ends the \
-                 travel before",
+                "{name} = {} m at the start: the cylinder allows {} m (cylinder.closed_length) to {} m \
+                 (cylinder.closed_length + cylinder.stroke); use another closed length or stroke, or another start",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)

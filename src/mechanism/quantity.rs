@@ -163,6 +163,8 @@ pub enum Hydraulic {
     TankFlow,
     /// Position of the piston from the closed length.
     StrokePosition,
+    /// Force of the ends of the cylinder on the piston.
+    EndForce,
     /// A power: from the supply, into the tank, of the piston, of the seals, of compression, of throttling.
     Power(usize),
     /// The integral of a power over time, in the same order.

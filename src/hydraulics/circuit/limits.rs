@@ -1,6 +1,6 @@
 //! What a circuit allows: lengths that the cylinder has, absolute pressures above 0.
 //!
-//! In: pressures, length of the actuator. Out: whether the laws hold there, and what a state has left. It must not know
+//! In: pressures, length of the actuator. Out: whether the laws hold there. It must not know
 //! steps.
 use super::{DYNAMIC, Equations};
 
@@ -11,15 +11,6 @@ pub const SLACK: f64 = 1e-9;
 const NEAR_VACUUM: f64 = 1e-3;
 /// Absolute pressure, as a part of the ambient pressure, below which a chamber cavitates.
 const CAVITATES: f64 = 0.1;
-
-/// How a state has left what a circuit allows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Left {
-    /// The actuator has this length [m], which the cylinder does not have.
-    Stroke(f64),
-    /// A chamber, A or B, of oil without air has come to absolute zero.
-    Vacuum(usize),
-}
 
 impl Equations {
     /// Whether all absolute pressures are above 0, as those of oil with air always are: a step that ends elsewhere was
@@ -37,14 +28,18 @@ impl Equations {
         length >= least - SLACK && length <= most + SLACK
     }
 
-    /// What keeps an integration from going on at these pressures and this length: the end of the stroke, or absolute
-    /// zero in oil without air.
-    pub fn left(&self, pressures: [f64; 2], length: f64) -> Option<Left> {
-        let [least, most] = self.lengths();
-        if length <= least || length >= most {
-            return Some(Left::Stroke(length));
-        }
-        (0..2).find(|chamber| self.is_at_vacuum(pressures[*chamber])).map(Left::Vacuum)
+    /// Whether both chambers have at least half of their dead volumes at a length: a step of an integration passes the
+    /// end of the travel before its impact is located.
+    #[inline]
+    pub fn has_room(&self, length: f64) -> bool {
+        let volumes = self.volumes(length);
+        (0..2).all(|side| volumes[side] >= 0.5 * self.dead_volumes[side])
+    }
+
+    /// The chamber, A or B, that keeps an integration from going on at these pressures: one of oil without air at
+    /// absolute zero.
+    pub fn at_vacuum(&self, pressures: [f64; 2]) -> Option<usize> {
+        (0..2).find(|chamber| self.is_at_vacuum(pressures[*chamber]))
     }
 
     /// Whether a gauge pressure [Pa] is that of oil without air at absolute zero, from which no integration goes on.

@@ -24,7 +24,7 @@ mod supply;
 mod tests;
 
 use super::definition::Circuit;
-pub use limits::{Left, SLACK};
+pub use limits::SLACK;
 pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SPOOL, SUPPLY};
 pub use smooth::{gate, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -102,6 +102,8 @@ pub struct Equations {
     dead_volumes: [f64; 2],
     closed_length: f64,
     stroke: f64,
+    /// Restitution at the ends of the travel [1].
+    restitution: f64,
     ambient: f64,
     bulk: f64,
     air: f64,
@@ -160,6 +162,7 @@ impl Equations {
             dead_volumes: [circuit.chamber_a.dead_volume, circuit.chamber_b.dead_volume],
             closed_length: cylinder.closed_length,
             stroke: cylinder.stroke,
+            restitution: cylinder.restitution,
             ambient: fluid.ambient_pressure,
             bulk: fluid.bulk_modulus,
             air: fluid.air_fraction,
@@ -213,6 +216,11 @@ impl Equations {
     /// Least and largest length of the actuator [m].
     pub fn lengths(&self) -> [f64; 2] {
         [self.closed_length, self.closed_length + self.stroke]
+    }
+
+    /// Speed of the piston after an impact on an end of its travel over the speed before [1].
+    pub fn restitution(&self) -> f64 {
+        self.restitution
     }
 
     /// Accumulator and pump; none where the pressure of the supply is an input.

@@ -4,7 +4,7 @@
 //! be to each other.
 use crate::format::keys;
 use crate::format::{
-    Range::{Finite, Length, NonNegative, Positive},
+    Range::{Finite, Length, NonNegative, Positive, Unit},
     Role::{Circuit, CircuitStart},
     number,
 };
@@ -44,6 +44,9 @@ keys! {
         /// 0: rigid walls.
         wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls: \
             pressure divided by the relative growth of the volume; 0: rigid walls");
+        /// Restitution at the ends of the travel, which are rigid: speed after an impact of the piston divided by the
+        /// speed before [1], from 0 to 1.
+        restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
     }
 
     /// Chamber A, on the piston side.

@@ -30,7 +30,8 @@ fn present(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
     let motion = [Input::Length, Input::Speed].map(input);
     let ports = [input(Input::Supply), input(Input::Tank), Dual::constant(0.0)];
     let at = parameters.laws.point(std::array::from_fn(component), motion, ports);
-    Present::new(&parameters.laws, at, std::array::from_fn(|k| component(ENERGY + k)))
+    let end_force = |force| state.end_force(&parameters.setting(inputs), input(Input::Load), force);
+    Present::new(&parameters.laws, at, std::array::from_fn(|k| component(ENERGY + k)), end_force)
 }
 
 /// What the foreseen motion tells, and its change along a direction of the inputs.
@@ -50,7 +51,8 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
     let change = |input: Input| if follows && input == Input::Horizon { 0.0 } else { direction.inputs[input as usize] };
     match state.foresee_change(&parameters.setting(inputs), h.value, &direction.circuit, &change) {
         Some((end, element, course)) => {
-            Preview::new(laws, &element, (laws.force(pressures, speed), speed), (&end, course), h)
+            let motion = [dual(Input::Length), speed];
+            Preview::new(laws, &element, (laws.force(pressures, speed), motion), (&end, course), h)
         }
         None => {
             let motion = [Input::Length, Input::Speed, Input::Acceleration].map(dual);

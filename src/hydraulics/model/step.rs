@@ -5,6 +5,7 @@
 use super::warnings::{self, Warning, Warnings};
 use super::{Model, is_same_step, point};
 use crate::format::Range;
+use crate::hydraulics::circuit::SLACK;
 use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
@@ -24,7 +25,7 @@ impl Model {
         self.cache.clear();
         self.warnings = Warnings::default();
         self.started()?;
-        self.parameters.setting(&self.inputs).check_length(self.inputs.get(Input::Length))
+        self.parameters.setting(&self.inputs).check_length(self.inputs.get(Input::Length), SLACK)
     }
 
     /// Put the circuit at its start if it has no state yet.
@@ -55,13 +56,14 @@ impl Model {
         if inputs.get(Input::Length) == 0.0 && !parameters.laws.has_length(0.0) {
             let (start, mut own) = (parameters.actuator.actuator.length, *inputs);
             own.values[Input::Length as usize] = state.arrival.map_or(start, |[length, _]| length);
-            check_inputs_at(&parameters.setting(&own), &original.variables, h, false)?;
+            check_inputs_at(&parameters.setting(&own), &original.variables, h, None)?;
             *inputs = own;
         }
         let setting = parameters.setting(inputs);
         let begin = inputs.get(Input::Length);
-        setting.check_length(begin)?;
-        check_inputs_at(&setting, &original.variables, h, false)?;
+        let overrun = state.overrun(&setting);
+        setting.check_length(begin, overrun)?;
+        check_inputs_at(&setting, &original.variables, h, None)?;
         if h < SHORTEST {
             inputs.leave(h, None);
             cache.clear();
@@ -106,10 +108,11 @@ impl Model {
                         return Err(failed.unwrap_or(HydraulicsError::NotInitialised));
                     }
                 }
-                check_inputs_at(&setting, &original.variables, h, true)?;
+                check_inputs_at(&setting, &original.variables, h, Some(overrun))?;
                 let memory = state.driven;
                 // The motion foreseen begins with the same rates.
-                let rates = seen.as_ref().ok().map(|foreseen| &foreseen.start_rates);
+                let foreseen = seen.as_ref().ok().filter(|foreseen| !foreseen.course.met_end);
+                let rates = foreseen.map(|foreseen| &foreseen.start_rates);
                 let followed = state.follow(&setting, h, rates).inspect_err(|_| {
                     (state.circuit, state.driven) = (before, memory);
                 });
@@ -141,20 +144,21 @@ impl Model {
     }
 }
 
-/// Refuse a step of size h at the end of which an input is out of range. `follows`: whether the step moves by the
-/// inputs; else length and speed are not those of the inputs at its end.
+/// Refuse a step of size h at the end of which an input is out of range. `follows`: how far beyond the ends of the
+/// cylinder a step that moves by the inputs may lead [m]; if it does not, length and speed are not those of the inputs
+/// at its end.
 fn check_inputs_at(
     setting: &Setting<'_>,
     variables: &Variables<Quantity>,
     h: f64,
-    follows: bool,
+    follows: Option<f64>,
 ) -> Result<(), HydraulicsError> {
     let (inputs, laws) = (setting.inputs, setting.laws);
     if inputs.ahead {
         // An input without derivatives keeps its value, which was in range.
         for input in Input::ALL.into_iter().filter(|input| inputs.changes(*input)) {
             let (value, rates) = inputs.end(input, h);
-            let is_own = input == Input::Length || input == Input::Speed && !follows;
+            let is_own = input == Input::Length || input == Input::Speed && follows.is_none();
             let range = match input {
                 Input::Mass | Input::Horizon => Range::NonNegative,
                 _ => Range::Finite,
@@ -174,5 +178,8 @@ fn check_inputs_at(
             }
         }
     }
-    if follows && (inputs.ahead || inputs.get(Input::Speed) != 0.0) { setting.check_way(h) } else { Ok(()) }
+    match follows {
+        Some(beyond) if inputs.ahead || inputs.get(Input::Speed) != 0.0 => setting.check_way(h, beyond),
+        _ => Ok(()),
+    }
 }

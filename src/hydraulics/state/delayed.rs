@@ -119,6 +119,10 @@ impl State {
     /// mechanism is. In steps below the reciprocal of sqrt(k/m) the oil follows a load or a lock instead.
     pub fn lead(&mut self, setting: &Setting<'_>, predicted: &Predicted, foreseen: &Foreseen, h: f64) -> [f64; 2] {
         let Some(told) = self.told else { return [0.0; 2] };
+        if foreseen.course.met_end {
+            // The mechanism is where the force brings it that leads to the end of the cylinder.
+            return [0.0; 2];
+        }
         let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];
         let expected = under_force(&told.element, told.preview.force_mean, told.mechanism, h);
         if (told.step - h).abs() > SAME_STEP * h {
@@ -190,8 +194,7 @@ impl State {
         let start = [mechanism[0] + lead[0], mechanism[1] + lead[1]];
         let catching_up = element.mass * (lead[0] / h + 1.5 * lead[1]) / h;
         let seen = self.foresee_from(setting, (&self.circuit, start), (element, correction), h).ok()?;
-        let mut preview =
-            Preview::new(setting.laws, &element, (seen.start_force, start[1]), (&seen.end, seen.course), h);
+        let mut preview = Preview::new(setting.laws, &element, (seen.start_force, start), (&seen.end, seen.course), h);
         preview.force += catching_up;
         preview.force_mean += catching_up;
         let finite = preview.values().iter().all(|value| value.is_finite()) && element.load.is_finite();

@@ -1,10 +1,16 @@
-//! The element at stops and locks: where they hold it, where it comes to a stop, where it leaves one.
+//! The element at stops and locks, and at the ends of the cylinder: where they hold it, where it comes to a stop, where
+//! it leaves one.
 //!
 //! In: an element with its limits, an integration of it with the circuit. Out: the state at an instant of the step, and
-//! what the limits did until then. An impact is plastic: the speed is 0 after it. It must not know inputs.
+//! what the limits did until then. An impact on a stop is plastic: the speed is 0 after it. It must not know inputs.
+//!
+//! A stop or a lock holds the mechanism whatever the force of the actuator, so that the force is that of the oil. An
+//! end of the cylinder holds the mechanism by the actuator alone: while the piston rests there, the force is the load,
+//! and an impact is an impulse m (v' - v) of the force.
 use super::march::{Levels, March};
+use crate::hydraulics::circuit::SLACK;
 use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::systems::{Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED};
+use crate::hydraulics::systems::{Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED};
 use crate::integrator::{Direction, Integrator, Step};
 use crate::numerics::dual::Number;
 
@@ -18,8 +24,15 @@ pub struct Course {
     pub held_at_start: bool,
     /// Whether they hold it at the end.
     pub held_at_end: bool,
-    /// Whether it left them: impulse and moment of the force are then those that give the motion from the beginning on.
+    /// Whether it left a stop: impulse and moment of the force are then those that give the motion from the beginning
+    /// on.
     pub released: bool,
+    /// Whether the piston was at an end of the cylinder.
+    pub met_end: bool,
+    /// Whether the piston rests there at the end of the step.
+    pub rests_on_end: bool,
+    /// Time [s], at least the step, in which a mean force that is held brings the mechanism there.
+    pub settling: f64,
 }
 
 /// Whether limits hold an element at rest at a length under this sum of force and load [N].
@@ -43,15 +56,81 @@ pub fn passed([lower, upper]: [f64; 2], end: f64) -> Option<(f64, Direction)> {
     }
 }
 
+/// The end of the cylinder that is nearer to a length, and the sign of a speed towards it.
+pub fn nearer_end([least, most]: [f64; 2], length: f64) -> (f64, f64) {
+    if length - least < most - length { (least, -1.0) } else { (most, 1.0) }
+}
+
 impl Coupled<'_> {
-    /// Whether limits hold the element at the beginning of a step; a motion that leads out of them stops there.
-    pub fn begin(&mut self, y: &mut [f64; ELEMENT]) -> Course {
-        let (limits, length, speed) = (self.element.limits, y[LENGTH], y[SPEED]);
-        if speed > 0.0 && length >= limits[1] || speed < 0.0 && length <= limits[0] {
+    /// What holds the element at rest at a length under this sum of force and load [N].
+    fn hold_at(&self, length: f64, net: f64) -> Hold {
+        if holds(self.element.limits, length, net) {
+            Hold::Stop
+        } else if holds(self.laws.lengths(), length, net) {
+            Hold::End
+        } else {
+            Hold::Free
+        }
+    }
+
+    /// What holds the element at the beginning of a step; a motion that leads out of its limits stops there. `rests`:
+    /// whether the piston has rested at the end that is nearer, and has not left it since. Where the mechanism is not
+    /// quite there, impulse and moment begin with what brings it there.
+    pub fn begin(&mut self, y: &mut [f64; ELEMENT], rests: bool) -> Course {
+        let (limits, length) = (self.element.limits, y[LENGTH]);
+        if y[SPEED] > 0.0 && length >= limits[1] || y[SPEED] < 0.0 && length <= limits[0] {
             y[SPEED] = 0.0;
         }
-        self.is_held = y[SPEED] == 0.0 && holds(limits, length, net(self, y, 0.0));
-        Course { held_at_start: self.is_held, ..Course::default() }
+        let is_stopped = y[SPEED] == 0.0 && holds(limits, length, net(self, y, 0.0));
+        self.hold = if is_stopped { Hold::Stop } else { Hold::Free };
+        let mut course = Course { held_at_start: is_stopped, ..Course::default() };
+        let (end, outward) = nearer_end(self.laws.lengths(), length);
+        let is_beyond = (length - end) * outward >= 0.0;
+        if is_stopped || !(rests || is_beyond) {
+            return course;
+        }
+        let (net, speed) = (net(self, y, 0.0), y[SPEED]);
+        let rests = rests && net * outward >= 0.0;
+        if rests || is_beyond {
+            y[LENGTH] = end;
+            if rests {
+                y[SPEED] = 0.0;
+            } else if speed * outward > 0.0 {
+                y[SPEED] = self.after_impact(speed, net * outward);
+            }
+            if y[SPEED] == 0.0 {
+                self.hold = self.hold_at(end, net);
+            }
+            y[IMPULSE] = self.element.mass * (y[SPEED] - speed);
+            y[MOMENT] = self.element.mass * (length - end);
+            (course.held_at_start, course.met_end) = (self.hold.is_held(), true);
+        }
+        course
+    }
+
+    /// Speed after an impact on an end of the cylinder with a speed, under a force and a load that press on it with the
+    /// sum `pressing` [N]. A flight that is lower than rounding is rest.
+    fn after_impact(&self, speed: f64, pressing: f64) -> f64 {
+        let after = -self.laws.restitution() * speed;
+        if self.element.mass * after * after <= 2.0 * SLACK * pressing { 0.0 } else { after }
+    }
+
+    /// The element has come to a limit, t [s] after the beginning.
+    fn arrive(&mut self, y: &mut [f64; ELEMENT], t: f64, (limit, direction): (f64, Direction), course: &mut Course) {
+        y[LENGTH] = limit;
+        if self.element.limits.contains(&limit) {
+            y[SPEED] = 0.0;
+        } else {
+            let pressing = net(self, y, t) * if direction == Direction::Rising { 1.0 } else { -1.0 };
+            let after = self.after_impact(y[SPEED], pressing);
+            let mass = self.element.mass + self.element.mass_derivative * (limit - self.element.length);
+            let impulse = mass * (after - y[SPEED]);
+            y[SPEED] = after;
+            y[IMPULSE] += impulse;
+            y[MOMENT] += impulse * t;
+            course.met_end = true;
+        }
+        self.hold = if y[SPEED] == 0.0 { self.hold_at(limit, net(self, y, t)) } else { Hold::Free };
     }
 }
 
@@ -65,11 +144,13 @@ impl March<'_> {
         (y, course): (&mut [f64; ELEMENT], &mut Course),
         levels: &Levels,
     ) -> Result<bool, HydraulicsError> {
+        let ([lower, upper], [least, most]) = (system.element.limits, system.laws.lengths());
+        let limits = [lower.max(least), upper.min(most)];
         while self.t < end {
             let Some(step) = self.once(end, memory, system, y, levels)? else { return Ok(false) };
-            if system.is_held {
+            if system.hold.is_held() {
                 let at = |s: f64, y: &[f64; ELEMENT], system: &Coupled<'_>| {
-                    holds(system.element.limits, y[LENGTH], net(system, y, step.t + s * step.h))
+                    system.hold_at(y[LENGTH], net(system, y, step.t + s * step.h)).is_held()
                 };
                 if at(1.0, &step.end, system) {
                     self.take(&step, y, end);
@@ -78,22 +159,22 @@ impl March<'_> {
                     self.take(&step, y, end);
                     self.leave(memory, system, y, course);
                 }
-            } else if let Some((limit, direction)) = passed(system.element.limits, step.end[LENGTH]) {
+            } else if let Some((limit, direction)) = passed(limits, step.end[LENGTH]) {
                 let step = meet(memory, system, step, limit, direction);
                 self.take(&step, y, end);
-                (y[LENGTH], y[SPEED]) = (limit, 0.0);
-                system.is_held = holds(system.element.limits, limit, net(system, y, self.t));
+                system.arrive(y, self.t, (limit, direction), course);
                 memory.restart();
             } else {
                 self.take(&step, y, end);
             }
         }
-        course.held_at_end = system.is_held;
+        course.held_at_end = system.hold.is_held();
+        course.rests_on_end = system.hold == Hold::End;
         Ok(true)
     }
 
-    /// The element leaves the limit at the present instant. Where it was held since the beginning, a force that gives
-    /// its motion to what has been at rest until now equals the load so long.
+    /// The element leaves the limit at the present instant. Where a stop has held it since the beginning, a force that
+    /// gives its motion to what has been at rest until now equals the load so long.
     fn leave(
         &self,
         memory: &mut Integrator<ELEMENT>,
@@ -101,9 +182,10 @@ impl March<'_> {
         y: &mut [f64; ELEMENT],
         course: &mut Course,
     ) {
-        system.is_held = false;
+        let was_stopped = system.hold == Hold::Stop;
+        system.hold = Hold::Free;
         memory.refresh();
-        if course.held_at_start && !course.released {
+        if was_stopped && course.held_at_start && !course.released {
             let Element { load, load_rate, .. } = system.element;
             let t = self.t;
             y[IMPULSE] = t * (load + 0.5 * load_rate * t);

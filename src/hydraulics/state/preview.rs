@@ -2,14 +2,14 @@
 //!
 //! In: the state, inputs that describe the element, a step. Out: the predicted motion, its derivative along a direction
 //! of the inputs, the predicted force. It must not change the state.
-use super::limits::{Course, holds, line_from_rest};
+use super::limits::{Course, holds, nearer_end};
 use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State, Told};
-use crate::hydraulics::circuit::{CIRCUIT, Equations};
+use crate::hydraulics::circuit::{CIRCUIT, SLACK};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::systems::{
-    Coupled, ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent, with_element, without_element,
+    Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent, with_element, without_element,
 };
 use crate::integrator::{Integrator, System};
 use crate::numerics::decimal::Decimal;
@@ -29,6 +29,8 @@ const MOST_ACCELERATION: f64 = 1e30;
 pub struct Foreseen {
     /// Size of the step [s].
     pub h: f64,
+    /// Length [m] and speed [m/s] of the mechanism at its beginning.
+    pub start: [f64; 2],
     /// State at its end, and the memory of the integration there.
     pub end: [f64; ELEMENT],
     pub memory: Integrator<ELEMENT>,
@@ -62,6 +64,13 @@ impl Foreseen {
     pub fn is_whole(&self) -> bool {
         self.reached == self.h
     }
+
+    /// Farthest way [m] from an end of the cylinder, at which the motion has come to rest, that a mechanism has after
+    /// the step, with its way by its speed while it settles: a mean force that is held leaves at most this.
+    pub fn reach(&self) -> f64 {
+        let ([length, speed], end) = (self.start, self.end[LENGTH]);
+        1.5 * (speed.abs() * self.course.settling + (length - end).abs()) + SLACK
+    }
 }
 
 impl State {
@@ -74,6 +83,10 @@ impl State {
         let (v, m) = (get(Input::Speed), get(Input::Mass));
         let ([lower, upper], length) = (self.limits(setting), get(Input::Length));
         if v == 0.0 && (length <= lower || length >= upper) {
+            return (0.0, true);
+        }
+        if last.met_end {
+            // The force that brings the mechanism to the end of the cylinder is none of the load.
             return (0.0, true);
         }
         if !last.is_known {
@@ -98,11 +111,40 @@ impl State {
         if speed == 0.0 && self.last.as_ref().is_some_and(stays) { [length; 2] } else { setting.limits() }
     }
 
-    /// Whether stops or locks hold the element at the beginning of a step.
-    fn is_held(&self, setting: &Setting<'_>) -> bool {
+    /// What holds the element at the beginning of a step.
+    fn hold(&self, setting: &Setting<'_>) -> Hold {
         let get = |input| setting.inputs.get(input);
+        let (length, speed) = (get(Input::Length), get(Input::Speed));
         let net = || setting.laws.force(self.pressures(), 0.0) - get(Input::Load);
-        get(Input::Speed) == 0.0 && holds(self.limits(setting), get(Input::Length), net())
+        if speed == 0.0 && holds(self.limits(setting), length, net()) {
+            return Hold::Stop;
+        }
+        let ends = setting.laws.lengths();
+        let (end, outward) = nearer_end(ends, length);
+        let is_there = speed == 0.0 && (length - end) * outward >= 0.0;
+        let rests = is_there || self.rests_on_end([length, speed]);
+        if rests && holds(ends, end, net()) { Hold::End } else { Hold::Free }
+    }
+
+    /// Whether the piston has come to rest at an end of the cylinder and has not left it since: the mechanism, with
+    /// this length and speed, is no farther from there than the force leaves it that brings it there in two steps.
+    fn rests_on_end(&self, [length, speed]: [f64; 2]) -> bool {
+        let near = |last: &Last| speed.abs() * last.settling + (length - last.end_length).abs() <= last.reach;
+        self.last.as_ref().is_some_and(|last| last.rests_on_end && near(last))
+    }
+
+    /// Time [s] in which a mean force over steps of size h [s] brings a mechanism with this motion to the end at which
+    /// the piston rests: the longest step since then, as the force for a way of long steps would be too large in a
+    /// short one.
+    fn settling(&self, motion: [f64; 2], h: f64) -> f64 {
+        let last = self.last.as_ref().filter(|_| self.rests_on_end(motion));
+        last.map_or(h, |last| last.settling.max(h))
+    }
+
+    /// Force of an end of the cylinder on the piston [N], under this load and force of the oil at rest.
+    pub fn end_force<T: Number>(&self, setting: &Setting<'_>, load: T, force: T) -> T {
+        let is_known = setting.inputs.get(Input::Mass) > 0.0;
+        if is_known && self.hold(setting) == Hold::End { load - force } else { T::constant(0.0) }
     }
 
     /// [`jump`] of the load of the inputs.
@@ -133,7 +175,7 @@ impl State {
         if setting.inputs.get(Input::Mass) == 0.0 {
             return None;
         }
-        if self.is_held(setting) {
+        if self.hold(setting).is_held() {
             return Some(T::constant(0.0));
         }
         let (_, contact) = self.correction(setting);
@@ -150,7 +192,8 @@ impl State {
         let force = setting.laws.force(self.pressures(), speed);
         let acceleration = element.acceleration(force, element.length, speed, 0.0);
         let stiffness = || setting.laws.stiffness(self.pressures(), element.length);
-        check_element(&element, if self.is_held(setting) { 0.0 } else { acceleration }, (speed, h), stiffness)?;
+        let is_held = self.hold(setting).is_held();
+        check_element(&element, if is_held { 0.0 } else { acceleration }, (speed, h), stiffness)?;
         Ok((element, correction))
     }
 
@@ -182,9 +225,10 @@ impl State {
         instants.sort();
         let lengths = setting.laws.lengths();
         let stroke = lengths[1] - lengths[0];
-        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke, is_held: false };
+        let mut system = Coupled { laws: setting.laws, surroundings, element, stroke, hold: Hold::Free };
         let mut end = with_element(circuit, motion);
-        let mut course = system.begin(&mut end);
+        let mut course = system.begin(&mut end, self.rests_on_end(motion));
+        course.settling = self.settling(motion, h);
         let first = system.derivative(0.0, &end);
         let stiffness = || setting.laws.stiffness([circuit[0], circuit[1]], motion[0]);
         check_element(&element, first[SPEED], (motion[1], h), stiffness).map_err(|blind| {
@@ -210,8 +254,8 @@ impl State {
             }
         }
         finite(&end, march.t).map_err(|error| (Blind::Failed, Some(error)))?;
-        let (start_force, start_rates) = (first[IMPULSE], without_element(&first));
-        Ok(Foreseen { h, end, memory, element, correction, start_force, start_rates, reached: march.t, course })
+        let (start, start_force, start_rates) = (motion, first[IMPULSE], without_element(&first));
+        Ok(Foreseen { h, start, end, memory, element, correction, start_force, start_rates, reached: march.t, course })
     }
 
     /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the
@@ -240,15 +284,22 @@ impl State {
         };
         let surroundings = setting.surroundings(self.time());
         let lengths = setting.laws.lengths();
-        let (stroke, is_held) = (lengths[1] - lengths[0], self.is_held(setting));
-        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke, is_held };
+        let (stroke, hold) = (lengths[1] - lengths[0], self.hold(setting));
+        let coupled = Coupled { laws: setting.laws, surroundings, element: plain, stroke, hold };
         let clipped = surroundings.command.wanted(0.0).abs() > 1.0;
         let command = if clipped { 0.0 } else { inputs(Input::Command) };
         let mut system = Tangent { coupled, element, ports: [inputs(Input::Supply), inputs(Input::Tank), command] };
-        let motion = [Input::Length, Input::Speed];
-        let start = with_element(&self.circuit, motion.map(|input| setting.inputs.get(input)));
-        let change = with_element(circuit, motion.map(inputs));
-        let mut y: [f64; TANGENT] = std::array::from_fn(|k| if k < ELEMENT { start[k] } else { change[k - ELEMENT] });
+        let motion = [Input::Length, Input::Speed].map(dual);
+        let circuit = std::array::from_fn(|k| Dual { value: self.circuit[k], slope: [circuit[k]] });
+        let mut start = with_element(&circuit, motion);
+        if hold == Hold::End {
+            let (end, _) = nearer_end(lengths, motion[0].value);
+            (start[LENGTH], start[SPEED]) = (Dual::constant(end), Dual::constant(0.0));
+            start[IMPULSE] = element.mass * motion[1] * -1.0;
+            start[MOMENT] = element.mass * (motion[0] - Dual::constant(end));
+        }
+        let part = |k: usize| if k < ELEMENT { start[k].value } else { start[k - ELEMENT].slope[0] };
+        let mut y: [f64; TANGENT] = std::array::from_fn(part);
         let mut memory = Integrator::default();
         let mut t = 0.0;
         let most = setting.solver.max_steps as u64;
@@ -261,7 +312,16 @@ impl State {
         let f = system.derivative(h, &y);
         let end = std::array::from_fn(|k| Dual { value: y[k], slope: [y[ELEMENT + k] + later * f[k]] });
         // Held or not, as at the beginning: a contact within the step has no derivative.
-        Some((end, element, Course { held_at_start: is_held, held_at_end: is_held, released: false }))
+        let (is_held, on_end) = (hold.is_held(), hold == Hold::End);
+        let course = Course {
+            held_at_start: is_held,
+            held_at_end: is_held,
+            released: false,
+            met_end: on_end,
+            rests_on_end: on_end,
+            settling: self.settling(motion.map(|dual| dual.value), h),
+        };
+        Some((end, element, course))
     }
 
     /// Keep the foreseen motion as a step's.
@@ -331,80 +391,4 @@ fn element_of<T: Number>(last: Option<&Last>, (contact, limits): (bool, [f64; 2]
         }
     }
     Element { mass, mass_derivative, load: corrected, load_derivative, load_rate, length, limits }
-}
-
-/// What the foreseen motion tells of a step of size h, in the words of the interface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Preview<T> {
-    /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
-    pub force: T,
-    pub force_rate: T,
-    /// Mean force [N].
-    pub force_mean: T,
-    /// Length and speed at the end [m], [m/s].
-    pub length: T,
-    pub speed: T,
-    /// Accelerations under the force at the beginning and at the end [m/s2].
-    pub start_acceleration: T,
-    pub acceleration: T,
-}
-
-impl<T: Number> Preview<T> {
-    /// From the element, force and speed at the beginning, the state at the end with what limits did until then, and
-    /// the step.
-    pub fn new(
-        laws: &Equations,
-        element: &Element<T>,
-        (first, speed): (T, T),
-        (end, course): (&[T; ELEMENT], Course),
-        h: T,
-    ) -> Self {
-        let (mean, moment) = (end[IMPULSE] / h, end[MOMENT] / (h * h));
-        let rate = (moment * 2.0 - mean) * 6.0 / h;
-        let last = laws.force([end[0], end[1]], end[SPEED]);
-        let (mut force, mut rate) = (mean - rate * h * 0.5, rate);
-        // A line that presses on the stop first would lose that impulse to the stop.
-        if course.released && ((force - element.load) * (mean - element.load)).value() < 0.0 {
-            [force, rate] = line_from_rest(element.load, [end[IMPULSE], end[MOMENT]], h);
-        }
-        let held = T::constant(0.0);
-        let acceleration = |is_held, force, length, speed, t| {
-            if is_held { held } else { element.acceleration(force, length, speed, t) }
-        };
-        Self {
-            force,
-            force_rate: rate,
-            force_mean: mean,
-            length: end[LENGTH],
-            speed: end[SPEED],
-            start_acceleration: acceleration(course.held_at_start, first, element.length, speed, held),
-            acceleration: acceleration(course.held_at_end, last, end[LENGTH], end[SPEED], h),
-        }
-    }
-
-    /// With values that nothing changes.
-    pub fn constant<U: Number>(&self) -> Preview<U> {
-        let [force, force_rate, force_mean, length, speed, start_acceleration, acceleration] =
-            self.values().map(|value| U::constant(value.value()));
-        Preview { force, force_rate, force_mean, length, speed, start_acceleration, acceleration }
-    }
-
-    /// All values.
-    pub fn values(&self) -> [T; 7] {
-        let Self { force, force_rate, force_mean, length, speed, start_acceleration, acceleration } = *self;
-        [force, force_rate, force_mean, length, speed, start_acceleration, acceleration]
-    }
-
-    /// Where none is foreseen: the present force, and the motion of the inputs. `start_acceleration`: under that force.
-    pub fn blind(force: T, [length, speed, acceleration]: [T; 3], start_acceleration: T, h: T) -> Self {
-        Self {
-            force,
-            force_rate: T::constant(0.0),
-            force_mean: force,
-            length: length + speed * h,
-            speed,
-            start_acceleration,
-            acceleration,
-        }
-    }
 }

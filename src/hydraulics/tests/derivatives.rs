@@ -165,7 +165,22 @@ fn initial_dependencies_are_exact() {
         ("actuator.lower_limit", 0.6),
         ("chamber_b.start_pressure", 25e6),
     ];
-    let places: [&[&[(&str, f64)]]; 10] = [
+    // At an end of the cylinder, at rest and with a speed.
+    let out = [
+        ("actuator.length", 0.742),
+        ("actuator.speed", 0.0),
+        ("chamber_a.start_pressure", 25e6),
+        ("chamber_b.start_pressure", 1e6),
+    ];
+    let home = [
+        ("actuator.length", 0.412),
+        ("actuator.speed", 0.0),
+        ("actuator.lower_limit", 0.412),
+        ("chamber_a.start_pressure", 1e6),
+        ("chamber_b.start_pressure", 25e6),
+    ];
+    let met = [("actuator.speed", 0.05), ("cylinder.restitution", 0.5), ("preview.horizon", 2e-4)];
+    let places: [&[&[(&str, f64)]]; 14] = [
         &[&open],
         &[&near_a],
         &[&near_b],
@@ -176,6 +191,10 @@ fn initial_dependencies_are_exact() {
         &[&long],
         &[&pushed],
         &[&pulled],
+        &[&out],
+        &[&out, &alone],
+        &[&out, &met],
+        &[&home],
     ];
     let list = model(ACTUATOR).variables().list().to_vec();
     let mut found = vec![std::collections::BTreeSet::new(); list.len()];

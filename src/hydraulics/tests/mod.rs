@@ -3,6 +3,7 @@
 use super::{HydraulicsError, Model};
 
 mod derivatives;
+mod ends;
 mod foresight;
 mod options;
 mod refusals;

@@ -4,9 +4,9 @@
 //! Out: rates of (sigma, sigma_dot, energy lost, components of the circuit), their error weights, the places and times
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
-use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, Left, SPOOL, SUPPLY};
+use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, SPOOL, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
-use crate::integrator::System;
+use crate::integrator::{Kept, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
@@ -53,6 +53,8 @@ pub struct Ports<'a> {
     kinks: [f64; INSTANTS],
     /// Whether a stop, a lock or drives hold the mechanism at rest.
     pub held: bool,
+    /// Jacobian that implicit steps keep.
+    pub kept: Option<Box<Kept<DRIVEN>>>,
 }
 
 /// An input over a step.
@@ -83,7 +85,7 @@ impl<'a> Ports<'a> {
         order::sort(&mut kinks[..count]);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
-        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
+        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false, kept: None }
     }
 
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
@@ -120,10 +122,10 @@ fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> 
 }
 
 impl EquationOfMotion<'_> {
-    /// What of the circuit keeps a motion from going on from this state, if anything does.
-    pub fn left(&self, y: &[f64; DRIVEN]) -> Option<Left> {
-        let (ports, [sigma, _, _, a, b, ..]) = (self.ports.as_ref()?, *y);
-        ports.laws.left([a, b], length_at(self, ports, sigma)[0])
+    /// The chamber, A or B, of oil without air at absolute zero that keeps a motion from going on from this state.
+    pub fn at_vacuum(&self, y: &[f64; DRIVEN]) -> Option<usize> {
+        let (ports, [_, _, _, a, b, ..]) = (self.ports.as_ref()?, *y);
+        ports.laws.at_vacuum([a, b])
     }
 
     /// The pressures of a state in words, for messages.
@@ -186,15 +188,25 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         scale
     }
 
-    /// The pressures are above absolute zero, the cylinder has the length, and the energies are numbers: no error of a
-    /// step counts them.
+    /// The pressures are above absolute zero, the chambers have a volume beyond the ends of the cylinder too, where an
+    /// impact is located, and the energies are numbers: no error of a step counts them.
     #[inline]
     fn admits(&mut self, y: &[f64; DRIVEN]) -> bool {
         let Some(ports) = &self.ports else { return true };
         let [sigma, _, _, a, b, spool, rate, supply, ..] = *y;
         y[LEADING..].iter().sum::<f64>().is_finite()
             && ports.laws.has_pressures([a, b, spool, rate, supply])
-            && ports.laws.has_length(length_at(self, ports, sigma)[0])
+            && ports.laws.has_room(length_at(self, ports, sigma)[0])
+    }
+
+    fn take_kept(&mut self) -> Option<Box<Kept<DRIVEN>>> {
+        self.ports.as_mut()?.kept.take()
+    }
+
+    fn give_kept(&mut self, kept: Box<Kept<DRIVEN>>) {
+        if let Some(ports) = &mut self.ports {
+            ports.kept = Some(kept);
+        }
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

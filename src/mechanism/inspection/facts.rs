@@ -315,7 +315,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             }
         }
     }
-    for (index, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.enabled) {
+    for (index, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.enabled && !stop.of_cylinder) {
         let ends = state.travel.stops().any(|(met, _)| met == index);
         let begins = state.travel.bumpers.iter().any(|b| b.stop == index && b.positions.iter().any(Option::is_some));
         if ends || begins {

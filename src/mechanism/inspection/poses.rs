@@ -169,7 +169,8 @@ impl Model {
         let rigid = state.travel.rigid.iter().flatten().map(|end| (end.stop, end.position));
         let bumpers = state.travel.bumpers.iter();
         let bumpers = bumpers.flat_map(|b| b.positions.iter().flatten().map(|position| (b.stop, *position)));
-        let met = rigid.chain(bumpers).map(|(stop, sigma)| {
+        let defined = |(stop, _): &(usize, f64)| !reduced.loading().stops[*stop].of_cylinder;
+        let met = rigid.chain(bumpers).filter(defined).map(|(stop, sigma)| {
             let (on_curve, revolutions) = reduced.unwound(sigma);
             SweptStop { stop, sigma, poses: poses_at(&reduced, on_curve, revolutions).0 }
         });

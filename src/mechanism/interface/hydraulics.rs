@@ -93,6 +93,14 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::StrokePosition,
         [true, false, false],
     ),
+    (
+        "cylinder",
+        "end_force",
+        "Force of the end of the cylinder at which the piston rests, positive when it pushes the piston out",
+        Newton,
+        Hydraulic::EndForce,
+        [true, true, true],
+    ),
     ("power", "supply", "Hydraulic power from the supply", Watt, Hydraulic::Power(0), [true, false, true]),
     ("power", "return", "Hydraulic power into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
     (
@@ -177,7 +185,10 @@ pub(super) fn add(b: &mut Builder) {
             _ if flows => &ports[..],
             _ => &[],
         };
-        let needs = Needs { speed: speed || placed.speed, inputs, circuit: !is_sum, ..placed };
+        let needs = match output {
+            Hydraulic::EndForce => s.acceleration(),
+            _ => Needs { speed: speed || placed.speed, inputs, circuit: !is_sum, ..placed },
+        };
         b.output(owner, suffix, &[text], unit, Output::Hydraulic(output), needs);
     }
 }

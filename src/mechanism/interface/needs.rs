@@ -237,7 +237,7 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
 fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     let constant = |l: &'l Loading| load.checked_sub(l.inputs.len()).and_then(|i| l.constants.get(i));
     let spring = |l: &'l Loading| l.springs.iter().find(|s| s.load == load);
-    let stop = |l: &'l Loading| l.stops.iter().find(|s| s.load == load);
+    let stop = |l: &'l Loading| l.defined_stops().find(|s| s.load == load);
     let drag = |l: &'l Loading| {
         let air = l.air.as_ref()?;
         let surface = air.surfaces.iter().find(|s| (s.load..s.load + 3).contains(&load))?;

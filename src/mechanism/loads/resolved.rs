@@ -15,7 +15,7 @@ use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
-use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
+use crate::mechanism::definition::{self, DefinitionError, Limit, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{GROUND, Linkage, Point};
 use crate::numerics::monotone::monotone;
 use crate::numerics::piecewise::Piecewise;
@@ -43,7 +43,7 @@ pub struct Loading {
     pub drives: Vec<Drive>,
     /// Index of the load of gravity.
     pub gravity: Option<usize>,
-    /// Stops.
+    /// Stops: those of the definition, then the ends of the cylinder of a hydraulic drive.
     pub stops: Vec<Stop>,
     /// Locks.
     pub locks: Vec<Lock>,
@@ -233,8 +233,8 @@ impl Loading {
         let hydraulics = match mechanism.hydraulic_drive() {
             Some((load, _, circuit)) => {
                 circuit.check()?;
-                let first_input = inputs.len() + drives.len();
-                Some(HydraulicDrive { load, laws: Equations::new(circuit), command: circuit.command, first_input })
+                let (laws, first_input) = (Equations::new(circuit), inputs.len() + drives.len());
+                Some(HydraulicDrive { load, laws, command: circuit.command, first_input })
             }
             None => None,
         };
@@ -243,6 +243,7 @@ impl Loading {
         let mut loading =
             Self { loads, inputs, constants, springs, drives, gravity, hydraulics, motion, ..Self::default() };
         loading.add_stops(mechanism, linkage, hinges)?;
+        loading.add_ends_of_cylinder();
         loading.add_springs_of_state(mechanism);
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
@@ -283,6 +284,7 @@ impl Loading {
                 stiffness: s.stiffness,
                 damping: s.damping,
                 curve: s.points.as_ref().and_then(|points| monotone(points)),
+                of_cylinder: false,
             });
             self.loads.push(load);
         }
@@ -297,6 +299,35 @@ impl Loading {
             self.locks.push(Lock { name: name.into(), stop, at });
         }
         Ok(())
+    }
+
+    /// The ends of the cylinder of the hydraulic drive: rigid stops of the length of the drive, behind all stops of the
+    /// definition.
+    fn add_ends_of_cylinder(&mut self) {
+        let Some(drive) = &self.hydraulics else { return };
+        let restitution = drive.laws.restitution();
+        let ends = [("cylinder.retracted", Limit::Lower), ("cylinder.extended", Limit::Upper)];
+        for ((name, limit), value) in ends.into_iter().zip(drive.laws.lengths()) {
+            self.stops.push(Stop {
+                name: name.into(),
+                load: drive.load,
+                limit,
+                value,
+                quantity: "length",
+                enabled: true,
+                rigid: true,
+                restitution,
+                stiffness: 0.0,
+                damping: 0.0,
+                curve: None,
+                of_cylinder: true,
+            });
+        }
+    }
+
+    /// The stops of the definition, without the ends of a cylinder.
+    pub fn defined_stops(&self) -> impl Iterator<Item = &Stop> {
+        self.stops.iter().filter(|stop| !stop.of_cylinder)
     }
 
     fn add_springs_of_state(&mut self, mechanism: &Mechanism) {

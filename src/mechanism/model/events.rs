@@ -36,9 +36,10 @@ impl Model {
         }
     }
 
-    /// Whether a stop or a law of friction that sticks is declared, so that a step may come to an event.
+    /// Whether a stop, a cylinder with its ends or a law of friction that sticks is declared, so that a step may come
+    /// to an event.
     pub fn has_events(&self) -> bool {
         let mechanism = self.original.parameter_values.mechanism();
-        !mechanism.stops.is_empty() || mechanism.sticks()
+        !mechanism.stops.is_empty() || mechanism.hydraulic_drive().is_some() || mechanism.sticks()
     }
 }

@@ -5,7 +5,6 @@
 //! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant
 //! of a step; impacts are polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It
 //! must not know what moves.
-use crate::hydraulics::circuit::Left;
 use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
@@ -24,8 +23,8 @@ pub enum Stopped {
     Locked,
     /// The motion has come to the end of the curve on this side, where two ends of a load coincide.
     EndsMeet(usize),
-    /// The motion has come to where a circuit ends: length of its actuator, or pressure of a chamber.
-    Circuit(Left),
+    /// A chamber, A or B, of oil without air has come to absolute zero.
+    Vacuum(usize),
     /// The integration stopped with a circuit, whose state is told in words.
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.

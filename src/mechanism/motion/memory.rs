@@ -5,7 +5,7 @@
 
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
-use crate::integrator::{Integrator, Statistics};
+use crate::integrator::{Integrator, Kept, Statistics};
 use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -34,6 +34,8 @@ pub struct CircuitMemory {
     pub before: CircuitState,
     /// Command of the valve and pressures of supply and tank at the beginning of the last step.
     pub ports: [f64; PORTS],
+    /// Jacobian that implicit steps keep; none during a step, which has it.
+    pub kept: Option<Box<Kept<DRIVEN>>>,
 }
 
 /// State of the hydraulic circuit of a drive.
@@ -62,6 +64,7 @@ impl CircuitMemory {
             circuit,
             before: circuit,
             ports: [0.0; PORTS],
+            kept: Some(Box::default()),
         }
     }
 
@@ -72,6 +75,7 @@ impl CircuitMemory {
         self.before = self.circuit;
         record.all_finite("input of the circuit", &mut self.ports)?;
         self.integrator.record(record)?;
+        self.kept.get_or_insert_default().record(record)?;
         self.lookahead.record(record)
     }
 }
@@ -178,6 +182,9 @@ impl Memory {
                 own.integrator.copy_from(&other.integrator);
                 own.lookahead.copy_from(&other.lookahead);
                 (own.circuit, own.before, own.ports) = (other.circuit, other.before, other.ports);
+                if let (Some(own), Some(other)) = (&mut own.kept, &other.kept) {
+                    own.copy_from(other);
+                }
             }
             (own, other) => *own = other.clone(),
         }

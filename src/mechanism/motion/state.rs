@@ -25,8 +25,8 @@ use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::{End, Reduced, StateLoads};
 use arrival::{Arrival, Begin};
-pub use circuit::check_lengths;
-use circuit::{left_circuit, rough_length};
+pub use circuit::check_length;
+use circuit::{at_vacuum, rough_length};
 use inputs::{Before, engaged_locks};
 pub use inputs::{airspeed, state_loads_under};
 pub(super) use inputs::{blows, blows_under, state_loads};
@@ -209,7 +209,7 @@ impl State {
                 }
             }
             Err(Stopped::Integration(error)) => ModelError::Integration(error),
-            Err(Stopped::Circuit(left)) => left_circuit(reduced, left),
+            Err(Stopped::Vacuum(chamber)) => at_vacuum(chamber),
             Err(Stopped::Stuck(error, circuit)) => ModelError::Stuck { error, circuit },
             Err(Stopped::EndsMeet(side)) => ends_meet(reduced, side),
             Err(Stopped::Length) => rough_length(reduced),

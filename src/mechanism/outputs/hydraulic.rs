@@ -52,6 +52,14 @@ impl<'a, N: Reading> View<'a, N> {
                 laws.chamber_modulus(chamber, self.component_of(circuit, chamber), volume)
             }
             Hydraulic::StrokePosition => self.point(circuit, false)?.length - N::constant(laws.lengths()[0]),
+            Hydraulic::EndForce => {
+                let stops = self.reduced.loading().stops.iter().enumerate();
+                let mut sum = N::constant(0.0);
+                for (end, _) in stops.filter(|(_, stop)| stop.of_cylinder) {
+                    sum = sum + self.stop_force(end)?;
+                }
+                sum
+            }
             Hydraulic::Stiffness => {
                 let at = self.point(circuit, false)?;
                 laws.stiffness(at.pressures, at.length)

@@ -33,7 +33,7 @@ impl Resolved {
 /// Properties of the stops on which the curve depends.
 pub(super) fn limits(loading: &Loading) -> impl Iterator<Item = (bool, bool, f64, &Load)> {
     // No parameter changes a stop's limit.
-    loading.stops.iter().map(|s| (s.enabled, s.rigid, s.value, &loading.loads[s.load]))
+    loading.defined_stops().map(|s| (s.enabled, s.rigid, s.value, &loading.loads[s.load]))
 }
 
 /// The curve: between the stops if all are rigid, else as a whole. Beyond a rigid stop only trial steps before an
@@ -66,7 +66,7 @@ pub(super) fn trace_stretch(curve: &Curve, side: usize, loading: &Loading) -> Re
 
 /// How far positions are within all stops, if there are enabled ones and all are rigid.
 fn margin<'a>(linkage: &'a Linkage, loading: &'a Loading) -> Option<impl Fn(&Positions) -> f64 + use<'a>> {
-    let stops: Vec<_> = loading.stops.iter().filter(|s| s.enabled).collect();
+    let stops: Vec<_> = loading.defined_stops().filter(|s| s.enabled).collect();
     let is_limited = !stops.is_empty() && stops.iter().all(|s| s.rigid);
     is_limited.then_some(move |p: &Positions| {
         let of = |stop: &&Stop| {

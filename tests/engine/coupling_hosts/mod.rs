@@ -3,9 +3,11 @@
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
-const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
-const ONE: &str = include_str!("../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
+mod ends;
+
+const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
+const ACTUATOR: &str = include_str!("../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
+const ONE: &str = include_str!("../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
 
 /// Relative tolerance of the integrations.
 const TOLERANCE: f64 = 1e-11;
@@ -52,8 +54,8 @@ struct Scene {
     sample: f64,
 }
 
-/// Time, crank angle, force of the actuator, torque of the up stop.
-type Row = [f64; 4];
+/// Time, crank angle, force of the actuator, torque of the up stop, force of the ends of the cylinder.
+type Row = [f64; 5];
 
 /// The retraction of scene H1.
 fn retraction() -> Scene {
@@ -124,7 +126,9 @@ fn one_system(scene: &Scene) -> Vec<Row> {
         at(&scene.later, &mut done, f64::from(k) * scene.sample, |set| apply(&mut whole, set));
         whole.0.step(scene.sample).unwrap();
         let time = f64::from(k + 1) * scene.sample;
-        rows.push([time, whole.get("crank.angle"), whole.get("actuator.force"), whole.get("upstop.torque")]);
+        let outputs = ["crank.angle", "actuator.force", "upstop.torque", "cylinder.end_force"];
+        let [angle, force, torque, end] = outputs.map(|name| whole.get(name));
+        rows.push([time, angle, force, torque, end]);
     }
     rows
 }
@@ -203,7 +207,10 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
         told = Some(oil.get(name));
         time += h;
         if time >= (rows.len() + 1) as f64 * scene.sample - 1e-9 {
-            rows.push([time, gear.get("crank.angle"), oil.get("actuator.force"), gear.get("upstop.torque")]);
+            exchange(&mut gear, &mut oil);
+            let [angle, torque] = ["crank.angle", "upstop.torque"].map(|name| gear.get(name));
+            let [force, end] = ["actuator.force", "cylinder.end_force"].map(|name| oil.get(name));
+            rows.push([time, angle, force, torque, end]);
         }
     }
     rows
@@ -225,10 +232,10 @@ const HOSTS: [Host; 4] = [Host::Held, Host::Line, Host::TwoPasses, Host::Late];
 #[test]
 fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
-    let [[_, _, force, torque]] = one_system(&scene)[..] else { panic!("one row") };
+    let [[_, _, force, torque, _]] = one_system(&scene)[..] else { panic!("one row") };
     assert!(force > 3e4 && torque.abs() > 7e3, "{force} {torque}");
     for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
-        let [[_, _, own_force, own_torque]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
+        let [[_, _, own_force, own_torque, _]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
         assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
         assert!((own_torque / torque - 1.0).abs() < 1e-9, "{host:?} {h}: {own_torque} N.m is not {torque} N.m");
     }

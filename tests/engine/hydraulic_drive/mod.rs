@@ -7,6 +7,7 @@ use serde_json::json;
 
 mod accumulator;
 mod cavitation;
+mod ends;
 mod faults;
 pub mod reference;
 

@@ -32,6 +32,8 @@ pub struct Stop {
     pub damping: f64,
     /// Further push of the bumper as a function of the distance beyond the stop, 0 at 0 and nowhere falling.
     pub curve: Option<Piecewise>,
+    /// Whether the stop is an end of the cylinder of the hydraulic drive, whose displacement it has.
+    pub of_cylinder: bool,
 }
 
 impl Stop {

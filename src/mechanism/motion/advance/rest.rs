@@ -132,6 +132,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
 
     /// [`Self::go_on_at_rest`] with the mechanism held.
     fn hold(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
+        // The linear equations of an implicit step would leave the speed its rounding.
+        let rest = [z[0], z[1]];
         while self.progress.t < span {
             if self.progress.work.is_spent(self.integrator.attempts()) {
                 return Err(Stopped::Budget(self.progress));
@@ -143,6 +145,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance).map_err(Stopped::Integration)?;
             if !self.sets_off(t + step.h, &step.end, directions)? {
                 *z = step.end;
+                z[..2].copy_from_slice(&rest);
                 self.progress.t += step.h;
                 if step.reached && !is_cut {
                     return Ok(false);
@@ -165,6 +168,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
             let end = self.step_to_set_off(&step, &dense, part, span, directions)?;
             *z = end.end;
+            z[..2].copy_from_slice(&rest);
             self.progress.t += end.h;
             self.dynamics.set_time(self.progress.t);
             return Ok(self.progress.t < span);

@@ -1,9 +1,9 @@
 //! Steps with the hydraulic circuit of a drive, and what they refuse.
 //!
-//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what of the circuit
-//! the motion has come to the end of. It must not know outputs.
+//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what keeps the motion
+//! from going on. It must not know outputs.
 use super::State;
-use crate::hydraulics::circuit::{Left, SUPPLY};
+use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
@@ -11,7 +11,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
-use crate::mechanism::motion::contact::{Contact, Ends, Travel};
+use crate::mechanism::motion::contact::{Contact, Ends};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::memory::{CircuitMemory, Memory};
 use crate::mechanism::motion::witness::Witness;
@@ -34,7 +34,7 @@ impl Driven<'_, '_> {
     /// state reached.
     pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; DRIVEN]) {
         let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
-        let CircuitMemory { integrator, lookahead, circuit, before, ports } = memory;
+        let CircuitMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
         *before = *circuit;
         let mut z = [0.0; DRIVEN];
         (z[0], z[1]) = (sigma, sigma_dot);
@@ -53,12 +53,15 @@ impl Driven<'_, '_> {
             }
             integrator.refresh();
         }
-        dynamics.ports = Some(Ports::new(drive, length, inputs, circuit.time.now, h));
+        let mut of_step = Ports::new(drive, length, inputs, circuit.time.now, h);
+        of_step.kept = kept.take();
+        dynamics.ports = Some(of_step);
         let progress = Progress::within(integrator.attempts() + max_steps);
         let dynamics = &mut *dynamics;
         let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
         let mut advanced = advance.run(&mut z, h);
         lookahead.end();
+        *kept = dynamics.ports.as_mut().and_then(|ports| ports.kept.take());
         let reached = match &advanced {
             Err(Stopped::Budget(progress) | Stopped::Event(progress) | Stopped::Pause(progress)) => progress.t,
             _ => h,
@@ -67,20 +70,17 @@ impl Driven<'_, '_> {
         circuit.time.pass(reached);
         if let Err(Stopped::Integration(error)) = advanced {
             advanced = Err(dynamics
-                .left(&z)
-                .map_or_else(|| Stopped::Stuck(error, dynamics.describe_circuit(&z)), Stopped::Circuit));
+                .at_vacuum(&z)
+                .map_or_else(|| Stopped::Stuck(error, dynamics.describe_circuit(&z)), Stopped::Vacuum));
         }
         (advanced, z)
     }
 }
 
-/// The error of a motion that has come to where the circuit ends.
+/// The error of a motion in which a chamber, A or B, of oil without air has come to absolute zero.
 #[cold]
-pub fn left_circuit(reduced: &Reduced, left: Left) -> ModelError {
-    match left {
-        Left::Stroke(length) => stroke(reduced, length, "the end of the step"),
-        Left::Vacuum(chamber) => ModelError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber] },
-    }
+pub fn at_vacuum(chamber: usize) -> ModelError {
+    ModelError::Vacuum { chamber: ["chamber_a", "chamber_b"][chamber] }
 }
 
 /// The error of a length of the actuator that is not smooth along the motion.
@@ -91,38 +91,19 @@ pub fn rough_length(reduced: &Reduced) -> ModelError {
     ModelError::Table { name: [name, ".length"].concat(), position: "its start".into() }
 }
 
-/// A place where the actuator has a length that the cylinder has not.
-fn stroke(reduced: &Reduced, length: f64, what: &str) -> ModelError {
-    let loading = reduced.loading();
-    let (name, lengths) = match &loading.hydraulics {
-        Some(drive) => (loading.drives[drive.load].name.as_str(), drive.laws.lengths()),
-        None => ("", [0.0; 2]),
-    };
-    ModelError::Stroke { name: [name, ".length"].concat(), length, lengths, what: what.into() }
-}
-
-/// Refuse a start at which the actuator has a length that the cylinder has not, and a stop that it nowhere meets at a
-/// length that the cylinder has.
+/// Refuse a start at which the actuator has a length that the cylinder has not.
 ///
 /// # Errors
 /// [`ModelError::Stroke`].
-pub fn check_lengths(reduced: &Reduced, travel: &Travel, sigma: f64, revolutions: f64) -> Result<(), ModelError> {
+pub fn check_length(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<(), ModelError> {
     let loading = reduced.loading();
     let Some(drive) = &loading.hydraulics else { return Ok(()) };
-    let check = |sigma: f64, revolutions: f64, what: &str| {
-        let length = reduced.displacement_at(drive.load, sigma) + revolutions * reduced.load_growth(drive.load);
-        if drive.laws.has_length(length) { Ok(()) } else { Err(stroke(reduced, length, what)) }
-    };
-    check(sigma, revolutions, "the start")?;
-    for (index, stop) in loading.stops.iter().enumerate() {
-        let places = travel.places().filter(|(place, _)| travel.holds(*place, index));
-        let met = places.map(|(_, position)| {
-            let (sigma, revolutions) = reduced.unwound(position);
-            check(sigma, revolutions, &stop.name)
-        });
-        met.reduce(Result::or).unwrap_or(Ok(()))?;
+    let length = reduced.displacement_at(drive.load, sigma) + revolutions * reduced.load_growth(drive.load);
+    if drive.laws.has_length(length) {
+        return Ok(());
     }
-    Ok(())
+    let name = [&loading.drives[drive.load].name, ".length"].concat();
+    Err(ModelError::Stroke { name, length, lengths: drive.laws.lengths() })
 }
 
 impl State {

@@ -4,7 +4,7 @@
 //! stops. It must not know steps.
 use super::circuit::check_ports;
 use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
-use super::{State, check_lengths, rates};
+use super::{State, check_length, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -78,6 +78,7 @@ impl Start {
         revolutions: f64,
         known: Option<Arc<Travel>>,
     ) -> Result<Self, ModelError> {
+        check_length(reduced, sigma, revolutions)?;
         let travel = match known {
             Some(travel) => travel,
             None => Arc::new(travel(reduced, sigma, revolutions)?),
@@ -91,7 +92,6 @@ impl Start {
             resting = Some(place);
         }
         can_hold(reduced, &travel)?;
-        check_lengths(reduced, &travel, sigma, revolutions)?;
         Ok(Self { sigma, sigma_dot: 0.0, revolutions, resting, travel })
     }
 

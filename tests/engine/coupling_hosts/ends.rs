@@ -1,0 +1,81 @@
+//! The piston at the rigid ends of its cylinder: the gear has no stop there.
+use super::*;
+
+/// The retraction against the end of a cylinder whose stroke ends before the gear is up.
+fn extension() -> Scene {
+    let mut scene = retraction();
+    scene.start.push(Set::Switch("upstop.enabled", false));
+    scene.start.push(Set::Circuit("cylinder.stroke", 0.31));
+    scene
+}
+
+/// The actuator draws the gear, which begins between its stops, to the end at which the rod is in.
+fn contraction() -> Scene {
+    let start = vec![
+        Set::Switch("downstop.enabled", false),
+        Set::Gear("crank.start_angle", 0.5),
+        Set::Circuit("cylinder.closed_length", 0.43),
+        Set::Circuit("command.ramp_amplitude", -0.65),
+        Set::Circuit("command.ramp_time", 0.1),
+    ];
+    Scene { start, ..retraction() }
+}
+
+/// Forces of oil and end, and the angle, at rest on an end are those of one system, whatever the step.
+#[test]
+fn a_load_at_rest_on_an_end_is_that_of_one_system() {
+    for (scene, sign) in [(extension(), -1.0), (contraction(), 1.0)] {
+        let scene = Scene { end: 6.0, sample: 6.0, ..scene };
+        let [[_, angle, force, _, end]] = one_system(&scene)[..] else { panic!("one row") };
+        assert!(sign * end > 1e4, "{force} {end}");
+        for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+            let rows = pair(&scene, host, &|_| h, true);
+            let [[_, own_angle, own_force, _, own_end]] = rows[..] else { panic!("one row") };
+            assert!((own_angle - angle).abs() < 1e-13, "{host:?} {h}: {own_angle} rad is not {angle} rad");
+            assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
+            assert!((own_end / end - 1.0).abs() < 1e-9, "{host:?} {h}: {own_end} N is not {end} N");
+        }
+    }
+}
+
+/// The piston comes to the end and leaves it when the command reverses: the error is that of a free motion, with a
+/// cushion and without, and after a rebound.
+#[test]
+fn an_end_is_met_and_left_as_in_one_system() {
+    for (cushion, restitution) in [(0.03, 0.0), (0.0, 0.0), (0.0, 0.5)] {
+        let mut scene = extension();
+        scene.start.push(Set::Circuit("cushion_b.length", cushion));
+        scene.start.push(Set::Circuit("cylinder.restitution", restitution));
+        let later = vec![(4.6, Set::Circuit("valve.command", -1.3))];
+        let scene = Scene { later, end: 5.2, sample: 0.1, ..scene };
+        let of_one = one_system(&scene);
+        for (host, h, most) in [
+            (Host::Held, 1e-3, 1e-5),
+            (Host::Held, 2e-2, 4e-3),
+            (Host::Line, 1e-3, 1e-7),
+            (Host::Line, 2e-2, 3e-5),
+            (Host::TwoPasses, 1e-3, 1e-8),
+            (Host::TwoPasses, 2e-2, 2e-5),
+            (Host::Late, 1e-3, 1e-5),
+            (Host::Late, 5e-3, 3e-4),
+        ] {
+            let [angle, force] = differences(&pair(&scene, host, &|_| h, true), &of_one);
+            println!("end {cushion} {restitution} {host:?} {h}: {angle:.1e} rad, {force:.1e} N");
+            assert!(angle < most, "{cushion} {restitution} {host:?} {h}: {angle:e} rad");
+        }
+    }
+}
+
+/// Steps that change, which nobody announces, lose neither the gear nor the load at the end.
+#[test]
+fn steps_may_change_at_an_end() {
+    let scene = Scene { end: 6.0, sample: 6.0, ..extension() };
+    let [[_, angle, _, _, end]] = one_system(&scene)[..] else { panic!("one row") };
+    for host in [Host::Held, Host::Line, Host::Late] {
+        let rows = pair(&scene, host, &|k| [1e-3, 2e-2, 2.5e-4, 5e-3][k % 4], false);
+        let [[_, own_angle, _, _, own_end]] = rows[..] else { panic!("one row") };
+        println!("changing steps at an end {host:?}: {:.1e} rad", own_angle - angle);
+        assert!((own_angle - angle).abs() < 1e-9, "{host:?}: {own_angle} rad is not {angle} rad");
+        assert!((own_end / end - 1.0).abs() < 1e-6, "{host:?}: {own_end} N is not {end} N");
+    }
+}
