@@ -149,12 +149,14 @@ impl Drop for Side {
 const FORCE: &str = "actuator.force";
 const SPEED: &str = "actuator.speed";
 const ACCELERATION: &str = "actuator.acceleration";
-/// The element's four terms.
-const ELEMENT: [&str; 4] = [
+/// The element's terms.
+const ELEMENT: [&str; 6] = [
     "actuator.reduced_mass",
     "actuator.reduced_mass_derivative",
     "actuator.holding_force",
     "actuator.holding_force_derivative",
+    "actuator.lower_limit",
+    "actuator.upper_limit",
 ];
 
 /// The FMU `LandingGearRetraction`.
@@ -180,8 +182,8 @@ impl Mechanism for Gear {
     }
 
     fn element(&mut self) -> Result<Element, Refused> {
-        let [mass, mass_derivative, holding, holding_derivative] = self.0.get(ELEMENT)?;
-        Ok(Element { mass, mass_derivative, holding, holding_derivative })
+        let [mass, mass_derivative, holding, holding_derivative, lower, upper] = self.0.get(ELEMENT)?;
+        Ok(Element { mass, mass_derivative, holding, holding_derivative, limits: [lower, upper] })
     }
 
     fn set_force(&mut self, [force, first, second]: [f64; 3]) -> Result<(), Refused> {
@@ -245,8 +247,8 @@ impl Actuator for Hydraulic {
         if keeps != self.1 {
             return Err("coupling.mode is not that of the scheme".into());
         }
-        let Element { mass, mass_derivative, holding, holding_derivative } = element;
-        self.0.set(ELEMENT, [mass, mass_derivative, holding, holding_derivative])?;
+        let Element { mass, mass_derivative, holding, holding_derivative, limits: [lower, upper] } = element;
+        self.0.set(ELEMENT, [mass, mass_derivative, holding, holding_derivative, lower, upper])?;
         self.0.set(["preview.horizon"], [h])?;
         let line = self.0.get(["preview.force", "preview.force_rate"])?;
         let [mean, from, to] =

@@ -214,7 +214,7 @@ impl<L: Laws> Integrated<L> {
 
 /// Acceleration of the element under a force, `way` [m] from where it was told, with the speed v [m/s], `t` [s] later.
 fn acceleration(element: &Element, drift: f64, [way, v, t]: [f64; 3], force: f64) -> f64 {
-    let Element { mass, mass_derivative, holding, holding_derivative } = *element;
+    let Element { mass, mass_derivative, holding, holding_derivative, .. } = *element;
     let load = holding + holding_derivative * way + drift * t + 0.5 * mass_derivative * v * v;
     (force - load) / (mass + mass_derivative * way)
 }

@@ -210,9 +210,10 @@ fn goals(found: &HashMap<(&str, &'static str), Row>) -> String {
 fn apart(fmus: &Fmus, scene: &Scene, csv: &mut String) -> Result<String, String> {
     let reference = run(fmus, scene, REFERENCE, FINEST)?;
     let mut out = format!(
-        "## {}\n\nErrors of the angle [rad] against the run of \"{REFERENCE}\" in steps of {FINEST:e} s; the load is \
-         corrected by what the element model missed in the last step.\n\n",
-        scene.name
+        "## {}\n\nErrors of the angle [rad] and of the force [N] from the start to {} s, against the run of \
+         \"{REFERENCE}\" in steps of {FINEST:e} s. The load is corrected by what the element model missed in the last \
+         step.\n\n",
+        scene.name, scene.span
     );
     out += &heading(&["scheme", "0.1 ms", "0.5 ms", "1 ms", "5 ms", "20 ms"]);
     let shown = |name: &str| (name.starts_with("preview") || name == "Jacobi 0") && has_mode(fmus, name);
@@ -220,7 +221,7 @@ fn apart(fmus: &Fmus, scene: &Scene, csv: &mut String) -> Result<String, String>
         let mut cells = vec![name.to_owned()];
         for every in STEPS {
             let found = errors(fmus, scene, name, every, &reference);
-            cells.push(found.map_or("x".into(), |e| format!("{:.1e}", e.angle)));
+            cells.push(found.map_or("x".into(), |e| format!("{:.1e}, {:.1e}", e.angle, e.force)));
             found.inspect(|errors| errors.write(scene, name, every, csv));
         }
         let _ = writeln!(out, "| {} |", cells.join(" | "));

@@ -25,6 +25,8 @@ pub struct Element {
     pub holding: f64,
     /// dW/ds [N/m]; 0: not told.
     pub holding_derivative: f64,
+    /// Least and largest length that stops and locks leave [m]; 0: not told.
+    pub limits: [f64; 2],
 }
 
 /// The force that the actuator foresees for the next step.
