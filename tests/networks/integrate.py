@@ -48,8 +48,24 @@ class Network:
         self.pressures = list(self.nodes) + [f"{name}.{side}" for name in self.cylinders for side in "ab"]
         self.spools = [name for name, valve in self.valves.items() if "frequency" in valve]
         self.names = self.pressures + [f"{name}.{part}" for name in self.spools for part in ("position", "rate")]
-        self.names += [f"{name}.{part}" for name in self.cylinders for part in ("length", "speed")]
+        self.names += self.moving()
         self.index = {name: index for index, name in enumerate(self.names)}
+
+    def moving(self) -> list[str]:
+        """Names of the states of what the cylinders move."""
+        return [f"{name}.{part}" for name in self.cylinders for part in ("length", "speed")]
+
+    def motion(self, y: Element) -> dict[str, tuple[float, float]]:
+        """Length and speed of each cylinder."""
+        return {name: (y[f"{name}.length"], y[f"{name}.speed"]) for name in self.cylinders}
+
+    def moved(self, y: Element, force: dict[str, float]) -> Element:
+        """Rates of what the cylinders move, under their forces."""
+        rate = {}
+        for name, one in self.cylinders.items():
+            rate[f"{name}.length"] = y[f"{name}.speed"]
+            rate[f"{name}.speed"] = (force[name] - one.get("holding_force", 0.0)) / one["reduced_mass"]
+        return rate
 
     def group(self, name: str) -> Iterable[Element]:
         return self.d.get(name, {}).values()
@@ -60,8 +76,15 @@ class Network:
         for name, one in self.cylinders.items():
             for side in "ab":
                 y[f"{name}.{side}"] = one.get(f"chamber_{side}", {}).get("start_pressure", 0.0)
-            y[f"{name}.length"], y[f"{name}.speed"] = one["length"], one.get("speed", 0.0)
+        y |= self.moving_start()
         return np.array([y[name] for name in self.names])
+
+    def moving_start(self) -> Element:
+        """States of what the cylinders move, at the start."""
+        start = {}
+        for name, one in self.cylinders.items():
+            start[f"{name}.length"], start[f"{name}.speed"] = one["length"], one.get("speed", 0.0)
+        return start
 
     def modulus(self, p: float) -> float:
         f = self.fluid
@@ -75,7 +98,7 @@ class Network:
         p = {name: y[name] for name in self.pressures}
         p |= {name: one.get("pressure", 0.0) for name, one in self.d.get("reservoirs", {}).items()}
         net = dict.fromkeys(p, 0.0)
-        resistance, rate, compliance = {}, {}, {}
+        resistance, rate, compliance, force, motion = {}, {}, {}, {}, self.motion(y)
         ambient = self.fluid["ambient_pressure"]
         for name, node in self.nodes.items():
             compliance[name] = node["volume"] / self.modulus(p[name])
@@ -84,7 +107,7 @@ class Network:
             bore, rod = one.get("bore", 0.045), one.get("rod", 0.025)
             stroke, closed = one.get("stroke", 0.33), one.get("closed_length", 0.412)
             area = {"a": pi / 4 * bore**2, "b": pi / 4 * (bore**2 - rod**2)}
-            x, v = y[f"{name}.length"] - closed, y[f"{name}.speed"]
+            x, v = motion[name][0] - closed, motion[name][1]
             way = {"a": x, "b": stroke - x}
             drop = one.get("rated_pressure_drop", 3.5e6)
             leak = {"internal": 2e-13, "external_a": 0.0, "external_b": 5e-14} if "leakage" in one else {}
@@ -117,9 +140,7 @@ class Network:
                 level = seal["coulomb"] + (seal["static"] - seal["coulomb"]) * exp(-((v / seal["stribeck_speed"]) ** 2))
                 level += seal["pressure_area"] * (soft(p[f"{name}.a"], 1e5) + soft(p[f"{name}.b"], 1e5))
                 friction = level * tanh(v / seal["transition_speed"]) + seal["viscous"] * v
-            force = area["a"] * p[f"{name}.a"] - area["b"] * p[f"{name}.b"] - friction
-            rate[f"{name}.length"] = v
-            rate[f"{name}.speed"] = (force - one.get("holding_force", 0.0)) / one["reduced_mass"]
+            force[name] = area["a"] * p[f"{name}.a"] - area["b"] * p[f"{name}.b"] - friction
         for one in self.group("accumulators"):
             absolute = p[one["at"]] + ambient
             n = one.get("polytropic_exponent", 1.4)
@@ -174,6 +195,10 @@ class Network:
                 pilot = p[one.get("pilot", one["from"])]
                 g = gate(pilot - one.get("pressure", 10e6), one.get("width", 2e5))
                 gated(one, coefficient(one), coefficient(one, "reverse_flow", 0.0), g=g)
+        for one in self.group("position_valves"):
+            beyond = motion[one["cylinder"]][0] - one["length"]
+            g = gate(-beyond if one.get("opens") == "below" else beyond, one.get("width", 5e-5))
+            gated(one, coefficient(one), coefficient(one, "reverse_flow", 0.0), g=g)
         for one in self.group("pilot_checks"):
             h = gate(p[one["pilot"]] - one.get("ratio", 0.3) * p[one["to"]], one.get("width", 5e4))
             gated(one, coefficient(one), coefficient(one), h=h)
@@ -207,6 +232,7 @@ class Network:
                 q *= soft(part, PUMP_ROUNDING) - soft(part - 1, PUMP_ROUNDING)
             net[one["from"]] -= q
             net[one["to"]] += q
+        rate |= self.moved(y, force)
         rate |= {name: net[name] / compliance[name] for name in self.pressures}
         return np.array([rate[name] for name in self.names])
 

@@ -53,6 +53,7 @@ impl HydraulicSystem {
             sequences: from to pilot;
             pilot_checks: from to pilot;
             counterbalances: from to pilot;
+            position_valves: from to;
             bypasses: from to;
             valves: supply r#return a b;
             pressure_locks: at;
@@ -157,6 +158,7 @@ impl HydraulicSystem {
             + self.sequences.len()
             + self.pilot_checks.len()
             + self.counterbalances.len()
+            + self.position_valves.len()
             + self.bypasses.len()
             + 4 * self.valves.len()
     }
@@ -232,6 +234,24 @@ impl HydraulicSystem {
                     Decimal::rounded(most)
                 );
                 faults.push(DefinitionError::value(path("length"), Decimal(length), allowed));
+            }
+        }
+        for (name, valve) in self.position_valves.iter() {
+            let path = |key: &str| format!("position_valves.{name}.{key}");
+            match self.cylinders.iter().find(|(cylinder, _)| *cylinder == valve.cylinder) {
+                None => {
+                    let near = nearest(self.cylinders.names().into_iter(), &valve.cylinder);
+                    let allowed = format!("a cylinder of this file; the nearest: {}", near.join(", "));
+                    faults.push(DefinitionError::unknown(path("cylinder"), &valve.cylinder, allowed));
+                }
+                Some((_, cylinder)) => {
+                    let [least, most] = cylinder.lengths();
+                    if !(least..=most).contains(&valve.length) {
+                        let allowed =
+                            format!("within the travel, {} m to {} m", Decimal(least), Decimal::rounded(most));
+                        faults.push(DefinitionError::value(path("length"), Decimal(valve.length), allowed));
+                    }
+                }
             }
         }
         for (name, cylinder) in self.cylinders.iter() {

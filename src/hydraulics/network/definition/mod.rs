@@ -16,7 +16,7 @@ pub use ports::Ports;
 pub use sections::*;
 
 /// The elements of a definition for its schema and reference.
-pub const ELEMENTS: [Element; 24] = [
+pub const ELEMENTS: [Element; 25] = [
     Element::of::<HydraulicSystem>(""),
     Element::of::<About>("about"),
     Element::of::<Fluid>("fluid"),
@@ -31,6 +31,7 @@ pub const ELEMENTS: [Element; 24] = [
     Element::of::<Sequence>("sequence"),
     Element::of::<PilotCheck>("pilot_check"),
     Element::of::<Counterbalance>("counterbalance"),
+    Element::of::<PositionValve>("position_valve"),
     Element::of::<Bypass>("bypass"),
     Element::of::<Valve>("valve"),
     Element::of::<Cylinder>("cylinder"),
@@ -90,6 +91,8 @@ keys! {
         pilot_checks: Named<PilotCheck>;
         /// Counterbalance valves.
         counterbalances: Named<Counterbalance>;
+        /// Sequence valves that a cylinder operates.
+        position_valves: Named<PositionValve>;
         /// By-passes.
         bypasses: Named<Bypass>;
         /// Valves with four ports.

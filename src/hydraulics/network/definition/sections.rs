@@ -251,6 +251,36 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
+    /// Sequence valve that a cylinder operates. The valve is open while the cylinder is longer, or shorter, than a length.
+    pub struct PositionValve {
+        /// Port upstream.
+        from: String => line().required();
+        /// Port downstream.
+        to: String => line().required();
+        /// Cylinder that operates the valve.
+        cylinder: String => line().required();
+        /// Length of the cylinder at which the valve is half open [m], within its travel.
+        length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the cylinder at which @ is half \
+            open").required();
+        /// Lengths at which the valve is open.
+        opens: Opens;
+        /// Width of the range of lengths over which the valve opens smoothly [m], > 0.
+        width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of lengths over which @ \
+            opens");
+        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
+            rated pressure drop");
+        /// Free flow back at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: none.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow back through @ at the \
+            rated pressure drop");
+        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
+            rated flows of @ refer");
+        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
+            through @ changes from laminar to turbulent");
+    }
+
     /// By-pass (dump valve). The input `<name>.open` is its opening: 0 is closed, 1 is fully open.
     pub struct Bypass {
         /// Port at one side.
@@ -412,6 +442,14 @@ words! {
         Preview = "preview",
         /// The step uses the motion at the inputs; the host makes each step twice, or does not iterate.
         Follow = "follow",
+    }
+
+    /// Lengths of a cylinder at which a valve is open.
+    pub enum Opens {
+        /// Lengths above `length`.
+        Above = "above",
+        /// Lengths below `length`.
+        Below = "below",
     }
 
     /// Law of the flow of a pump.

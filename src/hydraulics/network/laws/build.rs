@@ -4,7 +4,7 @@
 use super::{Accumulator, Cylinder, Law, Laws, Lock, Node, Path, Pilot, Pump, Valve};
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::{Circuit, Leakage, Seal};
-use crate::hydraulics::network::definition::{self, HydraulicSystem, Ports, PumpType};
+use crate::hydraulics::network::definition::{self, HydraulicSystem, Opens, Ports, PumpType};
 use crate::hydraulics::network::layout::Layout;
 use std::f64::consts::TAU;
 
@@ -79,6 +79,13 @@ impl Laws {
         for (_, one) in system.counterbalances.iter() {
             let (port, ratio, pressure, width) = (at(&one.pilot), one.ratio, one.pressure, one.width);
             let law = gated([one.rated_flow; 2], one.rated_pressure_drop, Pilot::Sum { port, ratio, pressure, width });
+            paths.push(ends(&one.from, &one.to, law, one.transition_pressure));
+        }
+        for (_, one) in system.position_valves.iter() {
+            let cylinder = system.cylinders.names().iter().position(|name| *name == one.cylinder).unwrap_or(0);
+            let sign = if one.opens == Opens::Above { 1.0 } else { -1.0 };
+            let pilot = Pilot::Position { cylinder, sign, length: one.length, width: one.width };
+            let law = gated([one.rated_flow, one.reverse_flow], one.rated_pressure_drop, pilot);
             paths.push(ends(&one.from, &one.to, law, one.transition_pressure));
         }
         for (index, (_, one)) in system.bypasses.iter().enumerate() {

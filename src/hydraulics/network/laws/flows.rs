@@ -96,6 +96,9 @@ impl Path {
                     Pilot::Above { port, pressure, width } => {
                         [gate(at.pressure(port, volumes) - T::constant(pressure), width), one]
                     }
+                    Pilot::Position { cylinder, sign, length, width } => {
+                        [gate((at.motion[cylinder][0] - T::constant(length)) * sign, width), one]
+                    }
                     Pilot::Ratio { port, ratio, width } => {
                         [one, gate(at.pressure(port, volumes) - p_to * ratio, width)]
                     }

@@ -92,6 +92,8 @@ enum Pilot {
     None,
     /// Forward: the pressure at a port is above a limit.
     Above { port: usize, pressure: f64, width: f64 },
+    /// Forward: `sign` times the length of a cylinder is above `sign` times a limit [m].
+    Position { cylinder: usize, sign: f64, length: f64, width: f64 },
     /// Back: the pressure at a port is above `ratio` times that at `to`.
     Ratio { port: usize, ratio: f64, width: f64 },
     /// Back: the pressure at `to` plus `ratio` times that at a port is above a limit.
