@@ -13,7 +13,7 @@ use super::inputs::Inputs;
 use super::interface::{self, Quantity};
 use super::laws::Drive;
 use super::layout::{Input, Layout, Part};
-use super::outputs::{Output, Present, ahead, blind};
+use super::outputs::{Ahead, Output, Present, ahead, blind};
 use super::state::State;
 use super::system::Motion;
 use crate::format::{About, DefinitionError, Experiment, Range};
@@ -175,7 +175,8 @@ impl Model {
         let pressures = [state.y[chamber], state.y[chamber + 1]];
         let (motion, given) = ([get(Part::Length), get(Part::Speed)], get(Part::Acceleration));
         let force = laws.cylinders[cylinder].laws.force(pressures, motion[1]);
-        let drive = match foreseen.motions[cylinder] {
+        let motions = if what == Ahead::Acceleration { &foreseen.end_motions } else { &foreseen.motions };
+        let drive = match motions[cylinder] {
             Motion::Own(drive) => drive,
             Motion::Given(_) => Drive::Given(motion),
         };

@@ -70,6 +70,8 @@ pub struct Foreseen {
     memory: Memory,
     /// What moved the cylinders.
     pub motions: [Motion; MOST_CYLINDERS],
+    /// What moves them at its end: a limit may hold a cylinder that moved before.
+    pub end_motions: [Motion; MOST_CYLINDERS],
     corrections: [f64; MOST_CYLINDERS],
     /// Time reached [s].
     pub reached: f64,
@@ -93,6 +95,7 @@ impl Foreseen {
             end: vec![0.0; layout.components()],
             memory: Memory::new(layout),
             motions: [Motion::Own(Drive::Held(0.0)); MOST_CYLINDERS],
+            end_motions: [Motion::Own(Drive::Held(0.0)); MOST_CYLINDERS],
             corrections: [0.0; MOST_CYLINDERS],
             reached: 0.0,
             toggle: None,
@@ -106,7 +109,7 @@ impl Foreseen {
     pub fn end_rates(&self, setting: &Setting<'_>) -> [f64; MOST_COMPONENTS] {
         let mut y = [0.0; MOST_COMPONENTS];
         y[..self.end.len()].copy_from_slice(&self.end);
-        setting.job(self.motions).derivative(self.h, &y)
+        setting.job(self.end_motions).derivative(self.h, &y)
     }
 }
 
@@ -215,18 +218,16 @@ impl State {
     /// What moves a cylinder over the next step of size h.
     fn motion(&self, setting: &Setting<'_>, cylinder: usize, h: f64) -> Result<Motion, Toggle> {
         let get = |part| setting.get(cylinder, part);
-        let [length, speed, lower, upper] = [Part::Length, Part::Speed, Part::LowerLimit, Part::UpperLimit].map(get);
+        let ([length, speed], [lower, upper]) = ([Part::Length, Part::Speed].map(get), setting.limits(cylinder));
         if get(Part::Mass) == 0.0 {
             return Ok(Motion::Given(setting.inputs.motion(&setting.laws.layout, cylinder)));
         }
-        if lower != 0.0 || upper != 0.0 {
-            let (at_lower, at_upper) = (length <= lower + AT_LIMIT, length >= upper - AT_LIMIT);
-            let push = self.force(setting.laws, cylinder, 0.0) - get(Part::Load);
-            let is_stopped = |speed: f64, push: f64| speed > 0.0 || speed == 0.0 && push >= 0.0;
-            let is_pushed = at_lower && is_stopped(-speed, -push) || at_upper && is_stopped(speed, push);
-            if at_lower && at_upper || is_pushed {
-                return Ok(Motion::Own(Drive::Held(length)));
-            }
+        let (at_lower, at_upper) = (length <= lower + AT_LIMIT, length >= upper - AT_LIMIT);
+        let push = self.force(setting.laws, cylinder, 0.0) - get(Part::Load);
+        let is_stopped = |speed: f64, push: f64| speed > 0.0 || speed == 0.0 && push >= 0.0;
+        let is_pushed = at_lower && is_stopped(-speed, -push) || at_upper && is_stopped(speed, push);
+        if at_lower && at_upper || is_pushed {
+            return Ok(Motion::Own(Drive::Held(length)));
         }
         let element = self.element(setting, cylinder, get);
         let force = self.force(setting.laws, cylinder, speed);
@@ -254,10 +255,12 @@ impl State {
         begin(setting, &mut into.end);
         into.memory.copy_from(&self.memory);
         into.memory.branch_off();
-        match setting.job(into.motions).advance(&mut into.memory, &mut into.end, h) {
+        let mut job = setting.job(into.motions);
+        match job.advance(&mut into.memory, &mut into.end, h) {
             Ok(reached) => into.reached = reached,
             Err(error) => into.error = Some(error),
         }
+        into.end_motions = job.motions;
     }
 
     /// Derivative of the foreseen motion along a direction: of the state at the end of a step of size h. `change`: of

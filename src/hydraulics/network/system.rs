@@ -3,6 +3,8 @@
 //! In: laws, inputs as functions of time, what moves the cylinders, a state. Out: the state at the end of a step. A
 //! step of the integration ends where an input is clipped, a cushion begins or an edge of a valve opens. It must not
 //! know variables, nor what the host does with the motion.
+mod tangent;
+
 use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
 use super::inputs::{Inputs, limits};
 use super::laws::{Drive, Laws};
@@ -101,6 +103,8 @@ pub struct Job<'a> {
     pub laws: &'a Laws,
     pub inputs: &'a Inputs,
     pub motions: [Motion; MOST_CYLINDERS],
+    /// Least and largest length that stops leave to each cylinder [m].
+    pub limits: [[f64; 2]; MOST_CYLINDERS],
     pub tolerance: f64,
     /// Attempts at steps after which it is interrupted.
     pub max_steps: f64,
@@ -249,11 +253,12 @@ impl Job<'_> {
     }
 
     /// Integrate the state over a step of size h [s], with as many steps as `max_steps` allows. Returns the time
-    /// reached; lengths and speeds that are given are those of the inputs there.
+    /// reached; lengths and speeds that are given are those of the inputs there. A cylinder that moves an element stops
+    /// at its limit, and stays there for the rest of the step.
     ///
     /// # Errors
     /// No motion was found, or a component is beyond the largest number; state and memory are then undefined.
-    pub fn advance(&self, memory: &mut Memory, y: &mut [f64], h: f64) -> Result<f64, HydraulicsError> {
+    pub fn advance(&mut self, memory: &mut Memory, y: &mut [f64], h: f64) -> Result<f64, HydraulicsError> {
         let reached = sized!(memory, own => self.advance_in(own, y, h))?;
         for (index, motion) in self.motions.iter().enumerate().take(self.laws.layout.cylinders) {
             let own = self.laws.layout.motion(index);
@@ -269,7 +274,7 @@ impl Job<'_> {
 
     #[inline(never)]
     fn advance_in<const N: usize>(
-        &self,
+        &mut self,
         memory: &mut Integrator<N>,
         state: &mut [f64],
         h: f64,
@@ -287,14 +292,28 @@ impl Job<'_> {
                 }
                 let step =
                     memory.step(&mut system, t, &y, end, self.tolerance).map_err(|error| self.stuck(error, t, &y))?;
-                let step = match self.passed(&step) {
+                let mut step = match system.passed(&step) {
                     None => step,
                     Some((level, direction)) => to_level(memory, &mut system, step, level, direction),
                 };
+                let mut met = None;
+                while let Some((cylinder, limit)) = system.met(&step)
+                    && met != Some((cylinder, limit))
+                {
+                    met = Some((cylinder, limit));
+                    step = to_limit(memory, &mut system, step, cylinder, limit);
+                }
                 y = step.end;
                 t = if step.reached { end } else { t + step.h };
+                if let Some((cylinder, limit)) = met {
+                    let own = system.laws.layout.motion(cylinder);
+                    (y[own], y[own + 1]) = (limit, 0.0);
+                    system.motions[cylinder] = Motion::Own(Drive::Held(limit));
+                    memory.restart();
+                }
             }
         }
+        self.motions = system.motions;
         state.copy_from_slice(&y[..state.len()]);
         Ok(t)
     }
@@ -311,6 +330,18 @@ impl Job<'_> {
             }
         });
         found
+    }
+
+    /// The first cylinder whose element a step has moved beyond its limit, and this limit.
+    #[inline]
+    fn met<const N: usize>(&self, step: &Step<N>) -> Option<(usize, f64)> {
+        (0..self.laws.layout.cylinders).find_map(|cylinder| {
+            let Motion::Own(Drive::Element(_)) = self.motions[cylinder] else { return None };
+            let (own, [lower, upper]) = (self.laws.layout.motion(cylinder), self.limits[cylinder]);
+            let (start, end) = (step.start[own], step.end[own]);
+            let limit = if end > upper && end > start { upper } else { lower };
+            (end > upper && end > start || end < lower && end < start).then_some((cylinder, limit))
+        })
     }
 
     /// Why the integration comes no further from the state y.
@@ -336,88 +367,24 @@ fn to_level<S: System<N>, const N: usize>(
     }
 }
 
-/// A network and the derivative of its motion along one direction: the variational equations, by dual numbers. M is
-/// twice the capacity N.
-struct Tangent<'a, const N: usize> {
-    job: Job<'a>,
-    drives: [Drive<Dual<1>>; MOST_CYLINDERS],
-    /// Change of the flow inputs along the direction.
-    ports: [f64; N],
-}
-
-impl<const N: usize, const M: usize> System<M> for Tangent<'_, N> {
-    fn derivative(&mut self, t: f64, y: &[f64; M]) -> [f64; M] {
-        let duals: [Dual<1>; N] = std::array::from_fn(|k| Dual { value: y[k], slope: [y[N + k]] });
-        let values = flow_inputs::<N>(self.job.laws, self.job.inputs, t);
-        let u: [Dual<1>; N] = std::array::from_fn(|k| Dual { value: values[k], slope: [self.ports[k]] });
-        let mut drives = self.drives;
-        for (drive, motion) in drives.iter_mut().zip(&self.job.motions) {
-            if let (Drive::Given([length, speed]), Motion::Given(motion)) = (drive, motion) {
-                let changed = length.slope[0] + t * speed.slope[0];
-                (length.value, speed.value) = (motion[0].at(t), motion[1].at(t));
-                length.slope = [changed];
-            }
-        }
-        let count = self.job.laws.layout.cylinders;
-        let rates = self.job.laws.rates(&drives[..count], &u, Dual::constant(t), &duals);
-        std::array::from_fn(|k| if k < N { rates[k].value } else { rates[k - N].slope[0] })
-    }
-
-    fn scale(&mut self, y: &[f64; M], f: &[f64; M]) -> [f64; M] {
-        let values: [f64; N] = std::array::from_fn(|k| y[k]);
-        let scale = self.job.scale(&values, &std::array::from_fn(|k| f[k]));
-        // The derivative is as exact as the motion, which the control of its errors sees to.
-        std::array::from_fn(|k| if k < N { scale[k] * (N as f64 / M as f64).sqrt() } else { FREE })
-    }
-
-    fn admits(&mut self, y: &[f64; M]) -> bool {
-        self.job.laws.has_pressures(y)
-    }
-}
-
-impl Job<'_> {
-    /// The state y at the end of a step of size h, with its derivative along a direction: of the state at the start, of
-    /// the flow inputs, and of what moves the cylinders, with lengths and speeds at the start. None if no motion is
-    /// found.
-    pub fn advance_change(
-        &self,
-        y: &[f64],
-        (change, ports): (&[f64], &[f64]),
-        drives: [Drive<Dual<1>>; MOST_CYLINDERS],
-        h: f64,
-    ) -> Option<Vec<Dual<1>>> {
-        match Memory::new(&self.laws.layout) {
-            Memory::Small(_) => self.change_in::<SMALL, { 2 * SMALL }>(y, (change, ports), drives, h),
-            Memory::Large(_) => {
-                self.change_in::<MOST_COMPONENTS, { 2 * MOST_COMPONENTS }>(y, (change, ports), drives, h)
-            }
-        }
-    }
-
-    fn change_in<const N: usize, const M: usize>(
-        &self,
-        y: &[f64],
-        (change, ports): (&[f64], &[f64]),
-        drives: [Drive<Dual<1>>; MOST_CYLINDERS],
-        h: f64,
-    ) -> Option<Vec<Dual<1>>> {
-        let mut all = [0.0; M];
-        all[..y.len()].copy_from_slice(y);
-        all[N..N + change.len()].copy_from_slice(change);
-        let mut own = [0.0; N];
-        own[..ports.len()].copy_from_slice(ports);
-        let mut system = Tangent::<N> { job: *self, drives, ports: own };
-        let mut memory = Integrator::<M>::default();
-        let (mut t, most) = (0.0, self.max_steps as u64);
-        let (instants, count) = self.instants(h);
-        for &end in &instants[..count] {
-            if memory.advance_from(&mut system, &mut t, &mut all, end, self.tolerance, most) != Ok(true) {
-                return None;
-            }
-            t = end;
-            memory.refresh();
-        }
-        Some((0..y.len()).map(|k| Dual { value: all[k], slope: [all[N + k]] }).collect())
+/// The step again, up to where a cylinder passes its limit.
+#[cold]
+fn to_limit<const N: usize>(
+    memory: &mut Integrator<N>,
+    system: &mut Job<'_>,
+    step: Step<N>,
+    cylinder: usize,
+    limit: f64,
+) -> Step<N> {
+    let own = system.laws.layout.motion(cylinder);
+    let rises = step.end[own] > step.start[own];
+    let (direction, starts_there) = match rises {
+        true => (Direction::Rising, step.start[own] >= limit),
+        false => (Direction::Falling, step.start[own] <= limit),
+    };
+    match memory.dense(system, &step).first_passage(own, limit, direction, starts_there) {
+        Some(part) if part > 0.0 && part < 1.0 => memory.retake(system, &step, part * step.h),
+        _ => step,
     }
 }
 

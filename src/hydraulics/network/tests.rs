@@ -1,6 +1,7 @@
 //! Networks against reference values, balances, differences, and other ways through the same steps.
 #![allow(clippy::unwrap_used)]
 mod derivatives;
+mod limits;
 
 use super::Model;
 
@@ -248,6 +249,18 @@ fn faults_of_a_network_are_named_with_a_remedy() {
         ("\"rod\": 0.025", "\"rod\": 0.05", &["cylinders.gear.rod", "chamber B"]),
         ("\"hysteresis\": 2e6", "\"hysteresis\": 7e6", &["pressure_locks.uplock.hysteresis", "release_pressure"]),
         ("\"command\": 1", "\"command\": 2", &["valves.selector.command", "-1 to 1"]),
+        (
+            "\"bypasses\": {",
+            r#""position_valves": { "trip": {
+                "from": "up_line", "to": "door.a", "cylinder": "gate", "length": 0.5 } }, "bypasses": {"#,
+            &["position_valves.trip.cylinder", "gate", "gear"],
+        ),
+        (
+            "\"bypasses\": {",
+            r#""position_valves": { "trip": {
+                "from": "up_line", "to": "door.a", "cylinder": "gear", "length": 0.8 } }, "bypasses": {"#,
+            &["position_valves.trip.length", "within the travel"],
+        ),
         (
             "\"reservoir\": { \"pressure\": 0.35e6 }",
             "\"reservoir\": { \"pressure\": -2e5 }",

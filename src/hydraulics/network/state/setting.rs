@@ -12,6 +12,8 @@ use crate::hydraulics::network::system::{Job, Motion};
 
 /// Length beyond the ends of a cylinder's travel that rounding explains [m].
 const SLACK: f64 = 1e-9;
+/// Limits of the length where none are known [m].
+const NO_LIMITS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Laws, settings and inputs of one step.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +34,18 @@ impl Setting<'_> {
 
     pub(super) fn job(&self, motions: [Motion; MOST_CYLINDERS]) -> Job<'_> {
         let Solver { tolerance, max_steps } = *self.solver;
-        Job { laws: self.laws, inputs: self.inputs, motions, tolerance, max_steps }
+        let layout = &self.laws.layout;
+        let limits = std::array::from_fn(|index| match index < layout.cylinders {
+            true => self.limits(index),
+            false => NO_LIMITS,
+        });
+        Job { laws: self.laws, inputs: self.inputs, motions, limits, tolerance, max_steps }
+    }
+
+    /// Least and largest length that stops leave to a cylinder [m]; both inputs 0: none are known.
+    pub(super) fn limits(&self, cylinder: usize) -> [f64; 2] {
+        let limits = [Part::LowerLimit, Part::UpperLimit].map(|part| self.get(cylinder, part));
+        if limits == [0.0; 2] { NO_LIMITS } else { limits }
     }
 
     /// The motion of all cylinders by the inputs.
