@@ -127,7 +127,7 @@ class Reader:
     def __init__(self, folder: Path, fmus: Path) -> None:
         self.folder = folder
         self.printed = ""
-        for name in ("modelDescription", "docs"):
+        for name in ("modelDescription", "docs", "examples"):
             (folder / name).symlink_to(REPOSITORY / name)
         (folder / "target").mkdir()
         (folder / "target" / "fmu").symlink_to(fmus)
