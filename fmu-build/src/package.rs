@@ -60,12 +60,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     }
     let paths = if arguments.all {
         workspace.description_folders()?
-    } else if arguments.ssp {
-        ssp::FMUS.iter().map(|name| workspace.descriptions().join(name)).collect()
-    } else if arguments.paths.is_empty() {
-        vec![workspace.descriptions().join(DEFAULT_FMU)]
-    } else {
+    } else if !arguments.paths.is_empty() {
         arguments.paths.clone()
+    } else if arguments.ssp {
+        ssp::SYSTEMS.iter().flat_map(|system| system.fmus).map(|name| workspace.descriptions().join(name)).collect()
+    } else {
+        vec![workspace.descriptions().join(DEFAULT_FMU)]
     };
     let mut definitions: HashMap<String, PathBuf> = HashMap::new();
     let (mut prepared, mut refused) = (Vec::new(), Vec::new());
@@ -117,11 +117,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         paths.extend(pack(&common, fmu)?);
     }
     let out = common.out;
-    if let ([Some(gear), Some(hydraulics)], true) =
-        (ssp::FMUS.map(|name| interfaces.get(name)), (arguments.ssp || arguments.all) && arguments.fmi != Fmi::Three)
-    {
-        let [first, second] = ssp::FMUS.map(|name| out.join(name).with_extension("fmu"));
-        paths.push(ssp::write(&out, [(&first, gear.list()), (&second, hydraulics.list())])?);
+    if (arguments.ssp || arguments.all) && arguments.fmi != Fmi::Three {
+        for system in &ssp::SYSTEMS {
+            let interfaces: Option<Vec<_>> =
+                system.fmus.iter().map(|name| Some(interfaces.get(*name)?.list())).collect();
+            if let Some(variables) = interfaces {
+                paths.push(ssp::write(&out, system, &variables)?);
+            }
+        }
     }
     Ok(paths)
 }

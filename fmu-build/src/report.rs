@@ -1,7 +1,7 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
 //! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
-//! `hydraulic.csv` and `hydraulic.png`; of the report, the figures and claims of the two papers, recomputed:
+//! `hydraulic.csv` and `hydraulic.png`, or `system.csv` and `system.png`; of the report, the figures and claims of the two papers, recomputed:
 //! `report.md`, `report.html` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
@@ -16,18 +16,26 @@ const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMUs that the report runs.
 const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
 
-/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, and run the demo on it.
+/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, or the landing-gear system, and run
+/// the demo on it.
 ///
 /// # Errors
 /// Packing, Python's environment or the run itself fails.
 pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
     let (script, names) = if arguments.hydraulic {
-        ("demo_hydraulic.py", [&ssp::FMUS[..], &[WHOLE]].concat())
+        ("demo_hydraulic.py", [ssp::PAIR.fmus, &[WHOLE]].concat())
+    } else if arguments.system {
+        ("demo_system.py", ssp::LANDING_GEAR.fmus.to_vec())
     } else {
         ("demo.py", vec![DEFAULT_FMU])
     };
     let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
-    let fmus = package::run(workspace, &package::Arguments { paths, ..package::Arguments::of_fmi_2() })?;
+    let ssp = arguments.system;
+    let mut fmus = package::run(workspace, &package::Arguments { paths, ssp, ..package::Arguments::of_fmi_2() })?;
+    if ssp {
+        // The package holds the FMUs.
+        fmus.drain(..names.len());
+    }
     let out = arguments.out.clone().unwrap_or_else(|| workspace.output("demo"));
     let mut demo = Command::new(command::demo(&workspace.target(""), &workspace.python_scripts())?);
     demo.arg(workspace.python_scripts().join(script)).args(fmus).arg("--out").arg(out);

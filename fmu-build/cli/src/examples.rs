@@ -90,7 +90,9 @@ Examples:
   Run the retraction of the landing gear with FMPy:
     cargo fmu demo
   Compare coupling schemes of landing gear and hydraulic actuator:
-    cargo fmu demo --hydraulic --out results";
+    cargo fmu demo --hydraulic --out results
+  Retract and extend a landing gear with door, locks and one hydraulic system:
+    cargo fmu demo --system --out results";
 
 /// Examples of `docs`.
 pub const DOCS: &str = "\

@@ -337,8 +337,11 @@ pub struct Demo {
     /// Retract with the hydraulic actuator: two FMUs coupled by several schemes, compared with one FMU of both
     #[arg(long)]
     pub hydraulic: bool,
-    /// Draw the mechanisms of docs/gallery as films, each a GIF next to its definition
+    /// Retract and extend a landing gear with door, locks and one hydraulic system: three FMUs of an SSP package
     #[arg(long, conflicts_with = "hydraulic")]
+    pub system: bool,
+    /// Draw the mechanisms of docs/gallery as films, each a GIF next to its definition
+    #[arg(long, conflicts_with_all = ["hydraulic", "system"])]
     pub gallery: bool,
     /// Folder for the results [default: target/demo; with --gallery docs/gallery]
     #[arg(long, value_name = "DIR")]

@@ -13,7 +13,7 @@ pub struct Package {
     /// Pack every folder of modelDescription/, and the system of landing gear and hydraulic actuator
     #[arg(long)]
     pub all: bool,
-    /// Pack the landing gear, its hydraulic actuator, and the system of both as an SSP package
+    /// Pack the examples of mechanisms with their hydraulics as systems, each an SSP package, and their FMUs
     #[arg(long, conflicts_with_all = ["paths", "all"])]
     pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]

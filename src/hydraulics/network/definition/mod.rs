@@ -3,6 +3,7 @@
 //! In: the text of the file. Out: a [`HydraulicSystem`] whose numbers are in range and whose elements fit together; the
 //! list of its parameters. It must not know the laws of the elements, nor FMI. SI units; pressures are gauge, relative
 //! to the ambient pressure.
+mod choices;
 mod connections;
 mod ports;
 mod sections;
@@ -12,6 +13,7 @@ use crate::format::{
     element, keys, read_with,
 };
 use crate::hydraulics::definition::{Fluid, Leakage, Seal, Solver};
+pub use choices::*;
 pub use ports::Ports;
 pub use sections::*;
 

@@ -2,11 +2,12 @@
 //!
 //! In: JSON objects. Out: one struct of numbers and names for each element, with its keys. It must not know what the
 //! elements must be to each other.
+use super::choices::{Mode, Opens, PumpType};
 use crate::format::{
     Key,
     Range::{Finite, Length, NonNegative, Positive, Unit as UnitRange},
     Role::{Circuit, CircuitStart},
-    keys, line, number, words,
+    keys, line, number,
 };
 use crate::hydraulics::definition::{Leakage, Seal};
 use crate::variables::Unit::{
@@ -432,31 +433,5 @@ keys! {
     pub struct Coupling: Copy {
         /// How a step uses the predicted motion; start value of the variable `coupling.mode`.
         mode: Mode => Key::PLAIN.parameter(Circuit, "");
-    }
-}
-
-words! {
-    /// How a step uses the predicted motion.
-    pub enum Mode {
-        /// The step uses the predicted motion; the host makes each step once.
-        Preview = "preview",
-        /// The step uses the motion at the inputs; the host makes each step twice, or does not iterate.
-        Follow = "follow",
-    }
-
-    /// Lengths of a cylinder at which a valve is open.
-    pub enum Opens {
-        /// Lengths above `length`.
-        Above = "above",
-        /// Lengths below `length`.
-        Below = "below",
-    }
-
-    /// Law of the flow of a pump.
-    pub enum PumpType {
-        /// Pressure-compensated: the flow falls to 0 between `full_pressure` and `max_pressure`.
-        Compensated = "compensated",
-        /// Fixed displacement: the flow does not depend on pressures.
-        Fixed = "fixed",
     }
 }

@@ -1,0 +1,316 @@
+"""Retract and extend a landing gear with door, locks and one hydraulic system: three FMUs of an SSP package.
+
+The host does nothing but copy outputs to inputs, as the package says, and move the levers of the pilot: selector,
+pump, by-passes, hand pump. The order of door, locks and gear is that of the valves in the hydraulic system.
+
+Run by `cargo fmu demo --system`. Writes a table and a picture of pressures, positions, flows and states over time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import shutil
+from collections import defaultdict
+from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
+from itertools import groupby
+from pathlib import Path
+
+import matplotlib as mpl
+from fmpy import extract, read_model_description
+from fmpy.ssp.ssd import read_ssd
+from part import Part
+
+mpl.use("Agg")
+from matplotlib import pyplot as plt
+
+STEP = 2e-3
+"""Communication step [s]."""
+END = 38.0
+"""End of the run [s]."""
+PUMP_PRESSURE = 10e6
+"""Pressure of the hand pump while the pilot works it [Pa]."""
+LEVERS: tuple[tuple[float, str, dict[str, float]], ...] = (
+    (0.0, "", {"selector.command": 0.0}),
+    (0.5, "selector up", {"selector.command": -1.0}),
+    (8.0, "selector down", {"selector.command": 1.0}),
+    (17.0, "selector up", {"selector.command": -1.0}),
+    (
+        24.0,
+        "emergency: pump off, by-passes open, hand pump",
+        {
+            "engine_pump.speed": 0.0,
+            "selector.command": 0.0,
+            "gear_dump.open": 1.0,
+            "door_dump.open": 1.0,
+            "hand_pump.pressure": PUMP_PRESSURE,
+        },
+    ),
+)
+"""What the pilot does: time [s], words, inputs of the hydraulic system."""
+STATES: tuple[tuple[str, str, str, str], ...] = (
+    ("hydraulics", "doorlock.engaged", "door lock engages", "door lock releases"),
+    ("door", "closed", "door is closed", "door starts to open"),
+    ("door", "open", "door is open", "door starts to close"),
+    ("hydraulics", "downlock.engaged", "downlock engages", "downlock releases"),
+    ("hydraulics", "uplock.engaged", "uplock engages", "uplock releases"),
+    ("gear", "retracted", "gear is up", "gear leaves the up stop"),
+    ("gear", "extended", "gear is down", "gear leaves the down stop"),
+)
+"""Boolean outputs, and what it means that they become true or false."""
+CURVES: dict[str, tuple[str, ...]] = {
+    "gear": ("crank.angle", "actuator.length"),
+    "door": ("door.angle", "actuator.length"),
+    "hydraulics": (
+        "supply.pressure",
+        "up_line.pressure",
+        "down_line.pressure",
+        "gear.chamber_a.pressure",
+        "gear.chamber_b.pressure",
+        "door.chamber_a.pressure",
+        "door.chamber_b.pressure",
+        "engine_pump.flow",
+        "gear.chamber_a.flow",
+        "gear.chamber_b.flow",
+        "door.chamber_a.flow",
+        "gear_dump.flow",
+        "gear.force",
+        "door.force",
+        "volume.from_reservoirs",
+        "volume.balance",
+        "energy.throttling",
+        "energy.balance",
+    ),
+}
+"""Real outputs in the table."""
+
+
+@dataclass
+class Copy:
+    """Outputs of one FMU for inputs of another, by one call each."""
+
+    source: str
+    target: str
+    is_boolean: bool
+    outputs: list[int] = field(default_factory=list)
+    inputs: list[int] = field(default_factory=list)
+
+
+class System:
+    """The FMUs of an SSP package and their connections."""
+
+    def __init__(self, package: Path) -> None:
+        self.folder = Path(extract(package))
+        described = read_ssd(str(package)).system
+        self.parts = {one.name: Part(self.folder / one.source) for one in described.elements}
+        self.copies = self.order(described.connections)
+
+    def order(self, connections: list) -> list[Copy]:
+        """The connections in an order in which each output is read after the inputs on which it depends are set."""
+        needs: dict[tuple[str, str], set[tuple[str, str]]] = defaultdict(set)
+        types = {}
+        for name, part in self.parts.items():
+            description = read_model_description(part.folder)
+            for unknown in description.outputs:
+                needs[name, unknown.variable.name] |= {(name, known.name) for known in unknown.dependencies or []}
+            types |= {(name, variable.name): variable.type for variable in description.modelVariables}
+        sources = {}
+        for one in connections:
+            start, end = (one.startElement, one.startConnector), (one.endElement, one.endConnector)
+            needs[end].add(start)
+            sources[end] = start
+        sorter, waves = TopologicalSorter(needs), []
+        sorter.prepare()
+        while sorter.is_active():
+            ready = sorter.get_ready()
+            waves.append(sorted(end for end in ready if end in sources))
+            sorter.done(*ready)
+        copies = []
+        for wave in waves:
+
+            def way(end: tuple[str, str]) -> tuple[str, str, str]:
+                return sources[end][0], end[0], types[end]
+
+            for (source, target, kind), ends in groupby(sorted(wave, key=way), way):
+                copy = Copy(source, target, kind == "Boolean")
+                for end in ends:
+                    copy.outputs.append(self.parts[source].references[sources[end][1]])
+                    copy.inputs.append(self.parts[target].references[end[1]])
+                copies.append(copy)
+        return copies
+
+    def exchange(self) -> None:
+        """Copy all connected outputs to their inputs."""
+        for copy in self.copies:
+            source, target = self.parts[copy.source].slave, self.parts[copy.target].slave
+            if copy.is_boolean:
+                target.setBoolean(copy.inputs, source.getBoolean(copy.outputs))
+            else:
+                target.setReal(copy.inputs, source.getReal(copy.outputs))
+
+    def start(self, step: float) -> None:
+        """Initialise all FMUs; `step` is the communication step [s]."""
+        slaves = [part.slave for part in self.parts.values()]
+        for slave in slaves:
+            slave.setupExperiment(startTime=0.0)
+            slave.enterInitializationMode()
+        self.parts["hydraulics"].write({"preview.horizon": step})
+        self.exchange()
+        for slave in slaves:
+            slave.exitInitializationMode()
+
+    def step(self, now: float, step: float) -> None:
+        """One communication step."""
+        self.exchange()
+        for part in self.parts.values():
+            part.slave.doStep(now, step)
+
+    def states(self) -> list[bool]:
+        """The Boolean outputs."""
+        read = [(self.parts[part], name) for part, name, *_ in STATES]
+        return [bool(part.slave.getBoolean([part.references[name]])[0]) for part, name in read]
+
+    def values(self) -> list[float]:
+        """The Real outputs of the table."""
+        return [value for name, columns in CURVES.items() for value in self.parts[name].read(*columns)]
+
+    def close(self) -> None:
+        """Free all instances and remove the extracted files."""
+        for part in self.parts.values():
+            part.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+@dataclass
+class Run:
+    """Events with their times [s], and a row of the table for each communication point."""
+
+    events: list[tuple[float, str]] = field(default_factory=list)
+    rows: list[list[float]] = field(default_factory=list)
+
+    def column(self, part: str, name: str, factor: float = 1.0) -> list[float]:
+        """Values of one output."""
+        index = 1 + [(part, one) for part, names in CURVES.items() for one in names].index((part, name))
+        return [factor * row[index] for row in self.rows]
+
+    def state(self, part: str, name: str) -> list[float]:
+        """Values of a Boolean output."""
+        index = [one[:2] for one in STATES].index((part, name)) - len(STATES)
+        return [row[index] for row in self.rows]
+
+
+def run(package: Path, step: float = STEP, end: float = END) -> Run:
+    """Run the levers in steps of `step` [s] up to `end` [s]."""
+    system, found, levers = System(package), Run(), list(LEVERS)
+    try:
+        system.start(step)
+        states = system.states()
+        for i in range(round(end / step)):
+            now = i * step
+            while levers and levers[0][0] <= now + 0.5 * step:
+                _, words, inputs = levers.pop(0)
+                system.parts["hydraulics"].write(inputs)
+                if words:
+                    found.events.append((now, f"-- {words}"))
+            found.rows.append([now, *system.values(), *states])
+            system.step(now, step)
+            before, states = states, system.states()
+            for was, is_now, (*_, true, false) in zip(before, states, STATES, strict=True):
+                if was != is_now:
+                    found.events.append((now + step, true if is_now else false))
+        found.rows.append([round(end / step) * step, *system.values(), *states])
+    finally:
+        system.close()
+    return found
+
+
+def write_table(found: Run, path: Path) -> None:
+    """Write all rows, 17 digits, SI units."""
+    names = [f"{part}.{name}" for part, columns in CURVES.items() for name in columns]
+    names += [f"{part}.{name}" for part, name, *_ in STATES]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time", *names])
+        writer.writerows([f"{row[0]:.12g}", *map(repr, map(float, row[1:]))] for row in found.rows)
+
+
+def write_plot(found: Run, path: Path) -> None:
+    """Draw positions, pressures, flows and states over time."""
+    time, pressure, flow = [row[0] for row in found.rows], 1e-6, 6e4
+    panels = (
+        (
+            "angle [deg]",
+            [("gear", "crank.angle", "gear, crank"), ("door", "door.angle", "door")],
+            math.degrees(1.0),
+        ),
+        (
+            "pressure [MPa]",
+            [
+                ("hydraulics", "supply.pressure", "supply"),
+                ("hydraulics", "gear.chamber_a.pressure", "gear, piston side"),
+                ("hydraulics", "gear.chamber_b.pressure", "gear, rod side"),
+                ("hydraulics", "door.chamber_a.pressure", "door, piston side"),
+                ("hydraulics", "door.chamber_b.pressure", "door, rod side"),
+            ],
+            pressure,
+        ),
+        (
+            "flow [l/min]",
+            [
+                ("hydraulics", "engine_pump.flow", "pump"),
+                ("hydraulics", "gear.chamber_a.flow", "into the gear, piston side"),
+                ("hydraulics", "door.chamber_a.flow", "into the door, piston side"),
+                ("hydraulics", "gear_dump.flow", "by-pass of the gear"),
+            ],
+            flow,
+        ),
+    )
+    with plt.rc_context({"font.size": 10, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False}):
+        figure, axes = plt.subplots(
+            4, 1, figsize=(11, 11), sharex=True, layout="constrained", height_ratios=(3, 3, 3, 2)
+        )
+        for axis, (label, curves, factor) in zip(axes, panels, strict=False):
+            for part, name, words in curves:
+                axis.plot(time, found.column(part, name, factor), linewidth=1.0, label=words)
+            axis.set_ylabel(label)
+            axis.legend(fontsize=8, loc="upper right", ncols=2)
+        for row, (part, name, *_) in enumerate(reversed(STATES)):
+            state = [row + 0.7 * value for value in found.state(part, name)]
+            axes[3].fill_between(time, row, state, step="pre", linewidth=0)
+        axes[3].set_yticks([row + 0.35 for row in range(len(STATES))], [one[1] for one in reversed(STATES)], fontsize=8)
+        axes[3].set_xlabel("time [s]")
+        for at, words, _ in LEVERS[1:]:
+            for axis in axes:
+                axis.axvline(at, color="black", linewidth=0.8, linestyle=":")
+            axes[0].text(at, 1.02, words.split(":")[0], transform=axes[0].get_xaxis_transform(), fontsize=9)
+        axes[0].set_xlim(0.0, time[-1])
+        figure.savefig(path, dpi=110, metadata={"Software": None})
+        plt.close(figure)
+
+
+def main() -> None:
+    """Run the demo."""
+    parser = argparse.ArgumentParser(description="Retract and extend a landing gear with door, locks and hydraulics.")
+    parser.add_argument("package", type=Path, help="LandingGearSystem.ssp")
+    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]")
+    parser.add_argument("--out", type=Path, default=Path(), help="folder for system.csv and system.png")
+    arguments = parser.parse_args()
+    found = run(arguments.package, arguments.step)
+    print(f"steps of {1e3 * arguments.step:g} ms")
+    for at, words in found.events:
+        print(f"{at:8.3f} s  {words}")
+    volume = max(map(abs, found.column("hydraulics", "volume.balance")))
+    energy = max(map(abs, found.column("hydraulics", "energy.balance")))
+    throttled = found.column("hydraulics", "energy.throttling")[-1]
+    print(f"volume.balance at most {1e6 * volume:.1e} ml, energy.balance at most {energy:.1e} J of {throttled:.0f} J")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    table, plot = arguments.out / "system.csv", arguments.out / "system.png"
+    write_table(found, table)
+    write_plot(found, plot)
+    print(f"table {table}\nplot  {plot}")
+
+
+if __name__ == "__main__":
+    main()
