@@ -11,6 +11,9 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
+/// A line of the licence of uPlot.
+const NOTICE: &str = "Copyright (c) 2022 Leon Sorokin";
+
 fn definition(name: &str) -> String {
     let folder = Workspace::locate().descriptions().join(name);
     fs::read_to_string(folder.join("resources/mechanism.json")).unwrap()
@@ -226,7 +229,7 @@ fn every_mechanism_has_a_page_that_loads_nothing() {
         let data = data(&text, &[]);
         assert_eq!(data.status, Status::Whole, "{}: {:?}", path.display(), data.error);
         let html = view::html(&data).unwrap();
-        assert!(html.contains("default-src 'none'"));
+        assert!(html.contains("default-src 'none'") && html.contains(NOTICE));
         for outside in ["src=\"", "@import", "url(", "href=\"http", "fetch(", "XMLHttpRequest"] {
             assert!(!html.contains(outside), "{}: {outside}", path.display());
         }

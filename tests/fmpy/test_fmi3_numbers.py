@@ -184,7 +184,11 @@ def test_licences_are_told_and_packed() -> None:
         with zipfile.ZipFile(FMU_FOLDER / f"{NAME}.{extension}") as archive:
             names = archive.namelist()
             description = archive.read("modelDescription.xml").decode()
-        for name in ("license.txt", "LICENSE-MIT", "LICENSE-APACHE"):
+            notices = archive.read("documentation/licenses/THIRD-PARTY.txt").decode()
+            animation = archive.read("documentation/animation.html").decode()
+        for name in ("license.txt", "LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY.txt"):
             assert f"documentation/licenses/{name}" in names
         assert 'license="Library: MIT OR Apache-2.0' in description
         assert 'copyright="' in description
+        assert "nalgebra" in notices
+        assert "Leon Sorokin" in notices and "Leon Sorokin" in animation

@@ -12,7 +12,7 @@ use crate::needs::{self, Needs};
 use crate::version::Version;
 use crate::workspace::{INSTALLED, Workspace};
 use crate::{command, files, library, package, platform};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 pub use fmu_cli::Dist as Arguments;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +22,8 @@ use std::process::Command;
 const DATA: &str = "linkage_fmu.data/data";
 /// Parts of the repository that tasks read, and the reference of the formats.
 const PARTS: [&str; 3] = ["modelDescription", "fmu-build/python", "docs/reference"];
+/// Licences of the crates and fonts in the wheel, which `fmu-build/src/licenses/notices.rs` writes.
+const NOTICES: &str = "THIRD-PARTY.txt";
 /// What a wheel's name says of a program linked with the glibc 2.N of a platform.
 const PROMISE: &str = "manylinux_2_";
 
@@ -41,6 +43,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let made = build(workspace, &stage, arguments.glibc.as_deref())?;
     let content = fs::read(&made).with_context(|| format!("{}: cannot be read", made.display()))?;
     keeps_its_promise(&made)?;
+    has_licences(&made)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
     files::replace_named(&wheel, "--out", &content)?;
@@ -77,7 +80,10 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     let manifest = source.join("Cargo.toml").display().to_string();
     text.push_str(&format!("manifest-path = {}\n", serde_json::to_string(&manifest)?));
     files::replace(&stage.join("pyproject.toml"), text.as_bytes())?;
-    files::copy_all(&source.join("README.md"), &stage.join("README.md"))?;
+    let of_repository = ["LICENSE-MIT", "LICENSE-APACHE"].map(|name| workspace.root().join(name));
+    for file in of_repository.into_iter().chain(["README.md", NOTICES].map(|name| source.join(name))) {
+        files::copy_all(&file, &stage.join(file.file_name().unwrap_or_default()))?;
+    }
     let root = stage.join(DATA).join(INSTALLED);
     for part in PARTS {
         files::copy_all(&workspace.root().join(part), &root.join(part))?;
@@ -126,6 +132,17 @@ fn keeps_its_promise(wheel: &Path) -> Result<()> {
                  {promised}; build all its parts with --glibc {promised}"
             );
         }
+    }
+    Ok(())
+}
+
+/// Whether the wheel has its licences where installers look for them (PEP 639).
+fn has_licences(wheel: &Path) -> Result<()> {
+    let archive = Fmu::open(wheel)?;
+    for name in ["LICENSE-MIT", "LICENSE-APACHE", NOTICES] {
+        let end = format!(".dist-info/licenses/{name}");
+        let is_there = archive.names().iter().any(|entry| entry.ends_with(&end));
+        ensure!(is_there, "{}: has no {end}; check license-files in pyproject.toml", wheel.display());
     }
     Ok(())
 }

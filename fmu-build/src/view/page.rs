@@ -21,8 +21,10 @@ const SCRIPTS: [&str; 9] = [
     include_str!("page/clock.js"),
     include_str!("page/view.js"),
 ];
-/// uPlot 1.6.32, MIT licence.
+/// uPlot 1.6.32: script, and style.
 const PLOTS: [&str; 2] = [include_str!("page/uplot/uPlot.iife.min.js"), include_str!("page/uplot/uPlot.min.css")];
+/// Its licence, which each page has as a comment of the script.
+const LICENCE: &str = include_str!("page/uplot/LICENSE");
 
 /// JSON that may stand in a script element: what could end it, or end a line of it, is escaped; so are the marks that
 /// turn the direction of text, which would show the source in another order than it has.
@@ -61,7 +63,7 @@ pub fn html(data: &Data) -> Result<String> {
         error => &data.error,
         style => Value::from_safe_string(STYLE.into()),
         plot_style => Value::from_safe_string(PLOTS[1].into()),
-        plot_script => Value::from_safe_string(PLOTS[0].into()),
+        plot_script => Value::from_safe_string(format!("/*! uPlot\n{LICENCE}*/\n{}", PLOTS[0])),
         script => Value::from_safe_string(SCRIPTS.concat()),
         data => Value::from_safe_string(as_script(&json)),
     });
