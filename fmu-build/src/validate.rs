@@ -1,8 +1,12 @@
 //! `cargo fmu validate`: whether a model can be given to a host as it is.
 //!
 //! In: an FMU, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
-//! an FMU also whether its archive is whole, its description is that of its definition, and its libraries are ones.
+//! an FMU also whether its archive is whole, its description keeps the rules of FMI and is that of its definition, and
+//! its libraries are ones.
 
+mod rules;
+
+use crate::archive::MODEL_DESCRIPTION;
 use crate::binary::{ARM_LINUX, COMPATIBLE};
 use crate::check;
 use crate::fmu::{self, Fmu};
@@ -73,6 +77,10 @@ fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     archive(&mut fmu, &mut found);
     let described = found.take(info::description(&mut fmu));
     let version = Version::of(described.as_ref().map_or("", |described| &described.fmi_version));
+    if let Ok(Some(xml)) = fmu.read(MODEL_DESCRIPTION) {
+        let broken = rules::broken(&String::from_utf8_lossy(&xml));
+        found.errors.extend(broken.into_iter().map(|rule| format!("{}/{MODEL_DESCRIPTION}: {rule}", fmu.shown())));
+    }
     if let Some(described) = &described {
         libraries(&mut fmu, described, &mut found);
     }

@@ -7,5 +7,6 @@ pub mod description;
 pub mod fmi2;
 pub mod fmi3;
 mod interface;
+mod sizes;
 pub mod ssd;
 pub mod terminals;

@@ -267,6 +267,11 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
 ];
 
+/// Least and largest value of an input that has a range.
+fn range(input: &str) -> [Option<f64>; 2] {
+    if input.ends_with(".command") { [Some(-1.0), Some(1.0)] } else { [None, None] }
+}
+
 /// The variables of an actuator, with the range of each parameter. Inputs come first: the reference of an input is its
 /// index.
 pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>) {
@@ -281,7 +286,11 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
             unit: Some(unit),
             start: Some(Value::Real(start)),
             dependencies: Vec::new(),
-            details: Details { nominal: (start != 0.0).then_some(start.abs()), ..Details::default() },
+            details: Details {
+                bounds: range(name),
+                nominal: (start != 0.0).then_some(start.abs()),
+                ..Details::default()
+            },
         });
         quantities.push(Quantity::Input(index));
     }

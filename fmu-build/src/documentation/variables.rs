@@ -91,7 +91,7 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
 }
 
 fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row {
-    let attributes = kind_attributes(variable);
+    let attributes = kind_attributes(variable, None);
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
     let kind = match (variable.kind, variable.variability) {
         (Kind::Boolean, _) => "true or false",

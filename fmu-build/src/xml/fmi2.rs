@@ -5,6 +5,7 @@
 
 use super::common::{Attributes, Xml, check_texts, document, element, empty, group, number};
 use super::interface::{Interface, type_name, variable_attributes};
+use super::sizes::quantity;
 use anyhow::Result;
 use fmu_cli::Naming;
 use linkage_fmu::component::Component;
@@ -90,13 +91,15 @@ fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let attributes = variable_attributes(reference, variable);
-    let mut of_kind = kind_attributes(variable);
+    let mut of_kind = kind_attributes(variable, interface.sizes.nominal(variable));
     of_kind.extend(interface.state_attributes(reference, 1));
     element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &of_kind))
 }
 
-/// Attributes of the element that tells the kind of a variable: unit, start value and the like.
-pub fn kind_attributes(variable: &Variable) -> Attributes<'static> {
+/// Attributes of the element that tells the kind of a variable of this usual size: quantity, unit, start value and the
+/// like.
+pub fn kind_attributes(variable: &Variable, nominal: Option<f64>) -> Attributes<'static> {
+    let quantity = variable.unit.and_then(quantity).map(|quantity| ("quantity", quantity.to_owned()));
     let unit = variable.unit.map(|unit| ("unit", unit.name().to_owned()));
     let display = variable.unit.and_then(Unit::display).map(|(name, _)| ("displayUnit", name.to_owned()));
     let start = variable.start.as_ref().map(|start| {
@@ -108,10 +111,10 @@ pub fn kind_attributes(variable: &Variable) -> Attributes<'static> {
         ("start", text)
     });
     let declared = (!variable.details.items.is_empty()).then(|| ("declaredType", type_name(variable)));
-    let Details { bounds: [least, most], nominal, .. } = variable.details;
+    let Details { bounds: [least, most], .. } = variable.details;
     let numbers = [("min", least), ("max", most), ("nominal", nominal)];
     let numbers = numbers.into_iter().filter_map(|(name, value)| value.map(|value| (name, number(value))));
-    declared.into_iter().chain(unit).chain(display).chain(numbers).chain(start).collect()
+    declared.into_iter().chain(quantity).chain(unit).chain(display).chain(numbers).chain(start).collect()
 }
 
 /// An element of ModelStructure; the standard counts variables from 1.
@@ -126,6 +129,7 @@ fn write_unknown(xml: &mut Xml, reference: Reference, dependencies: Option<&[Ref
 
 #[cfg(test)]
 mod tests {
+    use super::super::sizes::Sizes;
     use super::*;
     use linkage_fmu::format::{About, Experiment};
     use linkage_fmu::variables::{Causality, Kind, Variability};
@@ -168,6 +172,7 @@ mod tests {
             has_internal_steps,
             continuous_time: None,
             state_nominals: None,
+            sizes: Sizes::new(variables, experiment.stop_time),
         })
     }
 
@@ -190,8 +195,8 @@ mod tests {
                 "name=\"y\" valueReference=\"2\" {escaped} causality=\"output\" variability=\"continuous\" \
                  initial=\"calculated\""
             ),
-            "<Real unit=\"rad\" displayUnit=\"deg\" start=\"30000\"/>".to_owned(),
-            "<Real unit=\"rad\" displayUnit=\"deg\"/>".to_owned(),
+            "<Real quantity=\"Angle\" unit=\"rad\" displayUnit=\"deg\" nominal=\"1\" start=\"30000\"/>".to_owned(),
+            "<Real quantity=\"Angle\" unit=\"rad\" displayUnit=\"deg\" nominal=\"1\"/>".to_owned(),
             "<DefaultExperiment startTime=\"0\" stopTime=\"0.133\" tolerance=\"1e-9\" stepSize=\"0.001\"/>".to_owned(),
         ] {
             assert!(xml.contains(&expected), "{expected} is not in\n{xml}");

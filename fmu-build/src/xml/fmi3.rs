@@ -100,7 +100,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let kind = variable.kind.word_of_fmi_3();
     let mut attributes = attributes_of(interface, reference, variable);
-    attributes.extend(kind_attributes(variable));
+    attributes.extend(kind_attributes(variable, interface.sizes.nominal(variable)));
     attributes.extend(interface.state_attributes(reference, 0));
     empty(xml, kind, &attributes)
 }
@@ -111,7 +111,7 @@ fn write_vector(xml: &mut Xml, interface: &Interface, reference: Reference, vect
     let (name, description) = (vector.name.clone(), vector.description.clone());
     let whole = Variable { name, description, details: Details::default(), ..first.clone() };
     let mut attributes = attributes_of(interface, reference, &whole);
-    attributes.extend(kind_attributes(&whole));
+    attributes.extend(kind_attributes(&whole, interface.sizes.nominal(&whole)));
     element(xml, whole.kind.word_of_fmi_3(), &attributes, |xml| {
         empty(xml, "Dimension", &[("start", vector.elements.len().to_string())])
     })

@@ -4,6 +4,7 @@
 //! versions. It must not know kinds of model.
 
 use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, number, write_units};
+use super::sizes::Sizes;
 use anyhow::{Result, bail};
 use fmu_cli::Naming;
 use linkage_fmu::component::Component;
@@ -52,6 +53,8 @@ pub struct Interface<'a> {
     pub continuous_time: Option<ContinuousTime>,
     /// Scales of its states.
     pub state_nominals: Option<[f64; 2]>,
+    /// Usual sizes of what is connected.
+    pub sizes: Sizes,
 }
 
 impl<'a> Interface<'a> {
@@ -86,6 +89,7 @@ impl<'a> Interface<'a> {
             has_internal_steps: component.has_internal_steps(),
             continuous_time: component.continuous_time(),
             state_nominals: component.continuous_time().and_then(|_| component.clone().nominals().ok()),
+            sizes: Sizes::new(interface.list(), component.experiment().stop_time),
         })
     }
 

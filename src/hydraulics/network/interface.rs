@@ -166,7 +166,12 @@ impl Builder<'_> {
     }
 
     fn input(&mut self, name: String, description: String, unit: Unit, start: f64) {
-        let details = Details { nominal: (start != 0.0).then_some(start.abs()), ..Details::default() };
+        let bounds = match name.rsplit_once('.') {
+            Some((_, "command")) => [Some(-1.0), Some(1.0)],
+            Some((_, "open")) => [Some(0.0), Some(1.0)],
+            _ => [None, None],
+        };
+        let details = Details { bounds, nominal: (start != 0.0).then_some(start.abs()), ..Details::default() };
         let index = self.list.len();
         let row = Row { start: Some(Value::Real(start)), details, ..Row::real(Causality::Input, unit) };
         self.push(name, description, Quantity::Input(index), row);

@@ -3,7 +3,7 @@ use super::MOST_DEPENDENCIES;
 use super::needs::{Cause, Needs, placed};
 use super::source::Source;
 use crate::mechanism::definition::Method;
-use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, OneElement, Output, Quantity, ReactionPart};
+use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, OneElement, Output, Quantity, ReactionPart, SmallMotion};
 use crate::variables::{Causality, Details, Kind, Reference, Unit, Value, Variability, Variable};
 
 /// Suffixes, descriptions (before the owner's name) and units of a coordinate and its two time derivatives.
@@ -215,6 +215,7 @@ fn bounds(quantity: Quantity) -> [Option<f64>; 2] {
         Quantity::Output(Output::Reaction { part: ReactionPart::Magnitude, .. } | Output::Kinetic) => [Some(0.0), None],
         Quantity::Output(Output::Impact { part: ImpactPart::Count | ImpactPart::Impulse, .. }) => [Some(0.0), None],
         Quantity::Output(Output::OneElement { term: OneElement::ReducedMass, .. }) => [Some(0.0), None],
+        Quantity::Output(Output::SmallMotion(SmallMotion::Eigenfrequency)) => [Some(0.0), None],
         _ => [None, None],
     }
 }

@@ -17,6 +17,9 @@ pub(super) fn add_force(b: &mut Builder, name: &str) {
 pub(super) fn add_inputs(b: &mut Builder) {
     let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
     b.input("valve.command".into(), &["Command of the valve from -1 to 1, positive to extend"], One, 0.0);
+    if let Some(command) = b.list.last_mut() {
+        command.details.bounds = [Some(-1.0), Some(1.0)];
+    }
     let text = ["Pressure of the supply, relative to the ambient pressure"];
     b.input("supply.pressure".into(), &text, Pascal, circuit.supply.pressure);
     let text = ["Pressure of the tank, relative to the ambient pressure"];

@@ -1,0 +1,425 @@
+//! Rules of the standard that a `modelDescription.xml` keeps beyond its schema (FMI 2.0.5, 2.2; FMI 3.0.2, 2.4).
+//!
+//! In: the text of the file, of FMI 2.0 or 3.0 and of any program. Out: a line for each rule that is broken. The rules
+//! are those that the formal model of FMI 2.0 in VDM checks, as far as they need no library.
+
+mod elements;
+
+use crate::xml::common::is_c_identifier;
+use elements::{Element, elements};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Kinds of variables whose start value is no number.
+const NO_NUMBERS: [&str; 6] = ["String", "Binary", "Clock", "Boolean", "Enumeration", "Independent"];
+/// Lists in which no two elements have the same value of an attribute.
+const UNIQUE: [(&str, &str, &str); 4] = [
+    ("LogCategories", "Category", "name"),
+    ("UnitDefinitions", "Unit", "name"),
+    ("TypeDefinitions", "", "name"),
+    ("ModelVariables", "", "name"),
+];
+
+/// A variable with the attributes of its type.
+struct Variable {
+    name: String,
+    kind: String,
+    all: BTreeMap<String, String>,
+}
+
+impl Variable {
+    fn get(&self, name: &str) -> &str {
+        self.all.get(name).map_or("", String::as_str)
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        self.all.get(name)?.trim().parse().ok()
+    }
+}
+
+/// What is read of a description.
+struct Rules {
+    elements: Vec<Element>,
+    variables: Vec<Variable>,
+    is_3: bool,
+    broken: Vec<String>,
+}
+
+/// The rules that this description breaks; none of a text that is no XML, which its reader reports.
+pub fn broken(xml: &str) -> Vec<String> {
+    let Some(elements) = elements(xml) else { return Vec::new() };
+    let is_3 = elements.first().is_some_and(|root| root.get("fmiVersion").starts_with('3'));
+    let mut variables: Vec<Variable> = Vec::new();
+    for element in &elements {
+        match &element.path[..] {
+            [list] if list == "ModelVariables" => {
+                let kind = if is_3 { element.name.clone() } else { String::new() };
+                variables.push(Variable {
+                    name: element.get("name").to_owned(),
+                    kind,
+                    all: element.attributes.clone(),
+                });
+            }
+            [list, scalar]
+                if list == "ModelVariables" && scalar == "ScalarVariable" && element.name != "Annotations" =>
+            {
+                if let Some(variable) = variables.last_mut() {
+                    variable.kind.clone_from(&element.name);
+                    variable.all.extend(element.attributes.clone());
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut rules = Rules { elements, variables, is_3, broken: Vec::new() };
+    rules.header();
+    rules.unique();
+    for index in 0..rules.variables.len() {
+        rules.variable(index);
+    }
+    rules.aliases();
+    rules.structure();
+    rules.broken
+}
+
+impl Rules {
+    fn in_list(&self, list: &str) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(move |element| element.path.len() == 1 && element.path[0] == list)
+    }
+
+    /// Root, kinds of simulation, default experiment.
+    fn header(&mut self) {
+        let token = if self.is_3 { "instantiationToken" } else { "guid" };
+        let mut broken = Vec::new();
+        for (index, element) in self.elements.iter().enumerate() {
+            if index == 0 && element.get(token).is_empty() {
+                broken.push(format!("{token} is empty"));
+            }
+            let identifier = element.get("modelIdentifier");
+            if element.path.is_empty()
+                && element.attributes.contains_key("modelIdentifier")
+                && !is_c_identifier(identifier)
+            {
+                broken.push(format!("modelIdentifier \"{identifier}\" is not a C identifier"));
+            }
+            if element.name == "DefaultExperiment" {
+                let [start, stop, tolerance, step] =
+                    ["startTime", "stopTime", "tolerance", "stepSize"].map(|name| element.number(name));
+                if let (Some(start), Some(stop)) = (start.or(Some(0.0)), stop)
+                    && stop < start
+                {
+                    broken.push(format!("the default experiment stops at {stop}, before its start at {start}"));
+                }
+                for (name, value) in [("tolerance", tolerance), ("stepSize", step)] {
+                    if value.is_some_and(|value| value <= 0.0) {
+                        broken.push(format!("{name} of the default experiment is not above 0"));
+                    }
+                }
+            }
+        }
+        self.broken.extend(broken);
+    }
+
+    fn unique(&mut self) {
+        let mut broken = Vec::new();
+        for (list, name, attribute) in UNIQUE {
+            let mut seen = BTreeSet::new();
+            let of_name = self.in_list(list).filter(|element| name.is_empty() || element.name == name);
+            for element in of_name.filter(|element| !seen.insert(element.get(attribute))) {
+                broken.push(format!("{list}: \"{}\" occurs twice", element.get(attribute)));
+            }
+        }
+        self.broken.extend(broken);
+    }
+
+    /// Causality, variability, initial, start, bounds, unit, type, derivative of one variable.
+    fn variable(&mut self, index: usize) {
+        let v = &self.variables[index];
+        let [causality, variability, initial] = ["causality", "variability", "initial"].map(|name| v.get(name));
+        let mut broken: Vec<String> = Vec::new();
+        let is_real = v.kind == "Real" || v.kind.starts_with("Float");
+        if variability == "continuous" && !is_real && causality != "independent" {
+            broken.push(format!("its kind {} cannot be continuous", v.kind));
+        }
+        let legal: &[&str] = match causality {
+            "parameter" | "calculatedParameter" | "structuralParameter" => &["fixed", "tunable"],
+            "input" => &["discrete", "continuous"],
+            "output" => &["constant", "discrete", "continuous"],
+            "independent" => &["continuous"],
+            _ => &["constant", "fixed", "tunable", "discrete", "continuous"],
+        };
+        if !variability.is_empty() && !legal.contains(&variability) {
+            broken.push(format!("causality {causality} with variability {variability}"));
+        }
+        let legal: &[&str] = match (causality, variability) {
+            ("input", _) if !self.is_3 => &[],
+            ("input", _) => &["exact", "approx", "calculated"],
+            ("independent", _) => &[],
+            ("parameter" | "structuralParameter", _) | (_, "constant") => &["exact"],
+            ("calculatedParameter", _) | (_, "fixed" | "tunable") => &["approx", "calculated"],
+            _ => &["exact", "approx", "calculated"],
+        };
+        if !initial.is_empty() && !legal.contains(&initial) {
+            broken.push(format!("causality {causality} and variability {variability} with initial {initial}"));
+        }
+        let needs_start = matches!(initial, "exact" | "approx")
+            || matches!(causality, "parameter" | "structuralParameter" | "input")
+            || variability == "constant";
+        let has_start = v.all.contains_key("start");
+        let elsewhere = matches!(v.kind.as_str(), "String" | "Binary" | "Clock");
+        if needs_start && !has_start && !elsewhere && !(self.is_3 && initial == "calculated") {
+            broken.push("has no start value".to_owned());
+        }
+        if has_start && (initial == "calculated" || causality == "independent") {
+            broken.push(format!(
+                "has a start value, but {} does not allow one",
+                if initial.is_empty() { causality } else { initial }
+            ));
+        }
+        let [least, most, nominal] = ["min", "max", "nominal"].map(|name| v.number(name));
+        if let (Some(least), Some(most)) = (least, most)
+            && most < least
+        {
+            broken.push(format!("max {most} is below min {least}"));
+        }
+        if nominal.is_some_and(|nominal| nominal <= 0.0) {
+            broken.push("nominal is not above 0".to_owned());
+        }
+        if !NO_NUMBERS.contains(&v.kind.as_str()) {
+            let outside =
+                |start: &f64| least.is_some_and(|least| *start < least) || most.is_some_and(|most| *start > most);
+            let starts = v.get("start").split_whitespace().filter_map(|text| text.parse().ok());
+            broken.extend(
+                starts.filter(outside).map(|start: f64| format!("the start value {start} is outside min and max")),
+            );
+        }
+        let [unit, display, declared] = ["unit", "displayUnit", "declaredType"].map(|name| v.get(name));
+        if !unit.is_empty() && !self.in_list("UnitDefinitions").any(|element| element.get("name") == unit) {
+            broken.push(format!("the unit {unit} has no definition"));
+        }
+        let of_unit = |element: &Element| element.name == "DisplayUnit" && element.of == unit;
+        let has_display = self.elements.iter().any(|element| of_unit(element) && element.get("name") == display);
+        if !display.is_empty() && declared.is_empty() && !has_display {
+            broken.push(format!("the unit {unit} has no display unit {display}"));
+        }
+        if !declared.is_empty() && !self.in_list("TypeDefinitions").any(|element| element.get("name") == declared) {
+            broken.push(format!("the type {declared} has no definition"));
+        }
+        if let Some(of) = v.all.get("derivative") {
+            let is_continuous = |other: &Variable| matches!(other.get("variability"), "" | "continuous");
+            match self.named(of) {
+                Some(other) if is_continuous(&self.variables[other]) => {}
+                _ => broken.push(format!("derivative {of} does not lead to a continuous variable")),
+            }
+        }
+        let name = v.name.clone();
+        self.broken.extend(broken.into_iter().map(|message| format!("{name}: {message}")));
+    }
+
+    /// Index of the variable to which an index of FMI 2.0 or a value reference of FMI 3.0 leads.
+    fn named(&self, text: &str) -> Option<usize> {
+        if self.is_3 {
+            return self.variables.iter().position(|variable| variable.get("valueReference") == text);
+        }
+        text.parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < self.variables.len())
+    }
+
+    /// Variables of one value reference: none in FMI 3.0; in FMI 2.0 of one kind, unit, and one that the host sets.
+    fn aliases(&mut self) {
+        let mut broken = Vec::new();
+        let mut groups: BTreeMap<(String, String), Vec<&Variable>> = BTreeMap::new();
+        for variable in &self.variables {
+            let kind = if self.is_3 { String::new() } else { variable.kind.clone() };
+            groups.entry((kind, variable.get("valueReference").to_owned())).or_default().push(variable);
+        }
+        for ((_, reference), group) in groups.iter().filter(|(_, group)| group.len() > 1) {
+            let names: Vec<&str> = group.iter().map(|variable| variable.name.as_str()).collect();
+            let units: BTreeSet<&str> = group.iter().map(|variable| variable.get("unit")).collect();
+            let set = group.iter().filter(|v| matches!(v.get("causality"), "parameter" | "input")).count();
+            let fault = match (self.is_3, units.len(), set) {
+                (true, ..) => "have the same value reference",
+                (_, 2.., _) => "are one variable, but have different units",
+                (.., 2..) => "are one variable, but a host sets more than one of them",
+                _ => continue,
+            };
+            broken.push(format!("{} {fault} {reference}", names.join(", ")));
+        }
+        self.broken.extend(broken);
+    }
+
+    /// The lists of `ModelStructure`: complete, no entry twice, dependencies that exist.
+    fn structure(&mut self) {
+        let mut broken = Vec::new();
+        let mut lists: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for element in &self.elements {
+            let list = match &element.path[..] {
+                [structure, list] if structure == "ModelStructure" && !self.is_3 => list.as_str(),
+                [structure] if structure == "ModelStructure" && self.is_3 => element.name.as_str(),
+                _ => continue,
+            };
+            let named = element.get(if self.is_3 { "valueReference" } else { "index" });
+            let Some(index) = self.named(named) else {
+                broken.push(format!("{list}: {named} does not lead to a variable"));
+                continue;
+            };
+            let name = &self.variables[index].name;
+            let listed = lists.entry(list).or_default();
+            if listed.contains(&index) {
+                broken.push(format!("{list}: {name} occurs twice"));
+            }
+            listed.push(index);
+            let dependencies: Vec<&str> = element.get("dependencies").split_whitespace().collect();
+            if let Some(unknown) = dependencies.iter().find(|text| self.named(text).is_none()) {
+                broken.push(format!("{list}: {name} depends on {unknown}, which does not lead to a variable"));
+            }
+            let kinds = element.get("dependenciesKind").split_whitespace().count();
+            if element.attributes.contains_key("dependenciesKind") && kinds != dependencies.len() {
+                broken.push(format!("{list}: {name} has {kinds} kinds of {} dependencies", dependencies.len()));
+            }
+        }
+        let of = |name: &str| lists.get(name).cloned().unwrap_or_default();
+        let [outputs, derivatives, initial] = if self.is_3 {
+            ["Output", "ContinuousStateDerivative", "InitialUnknown"].map(of)
+        } else {
+            ["Outputs", "Derivatives", "InitialUnknowns"].map(of)
+        };
+        let is_output = |v: &Variable| v.get("causality") == "output" && (!self.is_3 || v.kind != "Clock");
+        for (index, variable) in self.variables.iter().enumerate() {
+            let name = &variable.name;
+            if is_output(variable) != outputs.contains(&index) {
+                let lacks = if is_output(variable) { "is missing" } else { "is not an output" };
+                broken.push(format!("the outputs in ModelStructure: {name} {lacks}"));
+            }
+            let is_computed = matches!(variable.get("initial"), "approx" | "calculated");
+            let is_unknown = is_computed && (is_output(variable) || variable.get("causality") == "calculatedParameter");
+            if is_unknown && !initial.contains(&index) {
+                broken.push(format!("the initial unknowns in ModelStructure: {name} is missing"));
+            }
+            if variable.get("reinit") == "true" {
+                let is_state = derivatives
+                    .iter()
+                    .any(|d| self.named(self.variables[*d].get("derivative")).is_some_and(|state| state == index));
+                if !is_state {
+                    broken.push(format!("{name}: has reinit, but is not a continuous state"));
+                }
+            }
+        }
+        for index in derivatives.iter().filter(|index| self.variables[**index].get("derivative").is_empty()) {
+            broken.push(format!(
+                "the derivatives in ModelStructure: {} is the derivative of nothing",
+                self.variables[*index].name
+            ));
+        }
+        if !self.is_3 && !initial.is_sorted() {
+            broken.push("the initial unknowns in ModelStructure are not in ascending order".to_owned());
+        }
+        self.broken.extend(broken);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::Workspace;
+    use crate::xml::{fmi2, fmi3};
+    use fmu_cli::Naming;
+    use linkage_fmu::component::Component;
+
+    const SECOND: &str = "<fmiModelDescription fmiVersion=\"2.0\" guid=\"{1}\"><CoSimulation modelIdentifier=\"ab\"/>\
+        <UnitDefinitions><Unit name=\"rad\"><DisplayUnit name=\"deg\"/></Unit></UnitDefinitions>\
+        <TypeDefinitions><SimpleType name=\"t\"/></TypeDefinitions>\
+        <LogCategories><Category name=\"logAll\"/></LogCategories>\
+        <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"0.1\"/><ModelVariables>\
+        <ScalarVariable name=\"p\" valueReference=\"0\" causality=\"parameter\" variability=\"fixed\" initial=\"exact\">\
+        <Real min=\"0\" max=\"2\" start=\"1\"/></ScalarVariable>\
+        <ScalarVariable name=\"u\" valueReference=\"1\" causality=\"input\" variability=\"continuous\">\
+        <Real unit=\"rad\" displayUnit=\"deg\" nominal=\"1\" start=\"0\"/></ScalarVariable>\
+        <ScalarVariable name=\"y\" valueReference=\"2\" causality=\"output\" variability=\"continuous\" \
+        initial=\"calculated\"><Real derivative=\"2\"/></ScalarVariable>\
+        <ScalarVariable name=\"b\" valueReference=\"3\" causality=\"local\" variability=\"discrete\">\
+        <Enumeration declaredType=\"t\"/></ScalarVariable></ModelVariables><ModelStructure><Outputs>\
+        <Unknown index=\"3\" dependencies=\"2\" dependenciesKind=\"dependent\"/></Outputs><InitialUnknowns>\
+        <Unknown index=\"3\" dependencies=\"1 2\"/></InitialUnknowns></ModelStructure></fmiModelDescription>";
+    const THIRD: &str = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{1}\">\
+        <CoSimulation modelIdentifier=\"ab\"/><ModelVariables>\
+        <Float64 name=\"u\" valueReference=\"0\" causality=\"input\" start=\"0\"/>\
+        <Float64 name=\"y\" valueReference=\"1\" causality=\"output\" initial=\"calculated\"/>\
+        <Float64 name=\"time\" valueReference=\"2\" causality=\"independent\" variability=\"continuous\"/>\
+        </ModelVariables><ModelStructure><Output valueReference=\"1\" dependencies=\"0\"/>\
+        <InitialUnknown valueReference=\"1\"/></ModelStructure></fmiModelDescription>";
+
+    #[test]
+    fn each_rule_is_checked() {
+        assert_eq!(broken(SECOND), Vec::<String>::new());
+        for (old, new, said) in [
+            ("guid=\"{1}\"", "guid=\"\"", "guid is empty"),
+            ("modelIdentifier=\"ab\"", "modelIdentifier=\"a b\"", "\"a b\" is not a C identifier"),
+            ("stopTime=\"1\"", "stopTime=\"-1\"", "before its start"),
+            ("stepSize=\"0.1\"", "stepSize=\"0\"", "stepSize of the default experiment is not above 0"),
+            ("name=\"u\"", "name=\"p\"", "\"p\" occurs twice"),
+            ("<Category name=\"logAll\"/>", "<Category name=\"a\"/><Category name=\"a\"/>", "\"a\" occurs twice"),
+            (
+                "initial=\"exact\"",
+                "initial=\"calculated\"",
+                "p: causality parameter and variability fixed with initial",
+            ),
+            (
+                "variability=\"fixed\"",
+                "variability=\"continuous\"",
+                "p: causality parameter with variability continuous",
+            ),
+            ("variability=\"discrete\"", "variability=\"continuous\"", "b: its kind Enumeration cannot be continuous"),
+            (" start=\"1\"", "", "p: has no start value"),
+            ("<Real derivative=\"2\"/>", "<Real derivative=\"2\" start=\"1\"/>", "y: has a start value"),
+            ("max=\"2\"", "max=\"-2\"", "p: max -2 is below min 0"),
+            ("start=\"1\"", "start=\"3\"", "p: the start value 3 is outside min and max"),
+            ("nominal=\"1\"", "nominal=\"0\"", "u: nominal is not above 0"),
+            ("unit=\"rad\"", "unit=\"m\"", "u: the unit m has no definition"),
+            ("displayUnit=\"deg\"", "displayUnit=\"grad\"", "u: the unit rad has no display unit grad"),
+            ("declaredType=\"t\"", "declaredType=\"s\"", "b: the type s has no definition"),
+            ("derivative=\"2\"", "derivative=\"4\"", "y: derivative 4 does not lead to a continuous variable"),
+            ("valueReference=\"1\"", "valueReference=\"0\"", "p, u are one variable, but have different units 0"),
+            ("<Outputs><Unknown index=\"3\"", "<Outputs><Unknown index=\"2\"", "y is missing"),
+            (
+                "<Outputs><Unknown index=\"3\"",
+                "<Outputs><Unknown index=\"9\"",
+                "Outputs: 9 does not lead to a variable",
+            ),
+            ("dependencies=\"2\"", "dependencies=\"7\"", "y depends on 7, which does not lead to a variable"),
+            ("dependenciesKind=\"dependent\"", "dependenciesKind=\"\"", "y has 0 kinds of 1 dependencies"),
+            ("<Unknown index=\"3\" dependencies=\"1 2\"/>", "", "the initial unknowns in ModelStructure: y is missing"),
+            ("start=\"0\"/></Sc", "start=\"0\" reinit=\"true\"/></Sc", "u: has reinit, but is not a continuous state"),
+        ] {
+            assert!(SECOND.contains(old), "{old}");
+            let found = broken(&SECOND.replacen(old, new, 1));
+            assert!(found.iter().any(|line| line.contains(said)), "{said}: {found:?}");
+        }
+    }
+
+    /// The descriptions that are packed, of both versions, keep all rules.
+    #[test]
+    fn every_description_keeps_the_rules() {
+        for folder in Workspace::locate().description_folders().unwrap() {
+            let files = Component::definition_files().map(|file| (file, folder.join("resources").join(file)));
+            let (file, path) = files.into_iter().find(|(_, path)| path.is_file()).unwrap();
+            let component = Component::from_definition(file, &std::fs::read_to_string(path).unwrap()).unwrap();
+            for text in [fmi2::to_xml(&component, Naming::default()), fmi3::to_xml(&component, Naming::default())] {
+                assert_eq!(broken(&text.unwrap()), Vec::<String>::new(), "{}", folder.display());
+            }
+        }
+    }
+
+    #[test]
+    fn rules_hold_for_both_versions() {
+        assert_eq!(broken(THIRD), Vec::<String>::new());
+        for (old, new, said) in [
+            ("instantiationToken=\"{1}\"", "instantiationToken=\"\"", "instantiationToken is empty"),
+            ("valueReference=\"0\"", "valueReference=\"1\"", "u, y have the same value reference 1"),
+            ("<Output valueReference=\"1\"", "<Output valueReference=\"0\"", "y is missing"),
+            (" start=\"0\"", "", "u: has no start value"),
+        ] {
+            let found = broken(&THIRD.replacen(old, new, 1));
+            assert!(found.iter().any(|line| line.contains(said)), "{said}: {found:?}");
+        }
+        assert_eq!(broken("no XML <"), Vec::<String>::new());
+    }
+}
