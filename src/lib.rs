@@ -5,7 +5,7 @@
 //! reactions are tables over sigma. A step integrates sigma_ddot = sum of load sizes times influences.
 //!
 //! From low to high, where each layer uses only the layers before it: [`numerics`], [`codec`], [`variables`],
-//! [`format`], [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of
+//! [`mod@format`], [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of
 //! model; [`simulation`], its variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`],
 //! FMI 2.0; [`fmi3`], FMI 3.0.
 //!

@@ -16,7 +16,7 @@ const MOST_UPDATES: u64 = 100_000;
 /// the simulation is never asked for.
 ///
 /// With event mode and early return the step ends where a stop is met or lets go, if that comes first: then
-/// `*event_needed` is true, the state is that before the impact, and the next call is [`fmi3EnterEventMode`].
+/// `*event_needed` is true, the state is that before the impact, and the next call is `fmi3EnterEventMode`.
 ///
 /// With a callback for intermediate updates the step tells each of its internal steps within it, after which values can
 /// be read and none set, and ends where the callback asks for it, if early return is allowed. Steps that are read from

@@ -6,7 +6,7 @@
 use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::{env, fs};
 
 /// Environment variable that names another interpreter of Python.
@@ -15,6 +15,12 @@ const INTERPRETER: &str = "PYTHON";
 const STAMP: &str = "made-from.txt";
 /// First line of requirements that name all that is used: what they themselves ask for besides is left out.
 const COMPLETE: &str = "# complete";
+/// Lines of requirements that tell which packages scripts import, as an extra of the wheel has them, and how much all
+/// of them need on disk.
+const EXTRA: &str = "# extra ";
+const SIZE: &str = "# size: ";
+/// Ends with success if Python has the packages that it is called with.
+const HAS: &str = "import sys, importlib.metadata as m; [m.version(name) for name in sys.argv[1:]]";
 
 /// Run to the end.
 ///
@@ -42,7 +48,39 @@ pub fn demo(environments: &Path, scripts: &Path) -> Result<PathBuf> {
     environment(&environments.join("venv-demo"), &scripts.join("demo.txt"))
 }
 
-/// Interpreter of the environment in `folder` with these requirements, ready to use.
+/// Name of the extra of the wheel for these requirements, and the packages in it.
+fn extra(pinned: &str) -> Option<(&str, Vec<&str>)> {
+    let (name, packages) = pinned.lines().find_map(|line| line.strip_prefix(EXTRA))?.split_once(':')?;
+    Some((name, packages.split_whitespace().collect()))
+}
+
+/// Interpreter of the environment in which this program is installed, if it has the packages of the extra.
+fn beside(pinned: &str) -> Option<PathBuf> {
+    let (_, packages) = extra(pinned)?;
+    let name = if cfg!(windows) { "python.exe" } else { "python3" };
+    let python = env::current_exe().ok()?.with_file_name(name);
+    (python.is_file() && has(&python, &packages)).then_some(python)
+}
+
+fn has(python: &Path, packages: &[&str]) -> bool {
+    let mut command = Command::new(python);
+    command.args(["-c", HAS]).args(packages).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
+
+/// What is going to be installed, where, and how large it is.
+fn announcement(folder: &Path, pinned: &str) -> String {
+    let size = pinned.lines().find_map(|line| line.strip_prefix(SIZE));
+    let size = size.map_or_else(String::new, |size| format!("{size} on disk, "));
+    let instead = match extra(pinned) {
+        Some((name, _)) => format!("; `pip install \"linkage-fmu[{name}]\"` next to an installed program serves too"),
+        None => String::new(),
+    };
+    format!("creating the Python environment {}: {size}about half a minute, only once{instead}", folder.display())
+}
+
+/// Interpreter of an environment with these requirements, ready to use: that in which this program is installed, if it
+/// has their extra; else the one in `folder`, which is made if it is not there.
 ///
 /// # Errors
 /// There is no interpreter, it has no `venv`, or the requirements cannot be installed.
@@ -55,11 +93,14 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
         .filter(|name| !name.is_empty())
         .unwrap_or_else(|| OsString::from(if cfg!(windows) { "python" } else { "python3" }));
     let wanted = format!("{}\n{pinned}", interpreter.display());
+    if let Some(beside) = beside(&pinned) {
+        return Ok(beside);
+    }
     let stamp = folder.join(STAMP);
     if python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted) {
         return Ok(python);
     }
-    println!("creating the Python environment {}: about half a minute, only once", folder.display());
+    println!("{}", announcement(folder, &pinned));
     run(Command::new(&interpreter).args(["-m", "venv", "--clear"]).arg(folder), "python -m venv").context(format!(
         "{}: the virtual environment cannot be created; install Python 3.11 or later with venv (Debian: apt-get \
          install python3-venv), or give the path of an interpreter in {INTERPRETER}",
@@ -76,4 +117,34 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     run(&mut pip, "pip install")?;
     fs::write(&stamp, wanted).with_context(|| format!("{}: cannot be written", stamp.display()))?;
     Ok(python)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PINNED: &str = "# complete\n# extra plot: FMPy numpy\n# size: 230 MB\nFMPy==0.3.32\nnumpy==2.4.6\n";
+
+    #[test]
+    fn requirements_tell_their_extra_and_size() {
+        assert_eq!(extra(PINNED), Some(("plot", vec!["FMPy", "numpy"])));
+        assert_eq!(extra("numpy==2.4.6\n"), None);
+        let text = announcement(Path::new("venv"), PINNED);
+        assert_eq!(
+            text,
+            "creating the Python environment venv: 230 MB on disk, about half a minute, only once; `pip install \
+             \"linkage-fmu[plot]\"` next to an installed program serves too"
+        );
+        assert!(announcement(Path::new("venv"), "mkdocs==1\n").ends_with("venv: about half a minute, only once"));
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn an_interpreter_is_asked_for_packages() {
+        let python = Path::new("python3");
+        assert!(has(python, &[]));
+        assert!(!has(python, &["no-package-of-this-name"]));
+        assert!(!has(Path::new("no-interpreter-of-this-name"), &[]));
+        assert_eq!(beside(PINNED), None, "there is no interpreter next to a test");
+    }
 }

@@ -286,8 +286,8 @@ impl Rules {
         for (index, variable) in self.variables.iter().enumerate() {
             let name = &variable.name;
             if is_output(variable) != outputs.contains(&index) {
-                let lacks = if is_output(variable) { "is missing" } else { "is not an output" };
-                broken.push(format!("the outputs in ModelStructure: {name} {lacks}"));
+                let fault = if is_output(variable) { "is missing" } else { "is not an output" };
+                broken.push(format!("the outputs in ModelStructure: {name} {fault}"));
             }
             let is_computed = matches!(variable.get("initial"), "approx" | "calculated");
             let is_unknown = is_computed && (is_output(variable) || variable.get("causality") == "calculatedParameter");
