@@ -1,5 +1,7 @@
 //! The shared libraries of the FMUs: one for mechanisms, one for hydraulic models.
 
+pub mod sources;
+
 use crate::binary;
 use crate::command;
 use crate::workspace::{MECHANISM, Workspace};
@@ -104,7 +106,8 @@ pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Tar
     let path = artifact(&String::from_utf8_lossy(&output.stdout), library.name, extension).with_context(|| {
         format!("cargo build of {what} wrote no .{extension}; check that [lib] crate-type is cdylib")
     })?;
-    let content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let mut content = fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    sources::leave_out(&mut content, &sources::folder()?);
     binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
     Ok(content)
 }

@@ -52,3 +52,17 @@ def test_every_tab_is_drawn(study_page: Path, show: Show) -> None:
             " return found.size; }"
         )
         assert colours > 10, title
+
+
+def test_a_phone_and_a_dark_screen_show_it(study_page: Path, show: Show) -> None:
+    page = show(study_page, ready=READY).page
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.emulate_media(color_scheme="dark")
+    for title in TABS:
+        page.get_by_text(title, exact=True).first.click()
+        page.locator(".bk-Figure:visible").first.wait_for()
+        wide, narrow = page.evaluate(
+            "[document.scrollingElement.scrollWidth, document.scrollingElement.clientWidth]"
+        )
+        assert wide <= narrow, f"{title}: the page is {wide} pixels wide"
+    assert "invert" in page.evaluate("getComputedStyle(document.body).filter")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from conftest import CARGO, FMU_FOLDER, REPOSITORY
 from fmpy import read_csv, simulate_fmu, simulation
 from PIL import Image
 
+VERSION = tomllib.loads((REPOSITORY / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]["version"]
 Command = Callable[..., subprocess.CompletedProcess[str]]
 FAST = ["time", "crank.angle", "joint1.force", "actuator.length", "energy.drift", "retracted"]
 
@@ -105,6 +108,9 @@ def test_parquet_has_the_bits_of_the_csv(simulate: Command, fmu: Path, tmp_path:
         assert file.metadata.num_row_groups == groups
         table = file.read()
         assert tuple(table.column_names) == expected.dtype.names
+        units = json.loads(table.schema.metadata[b"linkage_fmu.units"])
+        assert (units["time"], units["crank.speed"]) == ("s", "rad/s")
+        assert table.schema.metadata[b"linkage_fmu.version"] == VERSION.encode()
         kinds = {str(field.type) for field in table.schema}
         assert kinds == {"double", "bool"}
         for column in table.column_names:

@@ -9,6 +9,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import pyarrow.parquet as parquet
 import pytest
 from conftest import CARGO, NAME, REPOSITORY
 
@@ -54,6 +55,13 @@ def test_saltellis_design_has_its_runs_and_its_indices(drawn: Path) -> None:
             assert total == pytest.approx(expected, abs=0.05)
         elif row["factor"] == "actuator.force":
             assert 0.8 < first < 1.05
+
+
+def test_the_table_states_units_and_seed(drawn: Path) -> None:
+    stated = parquet.read_schema(drawn / "runs.parquet").metadata
+    assert stated[b"linkage_fmu.seed"] == b"3"
+    units = json.loads(stated[b"linkage_fmu.units"])
+    assert (units["actuator.force"], units["retraction"]) == ("N", "s")
 
 
 def test_the_pictures_are_there_and_the_page_loads_nothing(drawn: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from bokeh.embed import file_html
 from bokeh.layouts import column, gridplot
+from bokeh.layouts import row as side_by_side
 from bokeh.models import ColorBar, ColumnDataSource, Div, HoverTool, LinearColorMapper, TabPanel, Tabs, Whisker
 from bokeh.models.ui import UIElement
 from bokeh.plotting import figure
@@ -15,6 +16,21 @@ BLUE, ORANGE, RED, GREY = "#2f6db3", "#d9822b", "#b3392f", "#c4c9cf"
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 MOST = 8
 """Columns of a scatter matrix."""
+NARROW = 300
+"""Least width of a plot that may take the width of the page [px]: that of a small phone, without its margins."""
+TEMPLATE = """
+{% block preamble %}
+    <meta name="viewport" content="width=device-width, initial-scale=1">
+    <style>
+      body { padding: 8px }
+      @media (prefers-color-scheme: dark) {
+        html { background: #16181b }
+        body { filter: invert(0.91) hue-rotate(180deg) }
+      }
+    </style>
+{% endblock %}
+"""
+"""A page for screens of any width; white becomes dark where the reader prefers that, and colours stay."""
 
 
 def html(results: Results) -> str:
@@ -31,7 +47,21 @@ def html(results: Results) -> str:
     name = results.plan["name"]
     text = f"{results.runs} runs, {results.failed} failed. Units are SI."
     head = Div(text=text, styles={"font-family": "system-ui, sans-serif", "font-size": "14px"})
-    return file_html(column(head, tabs), INLINE, f"Study {name}")
+    tabs.sizing_mode = "stretch_width"
+    whole = column(head, tabs, sizing_mode="stretch_width")
+    return file_html(whole, INLINE, f"Study {name}", template=TEMPLATE)
+
+
+def wrapped(plots: list[figure]) -> UIElement:
+    """Plots side by side, in as many rows as the page is narrow."""
+    for own in plots:
+        own.max_width, own.min_width, own.sizing_mode = own.width, min(own.width, NARROW), "scale_width"
+    return side_by_side(*plots, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
+
+
+def matrix(rows: list[list[figure]]) -> UIElement:
+    """Plots in rows and columns; the reader moves them sideways where the page is too narrow."""
+    return column(gridplot(rows, merge_tools=True), styles={"overflow-x": "auto"}, sizing_mode="stretch_width")
 
 
 def plot(x: str, y: str, width: int = 300, height: int = 240, tools: str = TOOLS) -> figure:
@@ -64,7 +94,7 @@ def main_effects(results: Results) -> UIElement | None:
             own.add_tools(HoverTool(renderers=[points], tooltips=tips))
             row.append(own)
         rows.append(row)
-    return gridplot(rows, merge_tools=True)
+    return matrix(rows)
 
 
 def scatter_matrix(results: Results) -> UIElement | None:
@@ -92,7 +122,7 @@ def scatter_matrix(results: Results) -> UIElement | None:
             row.append(own)
         if row:
             rows.append(row)
-    return gridplot(rows, merge_tools=True)
+    return matrix(rows)
 
 
 def distributions(results: Results) -> UIElement:
@@ -111,7 +141,7 @@ def distributions(results: Results) -> UIElement:
         own.title.text = f"mean {values.mean():.6g}, deviation {values.std():.3g}; lines: 1 %, 50 %, 99 %"
         own.title.text_font_size = "9pt"
         plots.append(own)
-    return gridplot(plots, ncols=3, merge_tools=True)
+    return wrapped(plots)
 
 
 def response_surfaces(results: Results) -> UIElement | None:
@@ -132,7 +162,7 @@ def response_surfaces(results: Results) -> UIElement | None:
         own.add_layout(ColorBar(color_mapper=mapper), "right")
         own.title.text, own.title.text_font_size = f"{name}: {surface.how}", "8pt"
         plots.append(own)
-    return gridplot(plots, ncols=3, merge_tools=True) if plots else None
+    return wrapped(plots) if plots else None
 
 
 def sobol_indices(results: Results) -> UIElement | None:
@@ -163,7 +193,7 @@ def sobol_indices(results: Results) -> UIElement | None:
         own.yaxis.major_label_overrides = dict(zip(places, indices.names, strict=True))
         own.legend.location = "bottom_right"
         plots.append(own)
-    return gridplot(plots, ncols=3, merge_tools=True) if plots else None
+    return wrapped(plots) if plots else None
 
 
 def progress(results: Results) -> UIElement | None:
@@ -181,4 +211,4 @@ def progress(results: Results) -> UIElement | None:
             results.numbers[kept], best.accumulate(y[kept]), mode="after", color=RED, line_width=2, legend_label="best"
         )
     own.add_tools(HoverTool(tooltips=[("evaluation", "@x"), (name, "@y{0.000000}")]))
-    return own
+    return wrapped([own])

@@ -8,6 +8,7 @@ mod test;
 
 use crate::binary::Binary;
 use crate::fmu::Fmu;
+use crate::library::sources;
 use crate::needs::{self, Needs};
 use crate::version::Version;
 use crate::workspace::{INSTALLED, Workspace};
@@ -109,7 +110,7 @@ fn build(workspace: &Workspace, stage: &Path, glibc: Option<&str>) -> Result<Pat
     if let Some(glibc) = glibc {
         maturin.args(["--zig", "--target", platform::own_triple()?, "--compatibility"]);
         maturin.arg(format!("manylinux_{}", glibc.replace('.', "_")));
-        maturin.env("PATH", platform::path_with_zig(workspace)?);
+        maturin.env("PATH", platform::path_with_zig(workspace)?).envs([sources::variable()?]);
     }
     command::run(&mut maturin, "maturin build")?;
     let entries = fs::read_dir(&out).with_context(|| format!("{}: cannot be listed", out.display()))?;
@@ -159,6 +160,24 @@ fn promise(name: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The extras of the wheel name the packages that scripts import, from the version on that is pinned for them.
+    #[test]
+    fn extras_are_the_requirements_of_the_scripts() {
+        let workspace = Workspace::locate();
+        let settings = fs::read_to_string(workspace.wheel().join("pyproject.toml")).unwrap();
+        for (name, file) in [("plot", "demo.txt"), ("studies", "study.txt"), ("cluster", "cluster.txt")] {
+            let pinned = fs::read_to_string(workspace.python_scripts().join(file)).unwrap();
+            let packages = pinned.lines().find_map(|line| line.strip_prefix(&format!("# extra {name}: "))).unwrap();
+            let version = |package: &str| {
+                let of = |line: &str| line.strip_prefix(&format!("{package}==")).map(str::to_owned);
+                pinned.lines().find_map(of).unwrap_or_else(|| panic!("{file}: no {package}"))
+            };
+            let stated = packages.split(' ').map(|package| format!("\"{package}>={}\"", version(package)));
+            let line = format!("{name} = [{}]", stated.collect::<Vec<_>>().join(", "));
+            assert!(settings.contains(&line), "pyproject.toml: no line {line}");
+        }
+    }
 
     #[test]
     fn a_name_promises_a_glibc() {

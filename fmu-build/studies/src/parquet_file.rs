@@ -7,9 +7,11 @@
 use anyhow::Result;
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{EnabledStatistics, WriterProperties};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types;
+use serde_json::{Map, Value};
 use std::fs::File;
 use std::sync::Arc;
 
@@ -36,11 +38,23 @@ pub struct Table {
 }
 
 impl Table {
-    /// Begin the file with these columns, which are empty yet.
+    /// Begin the file with these columns, which are empty yet. Its metadata has the version of the program, the units
+    /// of columns as an object of JSON, and the seed of the samples if there is one.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn begin<'a>(file: File, columns: impl Iterator<Item = (&'a str, Values)>) -> Result<Self> {
+    pub fn begin<'a>(
+        file: File,
+        columns: impl Iterator<Item = (&'a str, Values)>,
+        units: Map<String, Value>,
+        seed: Option<u64>,
+    ) -> Result<Self> {
+        let stated = [
+            Some(("linkage_fmu.version", env!("CARGO_PKG_VERSION").to_owned())),
+            Some(("linkage_fmu.units", Value::Object(units).to_string())),
+            seed.map(|seed| ("linkage_fmu.seed", seed.to_string())),
+        ];
+        let metadata = stated.into_iter().flatten().map(|(key, value)| KeyValue::new(key.to_owned(), value)).collect();
         let (names, columns): (Vec<_>, Vec<_>) = columns.unzip();
         let fields = names.into_iter().zip(&columns).map(|(name, values)| {
             let (of, logical) = match values {
@@ -58,6 +72,7 @@ impl Table {
             .set_compression(Compression::UNCOMPRESSED)
             .set_dictionary_enabled(false)
             .set_statistics_enabled(EnabledStatistics::None)
+            .set_key_value_metadata(Some(metadata))
             .build();
         Ok(Self { file: SerializedFileWriter::new(file, schema, Arc::new(properties))?, columns })
     }

@@ -22,7 +22,9 @@ impl Format for Parquet {
         };
         let time = ("time", Values::Numbers(Vec::with_capacity(capacity)));
         let all = std::iter::once(time).chain(columns.iter().map(|column| (&*column.name, values(column))));
-        Ok(Self { table: Table::begin(file, all)?, rows: 0 })
+        let unit = |column: &Column| Some((column.name.clone(), column.unit?.name().into()));
+        let units = std::iter::once(("time".to_owned(), "s".into())).chain(columns.iter().filter_map(unit)).collect();
+        Ok(Self { table: Table::begin(file, all, units, None)?, rows: 0 })
     }
 
     fn write(&mut self, rows: &[f64]) -> Result<()> {

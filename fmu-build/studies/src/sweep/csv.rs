@@ -14,7 +14,7 @@ pub struct Csv {
 }
 
 impl Format for Csv {
-    fn begin(file: File, columns: &[Column]) -> Result<Self> {
+    fn begin(file: File, columns: &[Column], _: Option<u64>) -> Result<Self> {
         let mut file = csv::Writer::from_writer(BufWriter::new(file));
         let [run, failed, message] = OWN;
         let names = columns.iter().map(|column| column.name.as_str());

@@ -11,7 +11,7 @@ use anyhow::{Context, Result, bail};
 use fmu_build::start_values::{find, most_together, set_reals};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
-use linkage_fmu::variables::{Causality, Kind, Reference};
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit};
 use statrs::distribution::ContinuousCDF;
 use statrs::statistics::Distribution;
 use std::path::Path;
@@ -43,6 +43,8 @@ pub struct Factor {
     pub reference: Reference,
     /// Its kind: Real, Boolean or String.
     pub kind: Kind,
+    /// Its unit.
+    pub unit: Option<Unit>,
     /// The texts of a String, which stand for their indices.
     pub texts: Vec<String>,
     source: Source,
@@ -341,9 +343,9 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
 /// No parameter or input has this name.
 pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
     let reference = settable(key, name, "a factor must be a parameter or an input", model)?;
-    let kind = model.interface().list()[reference as usize].kind;
-    let source = Source::List(Vec::new());
-    Ok(Factor { name: name.to_owned(), reference, kind, texts: Vec::new(), source })
+    let variable = &model.interface().list()[reference as usize];
+    let (kind, unit, source) = (variable.kind, variable.unit, Source::List(Vec::new()));
+    Ok(Factor { name: name.to_owned(), reference, kind, unit, texts: Vec::new(), source })
 }
 
 /// The parameter or input of this name.

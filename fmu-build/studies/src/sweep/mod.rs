@@ -128,10 +128,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         return Ok(Outcome::Interrupted);
     }
     let csv = arguments.csv.then(|| out.join(CSV));
+    let seed = study.definition.sampling.map(|sampling| sampling.seed);
     let Unusual { failed, remarked, first } =
-        results::write(&mut journal, &study.cut, &columns, &out.join(PARQUET), csv.as_deref()).with_context(|| {
-            format!("{}: all runs are complete; --resume writes the results", out.join(JOURNAL).display())
-        })?;
+        results::write(&mut journal, &study.cut, (&columns, seed), &out.join(PARQUET), csv.as_deref()).with_context(
+            || format!("{}: all runs are complete; --resume writes the results", out.join(JOURNAL).display()),
+        )?;
     let summary = Summary { identity, runs: study.design.runs(), failed };
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
     journal.remove()?;

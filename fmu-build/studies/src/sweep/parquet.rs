@@ -18,7 +18,7 @@ pub struct Parquet {
 }
 
 impl Format for Parquet {
-    fn begin(file: File, columns: &[Column]) -> Result<Self> {
+    fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self> {
         let [run, failed, message] = OWN;
         let of = |content: &Content| match content {
             Content::Number => Values::Numbers(Vec::new()),
@@ -28,7 +28,9 @@ impl Format for Parquet {
         let own = columns.iter().map(|column| (column.name.as_str(), of(&column.content)));
         let all = std::iter::once((run, Values::Whole(Vec::new()))).chain(own);
         let all = all.chain([(failed, Values::Truths(Vec::new())), (message, Values::Texts(Vec::new()))]);
-        let table = Table::begin(file, all)?;
+        let with_unit = columns.iter().filter(|column| !column.unit.is_empty());
+        let units = with_unit.map(|column| (column.name.clone(), column.unit.clone().into())).collect();
+        let table = Table::begin(file, all, units, seed)?;
         let contents = columns.iter().map(|column| column.content.clone()).collect();
         let most_rows = (VALUES / table.columns.len()).clamp(1, MOST_ROWS);
         Ok(Self { table, contents, rows: 0, most_rows })

@@ -10,7 +10,7 @@ use fmu_build::run::signals::is_close;
 use fmu_build::start_values::find;
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::numerics::decimal::Decimal;
-use linkage_fmu::variables::{Kind, Reference};
+use linkage_fmu::variables::{Kind, Reference, Unit};
 
 /// A variable that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +67,8 @@ pub struct Responses {
     pub events: Vec<Event>,
     /// Names of the columns.
     pub columns: Vec<String>,
+    /// Their units; empty where there is none.
+    pub units: Vec<String>,
 }
 
 /// The instants that the responses of a study name [s].
@@ -102,7 +104,7 @@ impl Responses {
     /// A name that no variable has, a response of no or of several kinds, one that needs communication instants where
     /// the scenario has none, an instant after the end.
     pub fn new(study: &Definition, scenario: &Scenario, model: &Component) -> Result<Self> {
-        let mut all = Self { list: Vec::new(), events: Vec::new(), columns: Vec::new() };
+        let mut all = Self { list: Vec::new(), events: Vec::new(), columns: Vec::new(), units: Vec::new() };
         for (name, stated) in study.responses.iter() {
             let key = format!("responses.{name}");
             if name.is_empty() || name.chars().any(char::is_control) {
@@ -148,7 +150,8 @@ impl Responses {
         if !scenario.is_sampled && !matches!(kind, "event" | "final" | "course") {
             bail!("{key}: needs communication steps of a known size; add scenario.output_interval");
         }
-        let mut names = vec![name.to_owned()];
+        let unit = of.unit.map_or("", Unit::name);
+        let mut names = vec![(name.to_owned(), unit.to_owned())];
         let measure = match kind {
             "event" => {
                 let event = event(&key, variable, model)?;
@@ -156,27 +159,33 @@ impl Responses {
                 if known.is_none() {
                     self.events.push(event);
                 }
+                names[0].1 = Unit::Second.name().to_owned();
                 Measure::Event(known.unwrap_or(self.events.len() - 1))
             }
             "final" => Measure::Final,
             "maximum" | "minimum" => {
-                names.push(format!("{name}.time"));
+                names.push((format!("{name}.time"), Unit::Second.name().to_owned()));
                 Measure::Extreme(if kind == "maximum" { 1.0 } else { -1.0 })
             }
-            "integral" => Measure::Integral,
+            "integral" => {
+                names[0].1 = if matches!(unit, "" | "1") { "s".to_owned() } else { format!("{unit}.s") };
+                Measure::Integral
+            }
             "root_mean_square" => Measure::RootMeanSquare,
             _ => {
                 let times = times.clone().unwrap_or_default();
                 if let Some(late) = times.iter().find(|time| **time > scenario.stop()) {
                     bail!("{key}: the instant {late} s is after the end of the run at {} s", scenario.stop());
                 }
-                names = times.iter().map(|time| format!("{name}@{}", Decimal(*time))).collect();
+                names = times.iter().map(|time| (format!("{name}@{}", Decimal(*time)), unit.to_owned())).collect();
                 Measure::Course(times)
             }
         };
         let observed = Observed { reference, is_boolean: of.kind == Kind::Boolean };
         self.list.push(Response { observed, measure, column: self.columns.len() });
+        let (names, units): (Vec<_>, Vec<_>) = names.into_iter().unzip();
         self.columns.extend(names);
+        self.units.extend(units);
         Ok(())
     }
 

@@ -30,15 +30,17 @@ pub struct Column {
     pub name: String,
     /// What it holds.
     pub content: Content,
+    /// Its unit; empty where it has none.
+    pub unit: String,
 }
 
 /// A format of tables. A row has the number of the run, the values of the columns, whether it failed, and a remark.
 pub trait Format: Sized {
-    /// Begin the file.
+    /// Begin the file; `seed`: of the samples.
     ///
     /// # Errors
     /// It cannot be written.
-    fn begin(file: File, columns: &[Column]) -> Result<Self>;
+    fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self>;
     /// Add a row.
     ///
     /// # Errors
@@ -65,10 +67,11 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
             Kind::Boolean => Content::Truth,
             Kind::Enumeration => Content::Text(factor.texts.clone()),
         };
-        Column { name: factor.name.clone(), content }
+        let unit = factor.unit.map_or(String::new(), |unit| unit.name().to_owned());
+        Column { name: factor.name.clone(), content, unit }
     });
-    let responses = task.responses.columns.iter();
-    let responses = responses.map(|name| Column { name: name.clone(), content: Content::Number });
+    let responses = task.responses.columns.iter().cloned().zip(task.responses.units.iter().cloned());
+    let responses = responses.map(|(name, unit)| Column { name, content: Content::Number, unit });
     let all: Vec<Column> = factors.chain(responses).collect();
     for (index, column) in all.iter().enumerate() {
         if all[..index].iter().any(|other| other.name == column.name) || OWN.contains(&&*column.name) {
@@ -109,12 +112,12 @@ impl Unusual {
 pub fn write(
     journal: &mut Journal,
     cut: &Cut,
-    columns: &[Column],
+    (columns, seed): (&[Column], Option<u64>),
     parquet: &Path,
     csv: Option<&Path>,
 ) -> Result<Unusual> {
-    let mut parquet = Partial::<Parquet>::begin(parquet, columns)?;
-    let mut csv = csv.map(|path| Partial::<Csv>::begin(path, columns)).transpose()?;
+    let mut parquet = Partial::<Parquet>::begin(parquet, columns, seed)?;
+    let mut csv = csv.map(|path| Partial::<Csv>::begin(path, columns, seed)).transpose()?;
     let (mut next, mut unusual) = (0, Unusual::default());
     journal.replay(|chunk, bytes| {
         let runs = cut.runs_of(chunk);
@@ -159,13 +162,13 @@ impl<F: Format> Partial<F> {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn begin(path: &Path, columns: &[Column]) -> Result<Self> {
+    pub fn begin(path: &Path, columns: &[Column], seed: Option<u64>) -> Result<Self> {
         let mut partial = path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = Unfinished(PathBuf::from(partial));
         let shown = || partial.0.display();
         let file = File::create(&partial.0).with_context(|| format!("{}: cannot be made", shown()))?;
-        let format = F::begin(file, columns).with_context(|| format!("{}: cannot be written", shown()))?;
+        let format = F::begin(file, columns, seed).with_context(|| format!("{}: cannot be written", shown()))?;
         Ok(Self { format, path: path.to_path_buf(), partial })
     }
 

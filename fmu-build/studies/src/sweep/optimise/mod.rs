@@ -125,7 +125,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let problem = Problem { limits: goal.limits(), start: space.nearest(&present), evaluations, seed };
     let mut found = Found::default();
     let why = look(workspace, &task, &stated.component, &goal, (&space, &present, &problem), arguments, &mut found)?;
-    write_table(&out, arguments.csv, &columns, &found)?;
+    write_table(&out, arguments.csv, (&columns, seed), &found)?;
     let Some(best) = found.best else {
         let reason = found.all.iter().map(|(evaluation, _)| &*evaluation.message).find(|message| !message.is_empty());
         bail!(
@@ -155,7 +155,7 @@ fn columns_of(task: &Task) -> Result<Vec<Column>> {
     if all.iter().any(|column| column.name == VIOLATION) {
         bail!("responses.{VIOLATION}: the results already have a column of this name; rename the response");
     }
-    all.push(Column { name: VIOLATION.to_owned(), content: Content::Number });
+    all.push(Column { name: VIOLATION.to_owned(), content: Content::Number, unit: String::new() });
     Ok(all)
 }
 
@@ -205,9 +205,9 @@ fn look(
 }
 
 /// Write all evaluations in the order in which they were asked for.
-fn write_table(out: &Path, with_csv: bool, columns: &[Column], found: &Found) -> Result<()> {
-    let mut parquet = Partial::<Parquet>::begin(&out.join(PARQUET), columns)?;
-    let mut csv = with_csv.then(|| Partial::<Csv>::begin(&out.join(CSV), columns)).transpose()?;
+fn write_table(out: &Path, with_csv: bool, (columns, seed): (&[Column], u64), found: &Found) -> Result<()> {
+    let mut parquet = Partial::<Parquet>::begin(&out.join(PARQUET), columns, Some(seed))?;
+    let mut csv = with_csv.then(|| Partial::<Csv>::begin(&out.join(CSV), columns, Some(seed))).transpose()?;
     for ((evaluation, worth), number) in found.all.iter().zip(0..) {
         let Evaluation { point, responses, is_failure, message } = evaluation;
         let violation = worth.as_ref().map_or(f64::NAN, Worth::violation);
