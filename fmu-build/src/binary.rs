@@ -3,6 +3,8 @@
 //! In: a platform's name and a file. Out: the file's bytes, after a look whether it is a library of that platform with
 //! the functions of FMI in it.
 
+mod universal;
+
 use crate::archive::Entry;
 use crate::files;
 use crate::library::SharedLibrary;
@@ -22,6 +24,8 @@ const FUNCTION_3: &str = "fmi3InstantiateCoSimulation";
 
 /// Linux on ARM. FMI 2.0 has no name of its own for it: since 2.0.4 the one of FMI 3.0 stands.
 pub const ARM_LINUX: &str = "aarch64-linux";
+/// macOS, on both processors.
+pub const MAC: &str = "darwin64";
 /// The folder in which importers of FMI 2.0 look on every 64-bit Linux if they know no processor but x86_64.
 pub const COMPATIBLE: &str = "linux64";
 
@@ -81,7 +85,7 @@ const PLATFORMS: [Platform; 7] = [
     },
     // Importers look here on both kinds of processors.
     Platform {
-        name: "darwin64",
+        name: MAC,
         tuples: &["x86_64-darwin", "aarch64-darwin"],
         extension: "dylib",
         format: BinaryFormat::MachO,
@@ -139,6 +143,22 @@ impl Binary {
     /// The same library in the folder [`COMPATIBLE`] of an FMU of FMI 2.0.
     pub fn compatible(self) -> Self {
         Self { folder: COMPATIBLE, ..self }
+    }
+
+    /// Whether both have one path in an FMU.
+    pub fn shares_file(&self, other: &Self) -> bool {
+        self.folder == other.folder && self.library == other.library
+    }
+
+    /// Put the library of another processor of macOS into the same file.
+    ///
+    /// # Errors
+    /// One of the two is none of macOS.
+    pub fn join(&mut self, other: Self) -> Result<()> {
+        if self.content != other.content {
+            self.content = universal::file(&[&self.content, &other.content])?;
+        }
+        Ok(())
     }
 
     /// Name of its platform, or of the one in whose folder it lies.

@@ -36,6 +36,7 @@ mod shared;
 pub mod source;
 mod ssp;
 pub mod start_values;
+mod static_library;
 pub mod task;
 pub mod test;
 pub mod validate;

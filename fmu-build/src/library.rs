@@ -112,8 +112,8 @@ pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Tar
     Ok(content)
 }
 
-/// The shared library among Cargo's messages, one JSON object a line.
-fn artifact(messages: &str, name: &str, extension: &str) -> Option<PathBuf> {
+/// The library of this name and extension among Cargo's messages, one JSON object a line.
+pub fn artifact(messages: &str, name: &str, extension: &str) -> Option<PathBuf> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str::<Value>(line).ok())

@@ -9,6 +9,7 @@ use crate::check::Checked;
 use crate::documentation::{Extent, RESULTS, Subject};
 use crate::library::SharedLibrary;
 use crate::source::{self, Companions, Source};
+use crate::static_library::{self, StaticLibrary};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, fmi3, terminals};
@@ -41,6 +42,8 @@ struct Common<'a> {
     workspace: &'a Workspace,
     /// The libraries, for each platform and each kind of model that is packed.
     binaries: Vec<Binary>,
+    /// The static libraries.
+    statics: Vec<StaticLibrary>,
     extent: Extent,
     /// Whether tables are packed.
     tables: bool,
@@ -93,13 +96,16 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     if !refused.is_empty() {
         bail!("nothing was packed: {}", refused.join("\n"));
     }
-    let mut needed: Vec<&SharedLibrary> = Vec::new();
+    let mut needed: Vec<&'static SharedLibrary> = Vec::new();
     for library in prepared.iter().map(|fmu| library::of(fmu.component.definition_file())) {
         if !needed.contains(&library) {
             needed.push(library);
         }
     }
     let binaries = libraries(workspace, arguments, &needed)?;
+    let pairs = arguments.statics.iter().flat_map(|target| needed.iter().map(move |library| (target, *library)));
+    let statics = pairs.map(|(target, library)| StaticLibrary::build(workspace, library, target));
+    let statics = statics.collect::<Result<Vec<_>>>()?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
     files::make_folder(&out, "--out")?;
     let interfaces: HashMap<_, _> =
@@ -111,7 +117,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         Fmi::Both => &[Version::Two, Version::Three],
     };
     let tables = !arguments.no_tables;
-    let common = Common { workspace, binaries, extent, tables, versions, naming: arguments.naming, out };
+    let common = Common { workspace, binaries, statics, extent, tables, versions, naming: arguments.naming, out };
     let mut paths = Vec::new();
     for fmu in prepared {
         paths.extend(pack(&common, fmu)?);
@@ -252,6 +258,13 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
                 println!("{file}: the library for {platform} is left out, because it has no functions of FMI 3.0");
             }
             entries.extend(libraries);
+        }
+        let statics: Vec<_> = common.statics.iter().filter(|other| other.library == library::of(file)).collect();
+        for library in &statics {
+            entries.push(library.entry(version, &fmu.name)?);
+        }
+        if !statics.is_empty() {
+            entries.push(static_library::page(&statics, version, &fmu.name));
         }
         archive::write(&path, entries)?;
         let size = fs::metadata(&path)?.len().div_ceil(1024);

@@ -3,8 +3,8 @@
 //!
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
-use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
-use crate::library::{self, SharedLibrary, Target};
+use crate::binary::{ARM_LINUX, Binary, COMPATIBLE, MAC};
+use crate::library::{self, SharedLibrary, Target, sources};
 use crate::needs::{self, Needs};
 use crate::package::Arguments;
 use crate::workspace::Workspace;
@@ -24,10 +24,10 @@ struct Toolchain {
     folder: &'static str,
     triple: &'static str,
     extension: &'static str,
-    linker: &'static str,
-    /// Package of Debian that has the linker.
-    linker_package: &'static str,
-    /// How Debian gives Rust's standard library to its own Rust, where it does.
+    /// The linker, and the package of Debian that has it; none where zig links.
+    linker: Option<(&'static str, &'static str)>,
+    /// How Debian gives Rust's standard library to its own Rust, where it does. Debian 12 has a recent Rust under the
+    /// names of a browser's (rustc-web): its package rust-src is of Rust 1.63.
     debian: &'static str,
 }
 
@@ -36,9 +36,8 @@ const X86_LINUX: Toolchain = Toolchain {
     folder: "linux64",
     triple: "x86_64-unknown-linux-gnu",
     extension: "so",
-    linker: "x86_64-linux-gnu-gcc",
-    linker_package: "gcc-x86-64-linux-gnu",
-    debian: " (with Debian's own Rust: apt-get install libstd-rust-dev:amd64)",
+    linker: Some(("x86_64-linux-gnu-gcc", "gcc-x86-64-linux-gnu")),
+    debian: " (with Debian's own rustc-web: apt-get install libstd-rust-web-dev:amd64)",
 };
 
 const X86_WINDOWS: Toolchain = Toolchain {
@@ -46,9 +45,8 @@ const X86_WINDOWS: Toolchain = Toolchain {
     folder: "win64",
     triple: "x86_64-pc-windows-gnu",
     extension: "dll",
-    linker: "x86_64-w64-mingw32-gcc",
-    linker_package: "gcc-mingw-w64-x86-64",
-    debian: " (with Debian's own Rust: apt-get install rust-src, and RUSTC_BOOTSTRAP=1)",
+    linker: Some(("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64")),
+    debian: " (with Debian's own rustc-web: apt-get install rust-web-src, and RUSTC_BOOTSTRAP=1)",
 };
 
 const ARM: Toolchain = Toolchain {
@@ -56,10 +54,20 @@ const ARM: Toolchain = Toolchain {
     folder: ARM_LINUX,
     triple: "aarch64-unknown-linux-gnu",
     extension: "so",
-    linker: "aarch64-linux-gnu-gcc",
-    linker_package: "gcc-aarch64-linux-gnu",
-    debian: " (with Debian's own Rust: dpkg --add-architecture arm64, apt-get install libstd-rust-dev:arm64)",
+    linker: Some(("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")),
+    debian: " (with Debian's own rustc-web: dpkg --add-architecture arm64, apt-get install libstd-rust-web-dev:arm64)",
 };
+
+const X86_MAC: Toolchain = Toolchain {
+    tuple: "x86_64-darwin",
+    folder: MAC,
+    triple: "x86_64-apple-darwin",
+    extension: "dylib",
+    linker: None,
+    debian: "",
+};
+
+const ARM_MAC: Toolchain = Toolchain { tuple: "aarch64-darwin", triple: "aarch64-apple-darwin", ..X86_MAC };
 
 impl Toolchain {
     fn is_linux(&self) -> bool {
@@ -72,6 +80,8 @@ fn toolchain(platform: Platform) -> &'static Toolchain {
         Platform::X86Linux => &X86_LINUX,
         Platform::X86Windows => &X86_WINDOWS,
         Platform::ArmLinux => &ARM,
+        Platform::X86Mac => &X86_MAC,
+        Platform::ArmMac => &ARM_MAC,
     }
 }
 
@@ -101,6 +111,8 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
         return Ok(vec![library::platform()?]);
     }
     let mut folders: Vec<_> = wanted.iter().map(|toolchain| toolchain.folder).collect();
+    // One file of macOS holds the libraries of both processors.
+    folders.dedup();
     if arguments.compatible {
         let Some(arm) = folders.iter_mut().find(|folder| **folder == ARM_LINUX) else {
             bail!(
@@ -169,7 +181,7 @@ pub fn build(
         bail!("nothing was packed: {}{more}", missing.join("\n"));
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
-    let build = |toolchain: &Toolchain, way: &Way, index: usize| {
+    let build = |toolchain: &Toolchain, way: &Way, index: usize| -> Result<Binary> {
         let library = libraries[index];
         let content = match way {
             Way::Built(target) => library::build(workspace, library, target.as_ref())?,
@@ -184,7 +196,15 @@ pub fn build(
         Ok(if arguments.compatible && toolchain.folder == ARM_LINUX { binary.compatible() } else { binary })
     };
     let all = targets.iter().flat_map(|target| (0..libraries.len()).map(move |index| (target, index)));
-    all.map(|((toolchain, way), index)| build(toolchain, way, index)).collect()
+    let mut binaries: Vec<Binary> = Vec::new();
+    for ((toolchain, way), index) in all {
+        let binary = build(toolchain, way, index)?;
+        match binaries.iter_mut().find(|other| other.shares_file(&binary)) {
+            Some(other) => other.join(binary)?,
+            None => binaries.push(binary),
+        }
+    }
+    Ok(binaries)
 }
 
 /// This machine's own library, in the folder where importers on it look.
@@ -209,23 +229,28 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
 fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> Result<Option<Target>> {
     let &Toolchain { triple, extension, .. } = toolchain;
     let glibc = glibc.filter(|_| toolchain.is_linux());
-    let Some(glibc) = glibc else {
-        if toolchain.tuple == library::tuple() {
-            return Ok(None);
-        }
-        let (arguments, variables) = (standard_library(toolchain)?, vec![linker(toolchain)?]);
-        return Ok(Some(Target { subcommand: "build", triple: triple.to_owned(), extension, arguments, variables }));
+    if glibc.is_none() && toolchain.tuple == library::tuple() {
+        return Ok(None);
+    }
+    let (subcommand, linked) = match toolchain.linker.filter(|_| glibc.is_none()) {
+        Some(named) => ("build", linker(triple, named)),
+        None => ("zigbuild", path_with_zig(workspace).map(|path| ("PATH".to_owned(), path))),
     };
-    let arguments = standard_library(toolchain)?;
-    let path = path_with_zig(workspace)?;
-    let triple = format!("{triple}.{glibc}");
-    Ok(Some(Target {
-        subcommand: "zigbuild",
-        triple,
-        extension,
-        arguments,
-        variables: vec![("PATH".to_owned(), path)],
-    }))
+    let (arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
+    let triple = glibc.map_or_else(|| triple.to_owned(), |glibc| format!("{triple}.{glibc}"));
+    Ok(Some(Target { subcommand, triple, extension, arguments, variables: vec![linked, sources::variable()?] }))
+}
+
+/// Both parts of a toolchain.
+///
+/// # Errors
+/// All that is missing.
+fn both<A, B>(first: Result<A>, second: Result<B>) -> Result<(A, B)> {
+    match (first, second) {
+        (Ok(first), Ok(second)) => Ok((first, second)),
+        (Err(first), Err(second)) => bail!("{first:#}; {second:#}"),
+        (Err(error), _) | (_, Err(error)) => Err(error),
+    }
 }
 
 /// The path on which Cargo finds the subcommand that links by zig, and that finds zig.
@@ -279,8 +304,10 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
 
 /// Arguments for Cargo with which it has the standard library: none where it is installed; a Rust that takes unstable
 /// options compiles it, if its source is there.
-fn standard_library(toolchain: &Toolchain) -> Result<Vec<&'static str>> {
-    let &Toolchain { triple, debian, .. } = toolchain;
+///
+/// # Errors
+/// Neither is there; `debian` tells how Debian gives it to its own Rust.
+pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>> {
     // A toolchain that does not know the machine at all has no folder for it either.
     if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| holds_standard_library(&folder)) {
         return Ok(Vec::new());
@@ -313,16 +340,15 @@ fn holds_standard_library(folder: &Path) -> bool {
     names.into_iter().any(|name| name.to_string_lossy().starts_with("libstd-"))
 }
 
-/// Cargo's variable for the linker, with the linker that is there.
-fn linker(toolchain: &Toolchain) -> Result<(String, OsString)> {
-    let &Toolchain { triple, linker, linker_package, .. } = toolchain;
+/// Cargo's variable for the linker of this machine, with the linker that is there.
+fn linker(triple: &str, (linker, package): (&str, &str)) -> Result<(String, OsString)> {
     let variable = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
     let named = env::var(&variable).ok().filter(|name| !name.is_empty());
     let program = named.unwrap_or_else(|| linker.to_owned());
     let started = Command::new(&program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     if started.is_err() {
         bail!(
-            "the linker {program} cannot be started; install it (Debian: apt-get install {linker_package}), or set \
+            "the linker {program} cannot be started; install it (Debian: apt-get install {package}), or set \
              another one in {variable}"
         );
     }
@@ -339,11 +365,12 @@ mod tests {
 
     #[test]
     fn each_platform_has_its_folder_once() {
-        use Platform::{ArmLinux, X86Linux, X86Windows};
+        use Platform::{ArmLinux, ArmMac, X86Linux, X86Mac, X86Windows};
         assert_eq!(folders(&asking(&[], false)).unwrap(), [library::platform().unwrap()]);
         let all = asking(&[ArmLinux, X86Windows, X86Linux, X86Windows], false);
         assert_eq!(folders(&all).unwrap(), ["aarch64-linux", "win64", "linux64"]);
         assert_eq!(folders(&asking(&[X86Windows, ArmLinux], true)).unwrap(), ["win64", "linux64"]);
+        assert_eq!(folders(&asking(&[X86Mac, ArmMac], false)).unwrap(), [MAC]);
     }
 
     #[test]
@@ -375,7 +402,7 @@ mod tests {
 
     #[test]
     fn a_toolchain_makes_libraries_of_its_platform() {
-        for toolchain in [&X86_LINUX, &X86_WINDOWS, &ARM] {
+        for toolchain in [&X86_LINUX, &X86_WINDOWS, &ARM, &X86_MAC, &ARM_MAC] {
             let path = crate::binary::path(toolchain.folder, "A").unwrap();
             assert_eq!(path, format!("binaries/{}/A.{}", toolchain.folder, toolchain.extension));
             assert_eq!(
@@ -387,13 +414,15 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_named_with_the_remedy() {
-        let toolchain = Toolchain { triple: "no-such-machine", linker: "no-such-linker", ..ARM };
-        let message = linker(&toolchain).unwrap_err().to_string();
+        let named = ("no-such-linker", "gcc-aarch64-linux-gnu");
+        let toolchain = Toolchain { tuple: "no", triple: "no-such-machine", linker: Some(named), ..ARM };
+        let message = target(&Workspace::locate(), &toolchain, None).unwrap_err().to_string();
         assert!(message.contains("apt-get install gcc-aarch64-linux-gnu"), "{message}");
         assert!(message.contains("CARGO_TARGET_NO_SUCH_MACHINE_LINKER"), "{message}");
         if env::var_os("RUSTC_BOOTSTRAP").is_none() {
-            let message = standard_library(&toolchain).unwrap_err().to_string();
-            assert!(message.contains("rustup target add no-such-machine"), "{message}");
+            assert!(message.contains("rustup target add no-such-machine"), "both are named at once: {message}");
         }
+        assert_eq!(both(Ok(1), Ok("a")).unwrap(), (1, "a"));
+        assert_eq!(both::<(), _>(Err(anyhow::anyhow!("one")), Ok(1)).unwrap_err().to_string(), "one");
     }
 }

@@ -15,7 +15,7 @@ use crate::source::Definition;
 use crate::version::Version;
 use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
-use crate::{binary, info, names};
+use crate::{binary, info, names, static_library};
 use anyhow::{Context, Result};
 use fmu_cli::Naming;
 pub use fmu_cli::Validate as Arguments;
@@ -144,7 +144,19 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
         found.errors.push(format!("{shown}: contains no library, so no host can load this FMU"));
     }
+    let is_archive =
+        |name: &&String| name.starts_with(binary::FOLDER) && [".a", ".lib"].iter().any(|e| name.ends_with(e));
+    let pages = [static_library::PAGE.to_owned(), static_library::PAGE.replace(".txt", ".html")];
+    if let Some(archive) = fmu.names().iter().find(is_archive)
+        && !pages.iter().any(|page| fmu.names().contains(page))
+    {
+        found.errors.push(format!("{shown}: contains {archive}, but no {} about how to link", static_library::PAGE));
+    }
     for platform in &platforms {
+        let within = format!("{}/{platform}/", binary::FOLDER);
+        if fmu.names().iter().filter(|name| name.starts_with(&within)).all(|name| is_archive(&name)) {
+            continue;
+        }
         let Some(path) = binary::path(platform, identifier) else {
             let known = fmu_cli::PLATFORMS.join(", ");
             found.warnings.push(format!(

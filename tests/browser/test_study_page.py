@@ -61,8 +61,6 @@ def test_a_phone_and_a_dark_screen_show_it(study_page: Path, show: Show) -> None
     for title in TABS:
         page.get_by_text(title, exact=True).first.click()
         page.locator(".bk-Figure:visible").first.wait_for()
-        wide, narrow = page.evaluate(
-            "[document.scrollingElement.scrollWidth, document.scrollingElement.clientWidth]"
-        )
+        wide, narrow = page.evaluate("[document.scrollingElement.scrollWidth, document.scrollingElement.clientWidth]")
         assert wide <= narrow, f"{title}: the page is {wide} pixels wide"
     assert "invert" in page.evaluate("getComputedStyle(document.body).filter")

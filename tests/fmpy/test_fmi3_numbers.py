@@ -191,4 +191,5 @@ def test_licences_are_told_and_packed() -> None:
         assert 'license="Library: MIT OR Apache-2.0' in description
         assert 'copyright="' in description
         assert "nalgebra" in notices
-        assert "Leon Sorokin" in notices and "Leon Sorokin" in animation
+        assert "Leon Sorokin" in notices
+        assert "Leon Sorokin" in animation

@@ -149,3 +149,35 @@ def test_an_fmu_does_not_tell_where_it_was_made(tmp_path: Path) -> None:
             content = archive.read(entry)
             assert str(REPOSITORY).encode() not in content, entry
             assert str(tmp_path).encode() not in content, entry
+
+
+HOST = """
+#include <stdio.h>
+extern const char *FourBar_fmi2GetVersion(void);
+extern const char *SliderCrank_fmi2GetVersion(void);
+int main(void) {
+    printf("%s %s\\n", FourBar_fmi2GetVersion(), SliderCrank_fmi2GetVersion());
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("x86_64-linux-gnu-gcc") is None, reason="needs GCC for x86_64")
+def test_a_host_links_two_fmus(tmp_path: Path) -> None:
+    target = "x86_64-unknown-linux-gnu"
+    models = ["FourBar", "SliderCrank"]
+    paths = [str(REPOSITORY / "modelDescription" / model) for model in models]
+    done = package_in(Path(), *paths, "--static", target, "--out", str(tmp_path), "--fmi", "2")
+    assert done.returncode == 0, done.stderr
+    needed = ""
+    for model in models:
+        fmu = tmp_path / f"{model}.fmu"
+        assert validate_fmu(str(fmu)) == []
+        with zipfile.ZipFile(fmu) as archive:
+            (tmp_path / f"{model}.a").write_bytes(archive.read(f"binaries/linux64/gnu/{model}.a"))
+            page = archive.read("documentation/staticLinking.txt").decode()
+        needed = page.split("link in addition:")[1].splitlines()[0]
+    (tmp_path / "host.c").write_text(HOST, encoding="utf-8")
+    archives = [f"{model}.a" for model in models]
+    subprocess.run(["cc", "host.c", *archives, *needed.split(), "-o", "host"], cwd=tmp_path, check=True)
+    assert subprocess.run([tmp_path / "host"], capture_output=True, text=True, check=True).stdout == "2.0 2.0\n"

@@ -42,6 +42,10 @@ pub struct Package {
     /// PyPI at the first use
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
+    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for hosts that link FMUs; can be given
+    /// several times
+    #[arg(long = "static", value_name = "TARGET")]
+    pub statics: Vec<String>,
     /// Leave out documentation/animation.html, the animation of the default run
     #[arg(long)]
     pub no_animation: bool,
@@ -72,6 +76,12 @@ pub enum Platform {
     /// Linux on ARM with 64 bits, in FMI 2.0 aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
+    /// macOS on Intel, in FMI 2.0 darwin64; zig links it
+    #[value(name = "x86_64-darwin")]
+    X86Mac,
+    /// macOS on ARM, in FMI 2.0 darwin64, in one file with x86_64-darwin if both are given; zig links it
+    #[value(name = "aarch64-darwin")]
+    ArmMac,
 }
 
 /// Versions of FMI that `package` makes FMUs of.

@@ -19,18 +19,20 @@ const TARGETS: [&str; 5] = [
     "x86_64-apple-darwin",
     "aarch64-apple-darwin",
 ];
-/// Package of Cargo with what it becomes, and the file of its notices.
-const LINKED: [(&str, &str, &str); 2] = [
-    ("linkage-fmu-exports", "the library in an FMU", "fmu-build/src/licenses/library.txt"),
-    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt"),
+/// Package of Cargo with what it becomes, the file of its notices, and how many of [`EMBEDDED`] are in it.
+const LINKED: [(&str, &str, &str, usize); 2] = [
+    ("linkage-fmu-exports", "the library and the animation of an FMU", "fmu-build/src/licenses/library.txt", 1),
+    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 2),
 ];
 /// Of a package that gives a choice, the first of these applies.
 const CHOICE: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "BSD"];
 /// Licences of parts that stand elsewhere in the sources: the font of the plots.
 const PARTS: [(&str, &str); 1] = [("epaint_default_fonts", "fonts/UFL.txt")];
-/// The files of others that pages contain, each with its licence.
-const EMBEDDED: [(&str, &str); 1] =
-    [("uPlot, in the pages with plots (MIT)", include_str!("../view/page/uplot/LICENSE"))];
+/// Files of others that pages and programs contain, each with its licence.
+const EMBEDDED: [(&str, &str); 2] = [
+    ("uPlot, in the pages with plots (MIT)", "fmu-build/src/view/page/uplot/LICENSE"),
+    ("samples by Sobol's sequence (BSD-3-Clause)", "fmu-build/studies/src/sweep/joe_kuo/LICENSE"),
+];
 const RUST: &str = include_str!("rust.txt");
 const MIT: &str = include_str!("../../../LICENSE-MIT");
 const RULE: &str = "================================================================================";
@@ -130,14 +132,14 @@ fn letters(text: &str) -> String {
     text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-fn notices(what: &str, packages: &[&Package]) -> String {
+fn notices(what: &str, packages: &[&Package], embedded: &[(&str, &str)]) -> String {
     // By its letters: a text, and the packages under it with who has the copyright.
     let mut sections: BTreeMap<String, (String, Vec<String>)> = BTreeMap::new();
     let of_packages = packages.iter().flat_map(|package| {
         let title = format!("{} ({})", package.title, package.choice());
         package.texts().into_iter().map(move |text| (title.clone(), text))
     });
-    let embedded = EMBEDDED.iter().map(|(title, text)| ((*title).to_owned(), (*text).to_owned()));
+    let embedded = embedded.iter().map(|(title, path)| ((*title).to_owned(), fs::read_to_string(file(path)).unwrap()));
     for (title, text) in of_packages.chain(embedded) {
         let (owners, rest) = divided(&text);
         let lines = [vec![title], owners].concat().join("\n    ");
@@ -170,12 +172,12 @@ fn file(path: &str) -> PathBuf {
 /// A package that is linked on this machine has its notice, with the licence that it has today.
 #[test]
 fn each_linked_package_has_its_notice() {
-    for (package, what, path) in LINKED {
+    for (package, what, path, embedded) in LINKED {
         if std::env::var_os("LINKAGE_FMU_WRITE").is_some() {
             let sources = packages(None);
             let titles: BTreeSet<String> = TARGETS.iter().flat_map(|target| linked(package, target)).collect();
             let chosen: Vec<&Package> = titles.iter().map(|title| &sources[title]).collect();
-            let text = notices(what, &chosen);
+            let text = notices(what, &chosen, &EMBEDDED[..embedded]);
             fs::write(file(path), text).unwrap();
         }
         let text = fs::read_to_string(file(path)).unwrap();
@@ -211,12 +213,14 @@ fn each_embedded_file_of_others_has_its_notice() {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             if path.is_dir() {
                 folders.push(path);
-            } else if name.contains(".min.") || name.ends_with(".ttf") || name.ends_with(".woff2") {
-                let licence = fs::read_to_string(path.with_file_name("LICENSE")).unwrap();
+            } else if name == "LICENSE" {
+                let licence = fs::read_to_string(&path).unwrap();
                 assert!(holds(&text, &licence), "{}: its licence is not among the notices", path.display());
                 found += 1;
+            } else if name.contains(".min.") || name.ends_with(".ttf") || name.ends_with(".woff2") {
+                assert!(path.with_file_name("LICENSE").is_file(), "{}: has no LICENSE next to it", path.display());
             }
         }
     }
-    assert_eq!(found, 2, "uPlot's script and style");
+    assert_eq!(found, EMBEDDED.len());
 }

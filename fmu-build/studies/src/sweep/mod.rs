@@ -10,6 +10,7 @@ mod csv;
 mod definition;
 mod design;
 mod extent;
+mod joe_kuo;
 mod journal;
 pub mod optimise;
 mod page;

@@ -4,13 +4,10 @@
 //! was asked for before. It must not know what a coordinate stands for.
 
 use super::definition::{Method, Sampling};
+use super::joe_kuo::{DIMENSIONS, directions};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use sobol::Sobol;
-use sobol::params::JoeKuoD6;
 
-/// Most dimensions of Sobol's sequence here.
-const MOST_DIMENSIONS: usize = 100;
 /// Bits of a coordinate.
 const BITS: u32 = 53;
 /// Rounds of the permutation of a Latin hypercube.
@@ -20,8 +17,8 @@ const ROUNDS: u64 = 6;
 pub fn most_dimensions(method: Method) -> usize {
     match method {
         Method::Random | Method::LatinHypercube => usize::MAX,
-        Method::Sobol => MOST_DIMENSIONS,
-        Method::Saltelli => MOST_DIMENSIONS / 2,
+        Method::Sobol => DIMENSIONS,
+        Method::Saltelli => DIMENSIONS / 2,
     }
 }
 
@@ -52,8 +49,7 @@ impl UnitCube {
         };
         let mut cube = Self { sampling, random: (0..dimensions).map(stream).collect(), sobol: Vec::new() };
         if matches!(sampling.method, Method::Sobol | Method::Saltelli) {
-            let parameters = JoeKuoD6::minimal();
-            let directions = Sobol::<u64>::init_direction_vals::<u32>(dimensions, BITS as usize, &parameters);
+            let directions = directions(dimensions, BITS as usize);
             cube.sobol = directions.into_iter().zip(0..).map(|(d, of)| (d, cube.draw(0, of))).collect();
         }
         cube
