@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_name_promises_a_glibc() {
-        let glibc = |tag: &str| promise(&format!("linkage_fmu-0.1.0-py3-none-{tag}.whl"));
+        let glibc = |tag: &str| promise(&format!("linkage_fmu-0.2.0-py3-none-{tag}.whl"));
         assert_eq!(glibc("manylinux_2_17_x86_64.manylinux2014_x86_64").as_deref(), Some("2.17"));
         assert_eq!(glibc("manylinux_2_35_x86_64").as_deref(), Some("2.35"));
         assert_eq!(glibc("manylinux_2_35_x86_64.manylinux_2_28_x86_64").as_deref(), Some("2.28"));
