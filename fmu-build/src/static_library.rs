@@ -17,6 +17,9 @@ use std::process::{Command, Stdio};
 
 /// The text that tells how to link.
 pub const PAGE: &str = "documentation/staticLinking.txt";
+/// Beginning of an archive, and length of the header of a member (System V's ar).
+const MARK: &[u8] = b"!<arch>\n";
+const HEADER: usize = 60;
 /// What rustc writes before the libraries that an archive needs.
 const NEEDED: &str = "native-static-libs: ";
 
@@ -76,7 +79,7 @@ impl StaticLibrary {
         link.args(["-r", "--gc-sections", "-o", "all.o"]).args(own.functions.iter().flat_map(|name| ["-u", name]));
         command::run(link.arg(archive), "ld")?;
         fs::write(own.folder.join("kept"), own.functions.join("\n"))?;
-        let keep = ["--strip-debug", "--keep-global-symbols=kept", "all.o", "functions.o"];
+        let keep = ["--strip-unneeded", "--keep-global-symbols=kept", "all.o", "functions.o"];
         command::run(own.tool("objcopy").args(keep), "objcopy")?;
         Ok(own)
     }
@@ -108,13 +111,34 @@ impl StaticLibrary {
     pub fn entry(&self, version: Version, model: &str) -> Result<Entry> {
         let renamed = self.functions.iter().map(|name| format!("{name} {model}_{name}\n")).collect::<String>();
         fs::write(self.folder.join("renamed"), renamed)?;
-        let object = format!("{model}.o");
-        command::run(self.tool("objcopy").args(["--redefine-syms=renamed", "functions.o", &object]), "objcopy")?;
-        let _ = fs::remove_file(self.folder.join("model.a"));
-        command::run(self.tool("ar").args(["rcsD", "model.a", &object]), "ar")?;
-        let content = files::read(&self.folder.join("model.a"), u64::MAX)?;
-        Ok(Entry { name: self.path(version, model), content })
+        command::run(self.tool("objcopy").args(["--redefine-syms=renamed", "functions.o", "model.o"]), "objcopy")?;
+        let object = files::read(&self.folder.join("model.o"), u64::MAX)?;
+        let names: Vec<String> = self.functions.iter().map(|name| format!("{model}_{name}")).collect();
+        Ok(Entry { name: self.path(version, model), content: archive(&object, &names)? })
     }
+}
+
+/// An archive of one object: an index of its names, and the object, with no time in it.
+///
+/// # Errors
+/// The object is too large.
+fn archive(object: &[u8], names: &[String]) -> Result<Vec<u8>> {
+    let header = |name: &str, size: usize| format!("{name:<16}{:<12}{:<6}{:<6}{:<8}{size:<10}`\n", 0, 0, 0, 644);
+    let mut text = names.join("\0") + "\0";
+    // Members start at even places.
+    if text.len() % 2 == 1 {
+        text.push('\0');
+    }
+    let index = 4 + 4 * names.len() + text.len();
+    let place =
+        u32::try_from(MARK.len() + HEADER + index).and_then(|place| u32::try_from(object.len()).map(|_| place))?;
+    let mut content = [MARK, header("/", index).as_bytes(), &u32::try_from(names.len())?.to_be_bytes()].concat();
+    content.extend(names.iter().flat_map(|_| place.to_be_bytes()));
+    content.extend([text.as_bytes(), header("model.o/", object.len()).as_bytes(), object].concat());
+    if content.len() % 2 == 1 {
+        content.push(b'\n');
+    }
+    Ok(content)
 }
 
 /// The text for these libraries of a model.
@@ -145,13 +169,12 @@ pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entr
 
 /// Functions of FMI in the index of an archive; None if there is no index.
 fn functions(archive: &[u8]) -> Option<Vec<String>> {
-    /// Mark of the file, header of a member, and where it has the member's size.
-    const MARK: usize = 8;
-    const HEADER: usize = 60;
+    /// Where the header of a member has its size.
     const SIZE: std::ops::Range<usize> = 48..58;
-    let header = archive.get(MARK..MARK + HEADER).filter(|header| header.starts_with(b"/ "))?;
+    let members = archive.get(MARK.len()..)?;
+    let header = members.get(..HEADER).filter(|header| header.starts_with(b"/ "))?;
     let size: usize = str::from_utf8(&header[SIZE]).ok()?.trim().parse().ok()?;
-    let index = archive.get(MARK + HEADER..MARK + HEADER + size)?;
+    let index = members.get(HEADER..HEADER + size)?;
     let count = u32::from_be_bytes(index.get(..4)?.try_into().ok()?) as usize;
     let names = index.get(4 + 4 * count..)?.split(|byte| *byte == 0).filter_map(|name| str::from_utf8(name).ok());
     let mut all: Vec<String> =
@@ -167,13 +190,10 @@ mod tests {
 
     #[test]
     fn functions_stand_in_the_index_of_an_archive() {
-        let names = b"fmi3Reset\0_ZN4core3fmt\0fmi2Reset\0";
-        let mut index = 3_u32.to_be_bytes().to_vec();
-        index.extend([0; 12]);
-        index.extend(names);
-        let header = format!("!<arch>\n{:<48}{:<10}`\n", "/", index.len());
-        let archive = [header.as_bytes(), &index].concat();
+        let names = ["fmi3Reset", "_ZN4core3fmt", "fmi2Reset"].map(str::to_owned);
+        let archive = super::archive(b"the object", &names).unwrap();
         assert_eq!(functions(&archive).unwrap(), ["fmi2Reset", "fmi3Reset"]);
+        assert!(archive.ends_with(b"`\nthe object") && archive.len() % 2 == 0);
         assert_eq!(functions(b"!<arch>\n"), None);
         assert_eq!(functions(&archive[..90]), None);
     }
