@@ -345,7 +345,7 @@ impl Component {
         let cost = each!(self, model => model.statistics());
         let methods = Method::ALL.map(|method| format!("{} by {}", cost.accepted_by(method), method.name()));
         format!(
-            "{} evaluations in {} accepted steps ({}) and {} rejected",
+            "{} evaluations of derivatives in {} accepted steps ({}) and {} rejected steps",
             cost.evaluations,
             cost.accepted,
             methods.join(", "),

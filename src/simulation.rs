@@ -50,14 +50,15 @@ impl fmt::Display for SimulationError {
                 let nearest = nearest.join(", ");
                 write!(
                     f,
-                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names lists all"
+                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names lists all \
+                     names"
                 )
             }
             Self::Span { span, step } => {
                 write!(
                     f,
-                    "a run of {span} s in steps of {step} s: both must be finite and > 0, with at most {MOST_STEPS:e} \
-                     steps"
+                    "a run of {span} s in steps of {step} s: the duration and the step must be finite and > 0, and a \
+                     run has at most {MOST_STEPS:e} steps"
                 )
             }
             Self::Model(error) => error.fmt(f),

@@ -95,7 +95,9 @@ impl Record<'_> {
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         let mut length = known as u64;
         self.word(&mut length)?;
-        Damaged::unless(length == known as u64, || format!("{length} {name}: this mechanism needs {known}"))
+        Damaged::unless(length == known as u64, || {
+            format!("the data contains {length} {name}, but this model needs {known}")
+        })
     }
 
     /// Length of a list of items of at least `each` bytes, which the reader does not know beforehand.
@@ -104,7 +106,9 @@ impl Record<'_> {
         self.word(&mut word)?;
         if let Self::Read(rest) = self {
             let most = (rest.len() / each.max(1)) as u64;
-            Damaged::unless(word <= most, || format!("{word} {name}: the remaining data holds at most {most}"))?;
+            Damaged::unless(word <= most, || {
+                format!("the data states {word} {name}, but the remaining bytes contain at most {most}")
+            })?;
         }
         *size = word as usize;
         Ok(())
@@ -120,7 +124,7 @@ impl Record<'_> {
                 let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
                 *rest = after;
                 let (words, _) = own.as_chunks::<8>();
-                Damaged::unless(are_finite(words), || format!("{name}: must be finite numbers"))?;
+                Damaged::unless(are_finite(words), || format!("{name}: all numbers must be finite"))?;
                 *arrays = vec![[0.0; N]; size];
                 fill(arrays.as_flattened_mut(), words);
             }
@@ -258,7 +262,7 @@ mod tests {
         for end in 0..bytes.len() {
             assert!(read(&bytes[..end]).is_err());
         }
-        assert!(read(&[255; 64]).unwrap_err().0.contains("holds at most 2"));
+        assert!(read(&[255; 64]).unwrap_err().0.contains("contain at most 2"));
         for bad in [f64::NAN, f64::INFINITY] {
             let mut bytes = Vec::new();
             Record::Write(&mut bytes).arrays("a", &mut vec![[0.0, bad, 0.0]]).unwrap();

@@ -101,7 +101,7 @@ impl Clock {
     #[cold]
     fn refuse_point(&self, point: f64, h: f64) -> Refusal {
         Refusal::error(format!(
-            "currentCommunicationPoint is {} s, but the instance is at {} s (tolerance {:e} s)",
+            "currentCommunicationPoint is {} s, but the time of the instance is {} s (tolerance {:e} s)",
             Decimal(point),
             Decimal(self.time),
             self.slack(h)

@@ -28,7 +28,7 @@ fn same_length(what: &str, count: usize, own: usize) -> Result<(), Refusal> {
     if count == own {
         return Ok(());
     }
-    Err(Refusal::error(format!("{count} {what} were passed, but this FMU has {own}; pass an array of this length")))
+    Err(Refusal::error(format!("{count} {what} were passed, but this FMU has {own}; pass an array of {own} elements")))
 }
 
 impl Instance {

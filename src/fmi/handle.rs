@@ -168,7 +168,9 @@ fn guarded(
 #[cold]
 fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
-        Phase::Fatal => "the instance failed and can only be freed, together with its saved states".to_owned(),
+        Phase::Fatal => {
+            "an internal fault ended the instance, which can only be freed, together with its saved states".to_owned()
+        }
         Phase::Interrupted => format!(
             "not allowed after a step that reached solver.max_steps, at t = {} s; restore an earlier state, or \
              reset and use shorter communication steps or a larger solver.max_steps; allowed in: {}",

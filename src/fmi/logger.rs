@@ -18,11 +18,11 @@ pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
         c"logEvents",
         "Changes of mode, impacts, contacts and locks with their times, and the number of integration steps",
     ),
-    (c"logStatusWarning", "Calls that succeeded with a warning; outputs without a value"),
-    (c"logStatusDiscard", "Requests of the host that are not supported, and steps that ended early"),
+    (c"logStatusWarning", "Warnings of calls that succeeded, and outputs that have no value"),
+    (c"logStatusDiscard", "Requests that are not supported, and steps that ended early"),
     (c"logStatusError", "Calls that returned an error, and the reason"),
     (c"logStatusFatal", "Faults inside the FMU, after which the instance can only be freed"),
-    (c"logDebug", "Changes of the friction regime in each joint"),
+    (c"logDebug", "Changes between sticking and sliding friction in each joint"),
     (c"logAll", "All messages"),
 ];
 

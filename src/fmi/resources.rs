@@ -30,7 +30,7 @@ pub fn load(
     location: Option<&CStr>,
 ) -> Result<Loaded, Refusal> {
     let guid = guid.filter(|guid| !guid.is_empty()).ok_or_else(|| {
-        Refusal::error(format!("{guid_argument} is NULL or empty; pass the one from modelDescription.xml"))
+        Refusal::error(format!("{guid_argument} is NULL or empty; pass the value from modelDescription.xml"))
     })?;
     let folder = match location.filter(|location| !location.is_empty()) {
         Some(location) => from_uri(location.to_bytes())?,
@@ -44,8 +44,8 @@ pub fn load(
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {
         return Err(Refusal::error(format!(
-            "{guid_argument} is '{}', but the interface of '{}' has '{own}'; import the FMU again, or restore the \
-             original names of the elements in the file",
+            "{guid_argument} is '{}', but the variables of the definition '{}' belong to '{own}'; import the FMU \
+             again, or restore the original names of the elements in the definition",
             guid.to_bytes().escape_ascii(),
             file.display(),
         )));
@@ -71,12 +71,12 @@ fn read(file: &Path) -> Result<String, Refusal> {
     let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
     let metadata = std::fs::metadata(file).map_err(|error| refused(error.to_string()))?;
     if !metadata.is_file() {
-        return Err(refused("this is not a file; put the definition of the model there".to_owned()));
+        return Err(refused("this is not a file; put the definition file of the model at this path".to_owned()));
     }
     let too_large = |size: u64| {
         refused(format!(
-            "the file has {size} bytes, but a definition has at most {LARGEST_DEFINITION}; check that this is the \
-             right file"
+            "the file has {size} bytes, but a definition may have at most {LARGEST_DEFINITION} bytes; check that this \
+             is the right file"
         ))
     };
     if metadata.len() > LARGEST_DEFINITION {

@@ -84,7 +84,7 @@ impl Saved {
         };
         if bytes.len() < HEADER + CHECK {
             return refuse(format!(
-                "the serialized state is incomplete: {} bytes are fewer than its header has",
+                "the serialized state is incomplete: only {} bytes were passed, fewer than the header of a state has",
                 bytes.len()
             ));
         }
@@ -113,7 +113,7 @@ impl Saved {
         if structure != own[1] {
             let file = component.definition_file();
             return refuse(format!(
-                "the state was saved with a different {file}, which differs in more than parameters and inputs"
+                "the state was saved with a different {file}, and more than values of parameters and inputs differ"
             ));
         }
         let mut record = Record::Read(&all[HEADER..]);
@@ -128,7 +128,7 @@ impl Saved {
         record_tolerance(&mut tolerance, &mut record).map_err(damaged)?;
         clock.record(&mut record).map_err(damaged)?;
         let Record::Read(rest) = record else {
-            return refuse("a state that is read became one that is written".into());
+            return refuse("internal fault: the serialized state was not read to its end".into());
         };
         let component = component.read_snapshot(rest)?;
         if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {

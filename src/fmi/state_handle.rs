@@ -83,7 +83,7 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     if kept.is_null() {
         return Err(Refusal::error("the state is NULL; pass a saved or deserialized state"));
     }
-    let foreign = "the pointer is not a saved state of this FMU and library version, or the state was freed";
+    let foreign = "the pointer is not a saved state of this FMU and this library version, or the state was freed";
     if !kept.is_aligned() {
         return Err(Refusal::error(foreign));
     }
@@ -180,7 +180,7 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
     let needed = serialized.as_ref().map_or(0, Vec::len);
     if size != needed {
         return Err(Refusal::error(format!(
-            "size is {size}, but the state has {needed} bytes; pass a buffer of at least this size"
+            "size is {size}, but the state has {needed} bytes; pass a buffer of at least {needed} bytes"
         )));
     }
     // SAFETY: the caller's promise.

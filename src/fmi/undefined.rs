@@ -54,7 +54,7 @@ impl Undefined {
             let _ = write!(line, ": {reason}");
         }
         if others > 0 {
-            let _ = write!(line, "; for {others} more");
+            let _ = write!(line, "; for {others} more variables");
         }
         (!reasons.is_empty()).then(|| Refusal::warning(line))
     }
@@ -78,6 +78,6 @@ mod tests {
         assert_eq!(one.message, "no value exists in this state (NaN is returned) for x0, x1: reason 0");
         assert!(line(11, 1).unwrap().message.ends_with("x6, x7 and 3 more: reason 0"));
         let many = line(5, 5).unwrap().message;
-        assert!(many.ends_with("for x0: reason 0; for x1: reason 1; for x2: reason 2; for 2 more"), "{many}");
+        assert!(many.ends_with("for x0: reason 0; for x1: reason 1; for x2: reason 2; for 2 more variables"), "{many}");
     }
 }

@@ -191,5 +191,5 @@ fn no_output(instance: &Instance, reference: Reference) -> Refusal {
         Some((name, _)) => format!("'{name}' (value reference {reference}) is not an output"),
         None => format!("value reference {reference} does not exist"),
     };
-    Refusal::error(format!("{what}; dependencies are available for outputs"))
+    Refusal::error(format!("{what}; dependencies are available for outputs only"))
 }

@@ -303,7 +303,7 @@ exported! {
         if dependencies.len() != count {
             let needed = dependencies.len();
             return Err(Refusal::error(format!("nDependencies is {count}, but the variable has {needed} \
-                                               dependencies; pass arrays of this length")));
+                                               dependencies; pass arrays of {needed} elements")));
         }
         for (index, (element, known)) in dependencies.into_iter().enumerate() {
             elements[index].write(element);

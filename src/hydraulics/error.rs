@@ -67,7 +67,7 @@ impl fmt::Display for HydraulicsError {
         match self {
             Self::Definition(error) => error.fmt(f),
             Self::Reference { reference, kind, own: Some((name, own)), .. } => {
-                write!(f, "value reference {reference} is {name}, a {own}, not a {kind}")
+                write!(f, "value reference {reference} is the variable {name} of the type {own}, not {kind}")
             }
             Self::Reference { reference, kind, own: None, count } => {
                 write!(
@@ -103,14 +103,14 @@ impl fmt::Display for HydraulicsError {
             ),
             Self::Vacuum { chamber, time } => write!(
                 f,
-                "the absolute pressure of {chamber} fell to 0 {} s after the start of the step: oil without air has \
-                 no pressure below 0; set fluid.air_fraction above 0, or increase anticavitation.conductance",
+                "the absolute pressure of {chamber} fell to 0 {} s after the start of the step: oil without air has no \
+                 absolute pressure below 0; set fluid.air_fraction above 0, or increase anticavitation.conductance",
                 Decimal::rounded(*time)
             ),
             Self::Stuck { time, what } => write!(
                 f,
-                "no integration step reaches solver.tolerance {} s after the start of the step, at {what}; check \
-                 the inputs, or increase solver.tolerance",
+                "the integration stopped {} s after the start of the step, because no integration step reaches \
+                 solver.tolerance, at {what}; check the inputs, or increase solver.tolerance",
                 Decimal::rounded(*time)
             ),
             Self::Overflow { time } => write!(

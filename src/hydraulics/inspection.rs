@@ -39,12 +39,12 @@ impl Model {
             && !(closed..=closed + stroke).contains(&length)
         {
             let message = format!(
-                "is {} m, outside the lengths of the cylinder from {} m to {} m",
+                "is {} m, but the length of the cylinder is from {} m to {} m",
                 Decimal(length),
                 Decimal(closed),
                 Decimal::rounded(closed + stroke)
             );
-            let remedy = "start within this range, or change cylinder.closed_length or cylinder.stroke";
+            let remedy = "state a start length in this range, or change cylinder.closed_length or cylinder.stroke";
             all.push(Finding::warning("actuator.length", message, remedy));
         }
         all
@@ -92,7 +92,7 @@ pub fn inspect(text: &str) -> Inspection {
     let fact = fact.with("most", closed + stroke, Unit::Metre).with("stroke", stroke, Unit::Metre);
     facts.push(fact.with("start", value("actuator.length"), Unit::Metre));
     let fact = Fact::new("Cylinder", "largest force").with("pushing", piston * supply - ring * tank, Unit::Newton);
-    let text = "without seal friction; the other chamber is at tank pressure";
+    let text = "computed without seal friction, with the other chamber at tank pressure";
     facts.push(fact.with("pulling", ring * supply - piston * tank, Unit::Newton).saying(text));
     let fact = Fact::new("Cylinder", "speed at the rated flow").with("out", flow / piston, Unit::MetrePerSecond);
     facts.push(fact.with("in", flow / ring, Unit::MetrePerSecond));
@@ -106,7 +106,7 @@ pub fn inspect(text: &str) -> Inspection {
     let fact = Fact::new("Oil at the start", "spring").with("stiffness", stiffness, Unit::NewtonPerMetre);
     facts.push(match mass > 0.0 {
         true => fact.with("frequency", (stiffness / mass).sqrt() / (2.0 * PI), Unit::Hertz),
-        false => fact.saying("the frequency depends on actuator.reduced_mass, an input"),
+        false => fact.saying("no natural frequency without a reduced mass: the input actuator.reduced_mass is 0"),
     });
     let [force, load] = [value("actuator.force"), value("actuator.holding_force")];
     let fact = Fact::new("Equilibrium at the start", "").with("force", force, Unit::Newton);

@@ -34,47 +34,50 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator at the start of a step; within the step its speed is integrated",
+        "Length of the actuator at the start of a step; within the step, the integral of actuator.speed is added",
         Unit::Metre,
     ),
-    ("actuator.speed", "Speed of the actuator, positive when it extends", Unit::MetrePerSecond),
+    ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration when the actuator extends, for derivatives of outputs only; 0: that of the reduced mass",
+        "Acceleration of the actuator, positive when extending; used for time derivatives of outputs; 0: the \
+         acceleration of the reduced mass is used",
         Unit::MetrePerSecondSquared,
     ),
-    ("valve.command", "Command of the valve from -1 to 1, positive to extend", Unit::One),
+    ("valve.command", "Command of the valve from -1 to 1; a positive command extends the actuator", Unit::One),
     ("supply.pressure", "Pressure of the supply, relative to the ambient pressure", Unit::Pascal),
     ("tank.pressure", "Pressure of the tank, relative to the ambient pressure", Unit::Pascal),
     (
         "actuator.reduced_mass",
-        "Mass that the actuator moves, reduced to the actuator; 0: not known, so no motion is predicted",
+        "Mass of the moved mechanism, reduced to the actuator; 0: mass not known, and no motion is predicted",
         Unit::Kilogram,
     ),
     (
         "actuator.reduced_mass_derivative",
-        "Derivative of actuator.reduced_mass with respect to the length",
+        "Derivative of actuator.reduced_mass with respect to actuator.length",
         Unit::KilogramPerMetre,
     ),
     (
         "actuator.holding_force",
-        "Force with which the actuator would hold its load at rest, positive when it pushes",
+        "Actuator force that would hold the moved mechanism at rest, positive if the actuator pushes",
         Unit::Newton,
     ),
     (
         "actuator.holding_force_derivative",
-        "Derivative of actuator.holding_force with respect to the length; 0: not known",
+        "Derivative of actuator.holding_force with respect to actuator.length; 0: derivative not known",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step; 0: as long as the last one", Unit::Second),
+    ("preview.horizon", "Size of the next communication step; 0: estimated from the last steps", Unit::Second),
     (
         "actuator.lower_limit",
-        "Least length that the stops allow; the present length while a stop or lock holds the mechanism",
+        "Smallest length that the stops of the mechanism allow; while a stop or lock prevents retraction: the present \
+         length",
         Unit::Metre,
     ),
     (
         "actuator.upper_limit",
-        "Largest length that the stops allow; the present length while the mechanism is held; 0: not known",
+        "Largest length that the stops of the mechanism allow; while a stop or lock prevents extension: the present \
+         length; 0: limit not known",
         Unit::Metre,
     ),
 ];
@@ -107,58 +110,72 @@ const FLOW: &[Input] = &[Length, Supply, Tank];
 const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     (
         "actuator.force",
-        "Force of the actuator, positive when it pushes its ends apart",
+        "Force of the actuator, positive in the direction of extension",
         Unit::Newton,
         Output::Force,
         &[Speed],
     ),
     (
         "actuator.stiffness",
-        "Stiffness of the oil column along the actuator",
+        "Stiffness of the oil in the cylinder, as a spring along the actuator",
         Unit::NewtonPerMetre,
         Output::Stiffness,
         &[Length],
     ),
     (
         "actuator.damping",
-        "Derivative of the seal friction with respect to the speed",
+        "Derivative of the seal friction force with respect to actuator.speed",
         Unit::NewtonSecondPerMetre,
         Output::Damping,
         &[Speed],
     ),
     (
         "preview.force",
-        "Predicted force at the start of the next step, for hosts that also pass preview.force_rate",
+        "Predicted force over the next step, as a straight line in time: value at the start of the step; use it \
+         together with preview.force_rate",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
     (
         "preview.force_rate",
-        "Predicted rate of preview.force over the next step",
+        "Predicted force over the next step, as a straight line in time: time derivative",
         Unit::NewtonPerSecond,
         Output::PreviewForceRate,
         FORESEEN,
     ),
-    ("preview.force_mean", "Predicted mean force over the next step", Unit::Newton, Output::PreviewForceMean, FORESEEN),
-    ("preview.length", "Predicted length at the end of the next step", Unit::Metre, Output::PreviewLength, FORESEEN),
+    (
+        "preview.force_mean",
+        "Predicted force of the actuator, averaged over the next step; for a force input that is constant within a \
+         step",
+        Unit::Newton,
+        Output::PreviewForceMean,
+        FORESEEN,
+    ),
+    (
+        "preview.length",
+        "Predicted length of the actuator at the end of the next step",
+        Unit::Metre,
+        Output::PreviewLength,
+        FORESEEN,
+    ),
     (
         "preview.speed",
-        "Predicted speed at the end of the next step",
+        "Predicted speed of the actuator at the end of the next step",
         Unit::MetrePerSecond,
         Output::PreviewSpeed,
         FORESEEN,
     ),
     (
         "preview.start_acceleration",
-        "Predicted acceleration at the start of the next step",
+        "Predicted acceleration of the actuator at the start of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewStartAcceleration,
         START_ACCELERATION,
     ),
     (
         "preview.acceleration",
-        "Predicted acceleration at the end of the next step",
+        "Predicted acceleration of the actuator at the end of the next step",
         Unit::MetrePerSecondSquared,
         Output::PreviewAcceleration,
         FORESEEN_ACCELERATION,
@@ -172,7 +189,13 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_a.flow", "Flow into chamber A", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
     ("chamber_a.volume", "Volume of chamber A", Unit::CubicMetre, Output::Volume(0), &[Length]),
-    ("chamber_a.bulk_modulus", "Effective bulk modulus in chamber A", Unit::Pascal, Output::BulkModulus(0), &[Length]),
+    (
+        "chamber_a.bulk_modulus",
+        "Effective bulk modulus of chamber A: oil with air, hose and walls",
+        Unit::Pascal,
+        Output::BulkModulus(0),
+        &[Length],
+    ),
     (
         "chamber_b.pressure",
         "Pressure in chamber B, relative to the ambient pressure",
@@ -182,15 +205,27 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("chamber_b.flow", "Flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
     ("chamber_b.volume", "Volume of chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
-    ("chamber_b.bulk_modulus", "Effective bulk modulus in chamber B", Unit::Pascal, Output::BulkModulus(1), &[Length]),
+    (
+        "chamber_b.bulk_modulus",
+        "Effective bulk modulus of chamber B: oil with air, hose and walls",
+        Unit::Pascal,
+        Output::BulkModulus(1),
+        &[Length],
+    ),
     (
         "valve.position",
-        "Position of the valve spool, 1 at full opening, positive to extend",
+        "Position of the valve spool; 1: full opening to extend; -1: full opening to retract",
         Unit::One,
         Output::SpoolPosition,
         &[],
     ),
-    ("valve.speed", "Speed of the valve spool", Unit::PerSecond, Output::SpoolSpeed, &[]),
+    (
+        "valve.speed",
+        "Speed of the valve spool: time derivative of valve.position",
+        Unit::PerSecond,
+        Output::SpoolSpeed,
+        &[],
+    ),
     (
         "accumulator.pressure",
         "Pressure at the supply side of the valve: pressure of the accumulator, or supply.pressure if there is no \
@@ -203,7 +238,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ("tank.flow", "Flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, &[Length, Tank]),
     (
         "cylinder.stroke_position",
-        "Position of the piston, 0 at the closed length",
+        "Position of the piston; 0: fully retracted",
         Unit::Metre,
         Output::StrokePosition,
         &[Length],
@@ -217,7 +252,13 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("power.supply", "Hydraulic power from the supply", Unit::Watt, Output::Power(0), &[Length, Supply]),
     ("power.return", "Hydraulic power into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
-    ("power.piston", "Mechanical power of the force on the load", Unit::Watt, Output::Power(2), &[Speed]),
+    (
+        "power.piston",
+        "Mechanical power of the actuator force on the moved mechanism",
+        Unit::Watt,
+        Output::Power(2),
+        &[Speed],
+    ),
     ("power.seal_friction", "Power lost in seal friction", Unit::Watt, Output::Power(3), &[Speed]),
     (
         "power.compression",
@@ -235,7 +276,13 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     ("energy.supplied", "Energy from the supply since the start", Unit::Joule, Output::Energy(0), &[]),
     ("energy.returned", "Energy into the tank since the start", Unit::Joule, Output::Energy(1), &[]),
-    ("energy.piston", "Work of the force on the load since the start", Unit::Joule, Output::Energy(2), &[]),
+    (
+        "energy.piston",
+        "Work of the actuator force on the moved mechanism since the start",
+        Unit::Joule,
+        Output::Energy(2),
+        &[],
+    ),
     ("energy.seal_friction", "Energy lost in seal friction since the start", Unit::Joule, Output::Energy(3), &[]),
     (
         "energy.compression",
@@ -260,7 +307,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "coupling.stable_step",
-        "Longest stable step of a coupling without preview; 0: no limit, or no reduced mass is connected",
+        "Longest stable communication step of a coupling without the outputs preview.*; 0: no step is stable, or no \
+         reduced mass is connected",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -331,7 +379,8 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     list.push(Variable {
         name: "coupling.mode".to_owned(),
         description: format!(
-            "Motion of the actuator within a step: {words}; follow: the motion at the inputs, else the predicted motion"
+            "Motion of the actuator within a step: {words}; follow: the motion at the inputs; preview: the predicted \
+             motion; delayed: the predicted motion, for programs that pass values one step late"
         ),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,

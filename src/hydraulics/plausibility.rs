@@ -25,11 +25,11 @@ const PLAUSIBLE: [(&str, f64, f64, &str, &str); 13] = [
 
 /// Flows that limit the speed, by their names: each with the chamber, A or B, whose area it is for, and what to do.
 const THROTTLES: [(&str, usize, &str); 5] = [
-    ("valve.rated_flow", 0, "state the flow at which the valve is rated"),
-    ("restrictor_a.rated_flow", 0, "state it, 0 for no restrictor"),
-    ("restrictor_b.rated_flow", 1, "state it, 0 for no restrictor"),
-    ("cushion_a.rated_flow", 0, "state it, 0 for no cushion"),
-    ("cushion_b.rated_flow", 1, "state it, 0 for no cushion"),
+    ("valve.rated_flow", 0, "state the rated flow of the valve"),
+    ("restrictor_a.rated_flow", 0, "state the rated flow of the restrictor; 0: no restrictor"),
+    ("restrictor_b.rated_flow", 1, "state the rated flow of the restrictor; 0: no restrictor"),
+    ("cushion_a.rated_flow", 0, "state the rated flow of the cushion; 0: no cushion"),
+    ("cushion_b.rated_flow", 1, "state the rated flow of the cushion; 0: no cushion"),
 ];
 /// Part of the speed of the default cylinder below which a default flow throttles another cylinder.
 const THROTTLED: f64 = 0.5;
@@ -52,7 +52,8 @@ fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Fin
         let [speed, usual] = [areas(own_bore, own_rod)[side], areas(bore, rod)[side]].map(|area| flow / area);
         if flow > 0.0 && value(name) == Some(flow) && speed < THROTTLED * usual {
             let message = format!(
-                "is {} m3/s, the default for a bore of {} m: it limits the speed to {} m/s at the rated pressure drop",
+                "is {} m3/s, the default, which suits a bore of {} m: this flow limits the piston speed to {} m/s at \
+                 the rated pressure drop",
                 Decimal(flow),
                 Decimal(bore),
                 Decimal::rounded(speed)
@@ -83,9 +84,9 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
         }
     };
     let remedy = "raise supply.pressure or lower tank.pressure";
-    compare("supply.pressure", "tank.pressure", |a, b| a > b, "not above", remedy);
-    let remedy = "raise relief.pressure: the relief valves are always open";
-    compare("relief.pressure", "supply.pressure", |a, b| a > b, "not above", remedy);
+    compare("supply.pressure", "tank.pressure", |a, b| a > b, "which is not above", remedy);
+    let remedy = "raise relief.pressure; otherwise the relief valves are always open";
+    compare("relief.pressure", "supply.pressure", |a, b| a > b, "which is not above", remedy);
     all
 }
 

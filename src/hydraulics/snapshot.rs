@@ -115,7 +115,7 @@ impl Model {
         // Inputs that change within a step may be out of their ranges where `solver.max_steps` has ended it.
         let horizon = inputs.get(Input::Horizon);
         if horizon < 0.0 {
-            return Err(Damaged(format!("preview.horizon = {horizon}")).into());
+            return Err(Damaged(format!("preview.horizon = {horizon} s: must be at least 0")).into());
         }
         let mut moves = false;
         record.flag("in motion", &mut moves)?;

@@ -312,31 +312,31 @@ impl State {
         };
         record.option("last step", &mut self.last, blank, |record, last| {
             record.positive("size of the last step", &mut last.step)?;
-            record.finite("length before", &mut last.start_length)?;
-            record.flag("rests", &mut last.rests)?;
-            record.flag("force known", &mut last.is_known)?;
-            record.flag("way owed", &mut last.owes)?;
+            record.finite("length at the start of the last step", &mut last.start_length)?;
+            record.flag("start of the last step at rest", &mut last.rests)?;
+            record.flag("predicted force passed", &mut last.is_known)?;
+            record.flag("piston position ahead", &mut last.owes)?;
             record.flag("end of the cylinder met", &mut last.met_end)?;
             record.flag("rests on the end of the cylinder", &mut last.rests_on_end)?;
             for value in [&mut last.reach, &mut last.settling] {
                 record.number("way to the end", value, |value| value.is_finite() && value >= 0.0, ">= 0")?;
             }
             record.finite("predicted length", &mut last.end_length)?;
-            record.finite("speed before", &mut last.start_speed)?;
+            record.finite("speed at the start of the last step", &mut last.start_speed)?;
             record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
-            record.finite("load before", &mut last.load)?;
-            record.option("load expected", &mut last.expected_load, || 0.0, |record, load| record.finite("load", load))
+            record.finite("load at the start of the last step", &mut last.load)?;
+            record.option("predicted load", &mut last.expected_load, || 0.0, |record, load| record.finite("load", load))
         })?;
         record.number("size of the last step", &mut self.step, |step| step.is_finite() && step >= 0.0, ">= 0")?;
-        record.number("next step", &mut self.horizon, |step| step.is_finite() && step >= 0.0, ">= 0")?;
-        record.finite("way owed", &mut self.owed)?;
+        record.number("size of the next step", &mut self.horizon, |step| step.is_finite() && step >= 0.0, ">= 0")?;
+        record.finite("position difference of the piston", &mut self.owed)?;
         record.option(
             "arrival",
             &mut self.arrival,
             || [0.0; 2],
             |record, arrival| record.all_finite("arrival", arrival),
         )?;
-        record.option("step reported", &mut self.told, Told::blank, |record, told| told.record(record))
+        record.option("prediction of the next step", &mut self.told, Told::blank, |record, told| told.record(record))
     }
 }

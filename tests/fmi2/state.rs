@@ -252,7 +252,7 @@ fn a_state_returns_the_phase_the_clock_and_the_parameters() {
     restore(&gear, &good);
     gear.log.take();
     assert_eq!(gear.step(5.02, 0.01), Status::Error);
-    assert!(gear.refusal().contains("the instance is at 5.01 s"));
+    assert!(gear.refusal().contains("the time of the instance is 5.01 s"));
     assert_eq!(gear.step(5.01, 1.0), Status::Error);
     assert!(gear.refusal().contains("stopTime"));
     restore(&gear, &failed);

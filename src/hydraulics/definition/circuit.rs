@@ -13,9 +13,9 @@ use crate::variables::Unit;
 keys! {
     /// A circuit: supply, tank, valve, cylinder and oil.
     pub struct Circuit {
-        /// Supply. Its pressure is an input.
+        /// Supply. The input `supply.pressure` is the pressure of the supply.
         supply: Supply;
-        /// Tank. Its pressure is an input.
+        /// Tank. The input `tank.pressure` is the pressure of the tank.
         tank: Tank;
         /// Oil with entrained air.
         fluid: Fluid;
@@ -49,30 +49,32 @@ keys! {
         hose: Hose;
         /// Lock valve in the line of chamber A.
         lock_valve: LockValve;
-        /// Command of the valve as a function of time, added to the input.
+        /// Ramp and sine that are added to the input `valve.command`.
         command: Command;
         /// Accumulator at the supply.
         accumulator: Accumulator;
-        /// Pump of the accumulator.
+        /// Pump that fills the accumulator.
         pump: Pump;
     }
 
     /// Hydraulic supply.
     pub struct Supply: Copy {
-        /// Start value of the input `supply.pressure` [Pa]. As an absolute pressure it must be above 0.
+        /// Start value of the input `supply.pressure` [Pa]. The absolute pressure, which is this value plus
+        /// `fluid.ambient_pressure`, must be above 0.
         pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
     }
 
     /// Hydraulic tank (return).
     pub struct Tank: Copy {
-        /// Start value of the input `tank.pressure` [Pa]. As an absolute pressure it must be above 0.
+        /// Start value of the input `tank.pressure` [Pa]. The absolute pressure, which is this value plus
+        /// `fluid.ambient_pressure`, must be above 0.
         pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }
 
 /// Range of the pressures that are relative to the ambient pressure, in words.
 pub const ABOVE_VACUUM: &str =
-    "above -fluid.ambient_pressure, as pressures are relative to the ambient pressure, and at most 1e12 Pa";
+    "at most 1e12 Pa, and the absolute pressure, which is this value plus fluid.ambient_pressure, must be above 0";
 /// Largest pressure [Pa], beyond which a sum of flows and powers means nothing.
 const MOST_PRESSURE: f64 = 1e12;
 /// Least band of a pump over which its flow falls, as a part of its absolute pressure: less is not resolved by the
@@ -95,7 +97,7 @@ pub fn check_pressure(name: &str, pressure: f64, ambient: f64) -> Result<(), Def
     Err(DefinitionError::value(
         name,
         Decimal(pressure),
-        format!("{ABOVE_VACUUM}; -fluid.ambient_pressure is {} Pa", Decimal(-ambient)),
+        format!("{ABOVE_VACUUM}; fluid.ambient_pressure is {} Pa", Decimal(ambient)),
     ))
 }
 

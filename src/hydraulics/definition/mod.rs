@@ -62,7 +62,10 @@ keys! {
 
     /// Coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
-        /// How a step uses the predicted motion; start value of the variable `coupling.mode`.
+        /// Start value of the parameter `coupling.mode`: the motion of the actuator within a step. `preview`: the
+        /// motion that the actuator FMU predicts. `follow`: the motion at the inputs `actuator.length` and
+        /// `actuator.speed`. `delayed`: the predicted motion, for a simulation program that passes every value one step
+        /// late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
@@ -79,35 +82,37 @@ keys! {
     /// A differential cylinder with servo valve, oil and lines. Numbers are in SI units. Pressures are relative to the
     /// ambient pressure.
     pub struct HydraulicActuator {
-        /// Path of the schema, for completion in an editor. The FMU does not read it.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
+        /// key.
         schema as "$schema": Option<String>;
-        /// Name of the FMU: a letter or underscore, then letters, digits or underscores.
+        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
+        /// underscores.
         name: String => element().required();
-        /// Description, one line of text.
+        /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, for the description of the FMU.
+        /// Author, copyright and licence of the model, for the model description of the FMU.
         about: About => Key::PLAIN.brief();
         /// Hydraulic circuit: supply, valve, cylinder and oil.
         circuit: Circuit;
-        /// Start values of length and speed.
+        /// Start values of the inputs `actuator.length` and `actuator.speed`.
         actuator: Actuator;
         /// Coupling with the mechanism that the actuator drives.
         coupling: Coupling;
         /// Settings of the time integration.
         solver: Solver;
-        /// Default experiment of the FMU.
+        /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;
     }
 }
 
 words! {
-    /// How a step uses the predicted motion.
+    /// Motion of the actuator within a step.
     pub enum Mode {
-        /// The step uses the predicted motion; the host makes each step once.
+        /// The actuator moves as predicted.
         Preview = "preview",
-        /// The step uses the motion at the inputs; the host makes each step twice, or does not iterate.
+        /// The actuator moves as the inputs state.
         Follow = "follow",
-        /// The host makes each step once and passes every value one step late.
+        /// The actuator moves as predicted; the host passes every value one step late.
         Delayed = "delayed",
     }
 }
@@ -204,7 +209,7 @@ mod tests {
         for (circuit, texts) in [
             (r#""cylinder": { "rod": 0.05 }"#, &["cylinder.rod = 0.05", "cylinder.bore = 0.045"][..]),
             (r#""chamber_a": { "dead_volume": 0 }"#, &["chamber_a.dead_volume = 0", "> 0"]),
-            (r#""tank": { "pressure": -2e5 }"#, &["tank.pressure = -200000", "-fluid.ambient_pressure", "-101325 Pa"]),
+            (r#""tank": { "pressure": -2e5 }"#, &["tank.pressure = -200000", "fluid.ambient_pressure is 101325 Pa"]),
             (r#""chamber_b": { "start_pressure": -101325 }"#, &["chamber_b.start_pressure"]),
             (r#""valve": { "clearance": 0 }"#, &["valve.clearance = 0", "> 0"]),
             (r#""valve": { "clearence": 1 }"#, &["circuit.valve.clearence", "no key `clearence`", "`clearance`"]),

@@ -21,9 +21,9 @@ keys! {
             all other pressures are relative");
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
-        /// Entrained air: its volume at ambient pressure divided by the volume of oil [1], >= 0. 0: no air.
-        air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of entrained air at \
-            ambient pressure, relative to the oil volume");
+        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. 0: no air.
+        air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of the entrained air at \
+            ambient pressure, divided by the volume of the oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the \
             entrained air");
@@ -37,13 +37,13 @@ keys! {
         rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
         /// Travel of the piston [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
-        /// Length of the actuator between its end points when fully retracted [m], >= 0.
-        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length of the actuator with the \
-            rod in");
-        /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the volume [Pa], >= 0.
-        /// 0: rigid walls.
+        /// Distance between the attachment points of the fully retracted actuator [m], >= 0.
+        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
+            points of the fully retracted actuator");
+        /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
+        /// [Pa], >= 0. 0: rigid walls.
         wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls: \
-            pressure divided by the relative growth of the volume; 0: rigid walls");
+            pressure divided by the relative growth of the cylinder volume; 0: rigid walls");
         /// Restitution at the ends of the travel, which are rigid: speed after an impact of the piston divided by the
         /// speed before [1], from 0 to 1.
         restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
@@ -51,41 +51,46 @@ keys! {
 
     /// Chamber A, on the piston side.
     pub struct ChamberA: Copy {
-        /// Oil volume when fully retracted, including the lines [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A with the \
-            rod retracted, lines included");
-        /// Pressure in chamber A at the start [Pa]. As an absolute pressure it must be above 0.
+        /// Oil volume of chamber A when the cylinder is fully retracted, including the oil in the lines [m3], > 0.
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A when the \
+            cylinder is fully retracted, including the oil in the lines");
+        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is this value plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber A at the \
             start, relative to the ambient pressure");
     }
 
     /// Chamber B, on the rod side.
     pub struct ChamberB: Copy {
-        /// Oil volume when fully extended, including the lines [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B with the \
-            rod extended, lines included");
-        /// Pressure in chamber B at the start [Pa]. As an absolute pressure it must be above 0.
+        /// Oil volume of chamber B when the cylinder is fully extended, including the oil in the lines [m3], > 0.
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B when the \
+            cylinder is fully extended, including the oil in the lines");
+        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is this value plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber B at the \
             start, relative to the ambient pressure");
     }
 
-    /// Servo valve (4/3 way). Its spool follows the command as a second-order system.
+    /// Servo valve (4/3 way). The spool follows the command as a second-order system.
     pub struct Valve: Copy {
-        /// Flow through one fully open metering edge at the rated pressure drop [m3/s], > 0.
+        /// Flow through one fully open metering edge at the pressure drop `valve.rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
-            open edge at the rated pressure drop");
+            open metering edge at the rated pressure drop");
         /// Pressure drop to which all rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
-        /// Opening of a closed edge due to the clearance of the spool, relative to the full opening [1], > 0. The
-        /// clearance rounds the curve of opening over spool position.
-        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Opening of a closed edge due to the \
-            clearance of the spool, relative to the full opening");
-        /// Overlap: spool position at which an edge opens [1]. Negative values are an underlap.
-        overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Spool position at which an edge starts to open");
+        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance rounds the
+        /// curve of the opening over the spool position: at the position `overlap`, an edge is open by half of the
+        /// clearance.
+        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
+            full opening; at the overlap, a metering edge is open by half of the clearance");
+        /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
+        /// negative overlap is an underlap.
+        overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge \
+            starts to open");
         /// Natural frequency of the spool [Hz], > 0.
         frequency: f64 = 60.0 => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool");
         /// Damping ratio of the spool [1], > 0.
@@ -110,52 +115,56 @@ keys! {
 
     /// Check valves parallel to restrictors and cushions.
     pub struct Check: Copy {
-        /// Width of the pressure range in which a check valve changes smoothly from closed to open [Pa], > 0.
-        pressure: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which a \
-            check valve opens");
+        /// Width of the pressure range in which the check valves change smoothly from closed to open [Pa], > 0. The
+        /// check valves are in parallel with the restrictors and cushions.
+        pressure: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range in which the \
+            check valves at restrictors and cushions open");
     }
 
     /// Cushion of chamber A, at the retracted end of the travel.
     pub struct CushionA: Copy {
-        /// Travel over which the cushion throttles the flow out of chamber A [m], >= 0. 0: no cushion.
-        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion \
-            throttles the flow out of chamber A; 0: no cushion");
-        /// Flow out of chamber A at the end of the travel, at the rated pressure drop of the valve [m3/s], >= 0.
-        /// 0: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber A \
-            at the end of the travel and the rated pressure drop; 0: no cushion");
+        /// Length of the last part of the travel, before the retracted end, in which the cushion throttles the flow out
+        /// of chamber A [m], >= 0. 0: no cushion.
+        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
+            which the cushion throttles the flow out of chamber A; 0: no cushion");
+        /// Flow that the cushion lets out of chamber A at the retracted end of the travel, at the rated pressure drop
+        /// of the valve [m3/s], >= 0. 0: no cushion.
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
+            lets out of chamber A at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Cushion of chamber B, at the extended end of the travel.
     pub struct CushionB: Copy {
-        /// Travel over which the cushion throttles the flow out of chamber B [m], >= 0. 0: no cushion.
-        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion \
-            throttles the flow out of chamber B; 0: no cushion");
-        /// Flow out of chamber B at the end of the travel, at the rated pressure drop of the valve [m3/s], >= 0.
-        /// 0: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber B \
-            at the end of the travel and the rated pressure drop; 0: no cushion");
+        /// Length of the last part of the travel, before the extended end, in which the cushion throttles the flow out
+        /// of chamber B [m], >= 0. 0: no cushion.
+        length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
+            which the cushion throttles the flow out of chamber B; 0: no cushion");
+        /// Flow that the cushion lets out of chamber B at the extended end of the travel, at the rated pressure drop of
+        /// the valve [m3/s], >= 0. 0: no cushion.
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
+            lets out of chamber B at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Relief valves from both chambers into the tank.
     pub struct Relief: Copy {
-        /// Pressure at which the relief valves start to open [Pa], > 0.
-        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which the relief valves start \
-            to open");
+        /// Chamber pressure at which the relief valves start to open [Pa], > 0.
+        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Chamber pressure at which the relief \
+            valves start to open");
         /// Width of the pressure range in which relief and anti-cavitation valves start to open smoothly [Pa], > 0.
         width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which the \
             relief and anti-cavitation valves start to open");
-        /// Conductance of the relief valves: flow divided by the pressure above `relief.pressure` [m3/(s.Pa)], >= 0.
+        /// Conductance of the relief valves: flow divided by the excess of the chamber pressure over `relief.pressure`
+        /// [m3/(s.Pa)], >= 0.
         conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
-            the relief valves: flow divided by the pressure above the opening pressure");
+            the relief valves: flow divided by the excess of the chamber pressure over relief.pressure");
     }
 
     /// Anti-cavitation valves from the tank into both chambers.
     pub struct Anticavitation: Copy {
-        /// Conductance of the anti-cavitation valves: flow divided by the pressure below the tank pressure [m3/(s.Pa)],
-        /// >= 0.
+        /// Conductance of the anti-cavitation valves: flow divided by the difference between tank pressure and chamber
+        /// pressure [m3/(s.Pa)], >= 0.
         conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
-            the anti-cavitation valves: flow divided by the pressure below the tank pressure");
+            the anti-cavitation valves: flow divided by the difference between tank pressure and chamber pressure");
     }
 
     /// Laminar leakage: flow divided by pressure difference.
@@ -163,10 +172,12 @@ keys! {
         /// Conductance of the leakage from chamber A to chamber B: flow divided by pressure drop [m3/(s.Pa)], >= 0.
         internal: f64 = 2e-13 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of the \
             leakage from chamber A to chamber B");
-        /// Conductance of the leakage from chamber A to the surroundings: flow divided by pressure [m3/(s.Pa)], >= 0.
+        /// Conductance of the leakage from chamber A to the surroundings: flow divided by the chamber pressure
+        /// [m3/(s.Pa)], >= 0.
         external_a: f64 = 0.0 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of the \
             leakage from chamber A to the surroundings");
-        /// Conductance of the leakage from chamber B to the surroundings: flow divided by pressure [m3/(s.Pa)], >= 0.
+        /// Conductance of the leakage from chamber B to the surroundings: flow divided by the chamber pressure
+        /// [m3/(s.Pa)], >= 0.
         external_b: f64 = 5e-14 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
             the leakage from chamber B to the surroundings");
     }
@@ -178,19 +189,20 @@ keys! {
         /// Static friction force of the seals [N], >= 0.
         r#static as "static": f64 = 400.0 => number(Newton, NonNegative).parameter(Circuit, "Static friction force of \
             the seals");
-        /// Stribeck speed: characteristic speed at which friction falls from static to kinetic [m/s], > 0.
-        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which friction \
-            falls from static to kinetic, at the seals");
-        /// Speed over which the friction changes its direction smoothly, instead of jumping at rest [m/s], > 0.
-        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Speed over which \
-            friction changes its direction smoothly, at the seals");
+        /// Stribeck speed: characteristic speed of the fall from static to kinetic friction [m/s], > 0.
+        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of the \
+            fall from static to kinetic friction (Stribeck speed) of the seals");
+        /// Characteristic speed of the smooth reversal of the friction force [m/s], > 0. Static and kinetic friction
+        /// are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the speed v = 0.
+        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed at \
+            which friction changes direction smoothly instead of jumping at rest, at the seals");
         /// Viscous friction coefficient of the seals: force divided by speed [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction \
             coefficient of the seals");
-        /// Area by which pressure raises the friction: friction force divided by the sum of the chamber pressures [m2],
-        /// >= 0. 0: the friction does not depend on pressure.
-        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of friction with the \
-            sum of the chamber pressures, at the seals");
+        /// Increase of the seal friction force due to pressure, divided by the sum of both chamber pressures [m2], >=
+        /// 0. 0: the friction does not depend on pressure.
+        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of friction force \
+            due to pressure, divided by the sum of both chamber pressures, at the seals");
     }
 
     /// Hoses of both chambers.
@@ -206,26 +218,29 @@ keys! {
             the relative growth of the hose volume");
     }
 
-    /// Lock valve in the line of chamber A. Oil leaves the chamber only while p_B > pilot_ratio * p_A.
+    /// Lock valve in the line of chamber A. Oil leaves chamber A only while p_B > `pilot_ratio` * p_A, with the chamber
+    /// pressures p_A and p_B.
     pub struct LockValve: Copy {
-        /// Pilot ratio [1], >= 0: pressure in chamber B divided by the pressure in chamber A, above which the lock
-        /// valve opens. 0: no lock valve.
-        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot ratio: the lock valve opens if \
-            the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
+        /// Pressure ratio at which the pilot opens the lock valve [1], >= 0: oil leaves chamber A only while p_B >
+        /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal, an
+        /// area ratio. 0: no lock valve.
+        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
+            opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
-        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which the \
-            lock valve opens");
+        width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range in which the lock \
+            valve changes smoothly from closed to open");
     }
 
     /// Accumulator between pump and valve.
     pub struct Accumulator: Copy {
-        /// Gas volume V_0 at the precharge pressure [m3], >= 0. 0: there is no accumulator, and the input
-        /// `supply.pressure` is the pressure at the valve.
+        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. 0: there is no accumulator, and the
+        /// input `supply.pressure` is the pressure at the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
-        /// Precharge pressure: gas pressure without oil [Pa]. As an absolute pressure it must be above 0.
+        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
+        /// this value plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
-            accumulator: gas pressure without oil");
+            accumulator: gas pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             the accumulator");
@@ -239,23 +254,26 @@ keys! {
         /// Pressure up to which the pump delivers its full flow [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which the pump \
             delivers its full flow");
-        /// Pressure from which the pump delivers no flow [Pa], above `pump.full_pressure`.
-        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure above which the pump \
+        /// Pressure at and above which the pump delivers no flow [Pa]. This pressure must be greater than
+        /// `pump.full_pressure`.
+        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure at and above which the pump \
             delivers no flow");
     }
 
-    /// Command of the valve as a function of time since the start, added to the input.
+    /// Ramp and sine that are added to the input `valve.command`, as functions of the time since the start.
     pub struct Command: Copy {
-        /// Height of a ramp that is added to the input `valve.command`, from the start of the run [1].
-        ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Height of the ramp that is added to \
+        /// Final value of a ramp that is added to the input `valve.command` [1]. The ramp starts at the start of the
+        /// run.
+        ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Final value of the ramp that is added to \
             valve.command from the start of the run");
-        /// Duration of the ramp [s], >= 0. 0: a step.
+        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. 0: the command jumps at the start
+        /// of the run.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp that is added to \
-            valve.command; 0: a step");
+            valve.command; 0: a jump at the start of the run");
         /// Amplitude of a sine that is added to the input `valve.command`, from the start of the run [1].
         sine_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Amplitude of the sine that is added to \
             valve.command from the start of the run");
-        /// Frequency of the sine [Hz], >= 0.
+        /// Frequency of the sine that is added to the input `valve.command` [Hz], >= 0.
         sine_frequency: f64 = 0.0 => number(Hertz, NonNegative).parameter(Circuit, "Frequency of the sine that is \
             added to valve.command");
     }

@@ -98,7 +98,7 @@ impl Model {
                 return Err(HydraulicsError::Value {
                     name,
                     value: *seed,
-                    allowed: "finite, because it is a seed".into(),
+                    allowed: "finite, because this value is the seed of a directional derivative".into(),
                 });
             }
             // Inputs come first: the reference of an input is its index.
@@ -137,8 +137,8 @@ impl Model {
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, HydraulicsError> {
         self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
-            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = "maxOutputDerivativeOrder is 1: request order 1".into();
+            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
+            let reason = "only order 1 is available (maxOutputDerivativeOrder is 1)".into();
             return Err(HydraulicsError::Derivative { what, reason });
         }
         self.started()?;
@@ -181,10 +181,10 @@ impl Model {
     pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
         match self.original.variables.quantity(reference)? {
             Quantity::Output(Output::PreviewStartAcceleration | Output::PreviewAcceleration) => {
-                Some("an acceleration at one instant of the next step has no rate".to_owned())
+                Some("the acceleration at one instant of the next step has no time derivative".to_owned())
             }
             Quantity::Output(_) => Some(
-                "larger than the largest number with the present inputs and parameters: check their values".to_owned(),
+                "the derivative exceeds the largest number, 1.8e308: check the inputs and the parameters".to_owned(),
             ),
             _ => None,
         }
@@ -198,12 +198,12 @@ impl Model {
         self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         let most = Input::ALL[reference as usize].order();
         if !(1..=most as i32).contains(&order) {
-            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            let reason = format!("set orders 1 to {most}");
+            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
+            let reason = format!("only the orders 1 to {most} can be set");
             return Err(HydraulicsError::Derivative { what, reason });
         }
         if !value.is_finite() {
-            let name = format!("derivative {order} of {}", self.name_of(reference));
+            let name = format!("time derivative of order {order} of {}", self.name_of(reference));
             return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
         }
         Ok(())

@@ -101,21 +101,21 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
     match kind {
         Warning::Clipped => clipping(numbers[0]),
         Warning::Drift => format!(
-            "actuator.length = {one} m, but the integral of actuator.speed is {two} m: connect both to the same \
-             motion; for long steps set the derivatives of the speed"
+            "actuator.length = {one} m, but the integral of actuator.speed is {two} m: connect both inputs to the same \
+             drive, and with long steps also set the time derivatives of actuator.speed"
         ),
         Warning::Horizon => format!(
-            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again; set \
-             preview.horizon to the next step size"
+            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again for this step; set \
+             preview.horizon to the size of the next step"
         ),
         Warning::Unstable => format!(
-            "a step of {two} s without preview exceeds coupling.stable_step = {one} s: with held inputs the force \
-             grows without limit; use a shorter step, or connect preview.force or preview.force_mean to the \
+            "without the outputs preview.*, a step of {two} s is longer than coupling.stable_step = {one} s, and the \
+             force grows from step to step; use a shorter step, or connect preview.force or preview.force_mean to the \
              mechanism"
         ),
         Warning::Toggle => format!(
-            "actuator.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of the \
-             actuator: no motion is predicted there; use shorter steps near this position"
+            "actuator.reduced_mass = {one} kg changes by more than half within a step of {two} s, for example near a \
+             dead centre of the actuator: no motion is predicted for this step; use shorter steps near this position"
         ),
         Warning::Unforeseen => format!(
             "no motion can be predicted with actuator.reduced_mass = {one} kg and actuator.holding_force = {two} N: \

@@ -51,7 +51,7 @@ pub fn inspect(text: &str) -> Inspection {
         let fact = Fact::new("Pump", name).with("largest flow", pump.max_flow, Unit::CubicMetrePerSecond);
         facts.push(match pump.r#type {
             PumpType::Compensated => fact.with("largest pressure", pump.max_pressure, Unit::Pascal),
-            PumpType::Fixed => fact.saying("only relief valves limit the pressure of this pump"),
+            PumpType::Fixed => fact.saying("only relief valves limit the pressure at the outlet of this pump"),
         });
     }
     for (name, one) in system.accumulators.iter() {

@@ -26,30 +26,36 @@ pub enum Quantity {
 
 /// Name, text and unit of each input of a cylinder, in the order of [`Part::ALL`].
 const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
-    ("length", "Length of @ at the start of a step; within the step the cylinder integrates its speed", Unit::Metre),
-    ("speed", "Speed of @, positive when it extends", Unit::MetrePerSecond),
+    ("length", "Length of @ at the start of a step; within the step, the integral of @.speed is added", Unit::Metre),
+    ("speed", "Speed of @, positive when extending", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration of @, positive when it extends; only derivatives of outputs use it; 0: the acceleration of the \
+        "Acceleration of @, positive when extending; used for time derivatives of outputs; 0: the acceleration of the \
          reduced mass is used",
         Unit::MetrePerSecondSquared,
     ),
-    ("reduced_mass", "Mass that @ moves, reduced to @; 0: not known, so no motion is predicted", Unit::Kilogram),
-    ("reduced_mass_derivative", "Derivative of @.reduced_mass with respect to the length", Unit::KilogramPerMetre),
-    ("holding_force", "Force with which @ would hold its load at rest, positive when it pushes", Unit::Newton),
+    (
+        "reduced_mass",
+        "Mass of the mechanism that @ moves, reduced to @; 0: mass not known, and no motion is predicted",
+        Unit::Kilogram,
+    ),
+    ("reduced_mass_derivative", "Derivative of @.reduced_mass with respect to @.length", Unit::KilogramPerMetre),
+    ("holding_force", "Force of @ that would hold the moved mechanism at rest, positive if @ pushes", Unit::Newton),
     (
         "holding_force_derivative",
-        "Derivative of @.holding_force with respect to the length; 0: not known",
+        "Derivative of @.holding_force with respect to @.length; 0: derivative not known",
         Unit::NewtonPerMetre,
     ),
     (
         "lower_limit",
-        "Least length of @ that the stops allow; the present length while a stop or lock holds the mechanism",
+        "Smallest length of @ that the stops of the mechanism allow; while a stop or lock prevents retraction: the \
+         present length",
         Unit::Metre,
     ),
     (
         "upper_limit",
-        "Largest length of @ that the stops allow; the present length while the mechanism is held; 0: not known",
+        "Largest length of @ that the stops of the mechanism allow; while a stop or lock prevents extension: the \
+         present length; both limits 0: not known",
         Unit::Metre,
     ),
 ];
@@ -58,12 +64,23 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Predicted force of @ at the start of the next step, for hosts that also pass @.preview.force_rate",
+        "Predicted force of @ over the next step, as a straight line in time: value at the start of the step; use it \
+         together with @.preview.force_rate",
         Unit::Newton,
         Ahead::Force,
     ),
-    ("force_rate", "Predicted rate of @.preview.force over the next step", Unit::NewtonPerSecond, Ahead::ForceRate),
-    ("force_mean", "Predicted mean force of @ over the next step", Unit::Newton, Ahead::ForceMean),
+    (
+        "force_rate",
+        "Predicted force of @ over the next step, as a straight line in time: time derivative",
+        Unit::NewtonPerSecond,
+        Ahead::ForceRate,
+    ),
+    (
+        "force_mean",
+        "Predicted force of @, averaged over the next step; for a force input that is constant within a step",
+        Unit::Newton,
+        Ahead::ForceMean,
+    ),
     ("length", "Predicted length of @ at the end of the next step", Unit::Metre, Ahead::Length),
     ("speed", "Predicted speed of @ at the end of the next step", Unit::MetrePerSecond, Ahead::Speed),
     (
@@ -84,20 +101,25 @@ const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
 const TOTALS: [(&str, &str, Unit, Output); 11] = [
     (
         "volume.from_reservoirs",
-        "Oil from the reservoirs since the start",
+        "Volume of oil that has left the reservoirs since the start",
         Unit::CubicMetre,
         Output::Total(Total::Reservoirs),
     ),
-    ("volume.leaked", "Oil lost by external leakage since the start", Unit::CubicMetre, Output::Total(Total::Leaked)),
+    (
+        "volume.leaked",
+        "Volume of oil lost by external leakage since the start",
+        Unit::CubicMetre,
+        Output::Total(Total::Leaked),
+    ),
     (
         "volume.compressed",
-        "Oil that the compression of oil and gas and the stretch of hoses and walls have stored since the start",
+        "Volume of oil stored by compression of oil and gas and by stretch of hoses and walls since the start",
         Unit::CubicMetre,
         Output::Total(Total::Compressed),
     ),
     (
         "volume.balance",
-        "Oil from the reservoirs minus the leaked oil, the stored oil and the growth of the chambers: 0 except for \
+        "Oil from the reservoirs minus leaked oil, minus stored oil, minus growth of the chambers: 0 except for \
          rounding",
         Unit::CubicMetre,
         Output::VolumeBalance,
@@ -109,7 +131,12 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
         Unit::Joule,
         Output::Total(Total::ReservoirWork),
     ),
-    ("energy.piston", "Work of the cylinders since the start", Unit::Joule, Output::Total(Total::PistonWork)),
+    (
+        "energy.piston",
+        "Work of the cylinder forces on the moved mechanisms since the start",
+        Unit::Joule,
+        Output::Total(Total::PistonWork),
+    ),
     (
         "energy.seal_friction",
         "Energy lost in seal friction since the start",
@@ -118,7 +145,7 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.compression",
-        "Energy that the compression of oil and gas and the stretch of hoses and walls have stored since the start",
+        "Energy stored by compression of oil and gas and by stretch of hoses and walls since the start",
         Unit::Joule,
         Output::Total(Total::Compression),
     ),
@@ -130,7 +157,8 @@ const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.balance",
-        "Energy of pumps and reservoirs minus all other energies: 0 except for the error of the integration",
+        "Energy from pumps and reservoirs minus all other energies of the network: 0 except for the error of the \
+         integration",
         Unit::Joule,
         Output::EnergyBalance,
     ),
@@ -197,7 +225,7 @@ impl Builder<'_> {
             );
         }
         for (name, one) in system.valves.iter() {
-            let text = format!("Command of the valve {name}, from -1 to 1");
+            let text = format!("Command of the valve {name}, from -1 to 1; positive: supply to port a");
             self.input(format!("{name}.command"), text, Unit::One, one.command);
         }
         for (name, one) in system.bypasses.iter() {
@@ -223,7 +251,7 @@ impl Builder<'_> {
                 self.input(format!("{name}.{key}"), text.replace('@', name), unit, start);
             }
         }
-        let text = "Size of the next communication step; 0: as long as the last one".to_owned();
+        let text = "Size of the next communication step; 0: as long as the last step".to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
 
@@ -256,7 +284,7 @@ impl Builder<'_> {
         let pumps = system.pumps.names().into_iter().map(str::to_owned).enumerate();
         let pumps = pumps.map(|(index, name)| (paths.len() + valves + index, name)).collect::<Vec<_>>();
         for (index, name) in paths.into_iter().enumerate().chain(pumps) {
-            let text = format!("Flow through {name}, positive from its port `from` to its port `to`");
+            let text = format!("Flow through {name}, positive from port `from` to port `to`");
             self.output(format!("{name}.flow"), text, Unit::CubicMetrePerSecond, Output::Flow(index), &flow);
         }
         for (index, (name, valve)) in system.valves.iter().enumerate() {
@@ -306,7 +334,7 @@ impl Builder<'_> {
                 unit: None,
                 ..Row::real(Causality::Output, Unit::One)
             };
-            let text = format!("Whether the lock {name} is engaged; pressure releases it");
+            let text = format!("Whether the lock {name} is engaged; oil pressure releases the lock");
             self.push(format!("{name}.engaged"), text, Quantity::Lock(index), row);
         }
     }
@@ -317,13 +345,13 @@ impl Builder<'_> {
         let of = |part| layout.of_cylinder(index, part) as Reference;
         let (length, speed) = ([of(Part::Length)], [of(Part::Speed)]);
         let named = |key: &str| format!("{name}.{key}");
-        let text = format!("Force of the cylinder {name}, positive when it pushes its ends apart");
+        let text = format!("Force of the cylinder {name}, positive in the direction of extension");
         self.output(named("force"), text, Unit::Newton, Output::Force(index), &speed);
-        let text = format!("Stiffness of the oil along the cylinder {name}");
+        let text = format!("Stiffness of the oil in the cylinder {name}, as a spring");
         self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
-        let text = format!("Derivative of the seal friction of {name} with respect to the speed");
+        let text = format!("Derivative of the seal friction force of {name} with respect to the speed");
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
-        let text = format!("Position of the piston of {name}, 0 at the closed length");
+        let text = format!("Position of the piston of {name}; 0: fully retracted");
         self.output(named("stroke_position"), text, Unit::Metre, Output::Position(index), &length);
         for (side, letter) in ["a", "b"].into_iter().enumerate() {
             let text = format!("Pressure in chamber {letter} of {name}, relative to the ambient pressure");

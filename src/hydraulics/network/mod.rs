@@ -1,4 +1,4 @@
-//! Hydraulic systems: a supply network with any number of cylinders.
+//! Hydraulic systems: a supply network with up to 12 cylinders.
 //!
 //! In: the definition of a network, the motions of the cylinders, commands. Out: pressures, flows, forces, volumes,
 //! energies, and the motions with what the cylinders move, foreseen over the next step. It must not know mechanisms,

@@ -199,7 +199,7 @@ impl Model {
                 let input = self.parameters.laws.layout.input(index);
                 if let Input::Reservoir(_) = input {
                     let ambient = self.parameters.laws.ambient();
-                    let allowed = || format!("a number {ABOVE_VACUUM}; -fluid.ambient_pressure is {} Pa", -ambient);
+                    let allowed = || format!("{ABOVE_VACUUM}; fluid.ambient_pressure is {ambient} Pa");
                     return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
                 input_range(input)
@@ -383,7 +383,7 @@ impl Model {
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
         let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else { return None };
         let value = self.output(output).ok()?;
-        let text = "larger than the largest number with the present inputs and parameters: check their values";
+        let text = "the value exceeds the largest number, 1.8e308; check the values of inputs and parameters";
         (!value.is_finite()).then(|| text.to_owned())
     }
 

@@ -100,7 +100,7 @@ impl Model {
         let mut version = 0;
         record.small("version", &mut version)?;
         if version != VERSION {
-            return Err(Damaged(format!("version {version}: this model reads version {VERSION}")).into());
+            return Err(Damaged(format!("format version {version}, but this model reads version {VERSION}")).into());
         }
         let mut parameters = Parameters::clone(&self.parameters);
         record_parameters(record, &mut parameters.values)?;
@@ -119,7 +119,7 @@ impl Model {
         inputs.record(record)?;
         let horizon = inputs.values.last().copied().unwrap_or(0.0);
         if horizon < 0.0 {
-            return Err(Damaged(format!("preview.horizon = {horizon}")).into());
+            return Err(Damaged(format!("preview.horizon = {horizon} s: must be at least 0")).into());
         }
         let mut moves = false;
         record.flag("in motion", &mut moves)?;
@@ -142,7 +142,7 @@ impl Model {
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
             Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
-            _ => Err(Damaged("it continues after its end".to_owned()).into()),
+            _ => Err(Damaged("the data is too long".to_owned()).into()),
         }
     }
 

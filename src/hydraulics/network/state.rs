@@ -356,10 +356,10 @@ impl State {
         record.number("size of the last step", &mut self.last_step, |h| h >= 0.0 && h.is_finite(), "a number >= 0")?;
         for last in &mut self.last {
             record.flag("last step", &mut last.is_known)?;
-            record.finite("speed before", &mut last.start_speed)?;
+            record.finite("speed at the start of the last step", &mut last.start_speed)?;
             record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
-            record.finite("load before", &mut last.load)?;
+            record.finite("load at the start of the last step", &mut last.load)?;
         }
         if self.last_step == 0.0 && self.last.iter().any(|last| last.is_known) {
             return Err(Damaged("a motion is predicted before the first step".to_owned()));

@@ -231,7 +231,7 @@ fn faults_of_a_network_are_named_with_a_remedy() {
         Model::from_json(&SYSTEM.replace(from, to)).unwrap_err().to_string()
     };
     for (from, to, words) in [
-        ("\"door_line\":", "\"selector\":", &["valves.selector", "resistances.selector has this name already"][..]),
+        ("\"door_line\":", "\"selector\":", &["valves.selector", "resistances.selector already has this name"][..]),
         (
             "\"to\": \"door.a\", \"rated",
             "\"to\": \"door.c\", \"rated",

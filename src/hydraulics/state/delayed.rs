@@ -69,19 +69,19 @@ impl Told {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let Self { start, mechanism, catching_up, element, correction, preview, step } = self;
-        record.positive("size of the step reported", step)?;
-        record.all_finite("mechanism reported", mechanism)?;
-        record.finite("force that catches up", catching_up)?;
-        record.all_finite("motion reported", start)?;
-        record.positive("mass reported", &mut element.mass)?;
+        record.positive("size of the predicted step", step)?;
+        record.all_finite("predicted motion of the mechanism", mechanism)?;
+        record.finite("force of the correction", catching_up)?;
+        record.all_finite("start of the predicted motion", start)?;
+        record.positive("reduced mass of the prediction", &mut element.mass)?;
         let Element { mass_derivative, load, load_derivative, load_rate, length, limits, .. } = element;
-        limits.iter_mut().try_for_each(|limit| record.number("limit reported", limit, |x| !x.is_nan(), "a number"))?;
+        limits.iter_mut().try_for_each(|limit| record.number("length limit", limit, |x| !x.is_nan(), "a number"))?;
         for value in [mass_derivative, load, load_derivative, load_rate, length, correction] {
-            record.finite("element reported", value)?;
+            record.finite("mass or load of the prediction", value)?;
         }
         let Preview { force, force_rate, force_mean, length, speed, start_acceleration, acceleration } = preview;
         for value in [force, force_rate, force_mean, length, speed, start_acceleration, acceleration] {
-            record.finite("preview reported", value)?;
+            record.finite("predicted output", value)?;
         }
         Ok(())
     }

@@ -4,11 +4,11 @@
 use crate::format::words;
 
 words! {
-    /// How a step uses the predicted motion.
+    /// Motion of the cylinders within a step.
     pub enum Mode {
-        /// The step uses the predicted motion; the host makes each step once.
+        /// The cylinders move as predicted.
         Preview = "preview",
-        /// The step uses the motion at the inputs; the host makes each step twice, or does not iterate.
+        /// The cylinders move as the inputs state.
         Follow = "follow",
     }
 

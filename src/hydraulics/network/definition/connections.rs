@@ -71,8 +71,8 @@ impl HydraulicSystem {
                 Some(port)
                     if port >= ports.volumes && matches!((link.group, link.key), ("pumps", "to") | (_, "at")) =>
                 {
-                    let allowed = "a node, or a chamber such as cylinder.a, but not a reservoir, because its pressure \
-                        is given";
+                    let allowed = "a node, or a chamber such as cylinder.a, but not a reservoir, because the pressure \
+                        of a reservoir is an input";
                     faults.push(DefinitionError::value(link.path(), format!("\"{}\"", link.port), allowed));
                 }
                 Some(_) => {}
@@ -84,7 +84,8 @@ impl HydraulicSystem {
             };
             if let Some(other) = links[..index].iter().find(of_same) {
                 let message = format!(
-                    "\"{}\" is also connected to port {} of this element; connect each port to another place",
+                    "\"{}\" is also connected to port {} of this element; connect each port of an element to a \
+                     different reservoir, node or chamber",
                     link.port, other.key
                 );
                 faults.push(DefinitionError::key(link.path(), message));
@@ -116,7 +117,8 @@ impl HydraulicSystem {
                 faults.push(DefinitionError::value(format_args!("{group}.{name}"), format!("\"{name}\""), allowed));
             }
             if let Some((other, _)) = names.iter().find(|(_, known)| known == name) {
-                let message = format!("{other}.{name} has this name already; give each element another name");
+                let message =
+                    format!("the element {other}.{name} already has this name; give each element a different name");
                 faults.push(DefinitionError::key(format_args!("{group}.{name}"), message));
             }
             names.push((group, name.to_owned()));
@@ -302,10 +304,10 @@ impl HydraulicSystem {
         for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
             if !feeds(link.port, link.name) {
                 let message = format!(
-                    "nothing but this valve is connected to \"{}\", so the valve has no {}",
+                    "nothing but this valve is connected to \"{}\", so the valve has no {} line",
                     link.port, link.key
                 );
-                warn(link.path(), message, "connect a pump, an accumulator, a reservoir or another element there");
+                warn(link.path(), message, "connect another element to this port, such as a pump or a reservoir");
             }
         }
         for name in &ports.names()[ports.nodes..ports.volumes] {
@@ -331,7 +333,7 @@ impl HydraulicSystem {
                     pump.to,
                     Decimal::rounded(flow)
                 );
-                let remedy = "increase the conductance of a relief valve there, or use a compensated pump";
+                let remedy = "increase the conductance of a relief valve at the pump outlet, or use a compensated pump";
                 warn(format!("pumps.{name}.max_flow"), message, remedy);
             }
         }

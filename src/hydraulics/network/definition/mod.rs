@@ -59,19 +59,22 @@ pub const TOTALS: usize = 9;
 
 keys! {
     /// A hydraulic system: supply, lines, valves and cylinders. Numbers are in SI units. Pressures are relative to the
-    /// ambient pressure. A port is the name of a reservoir or node, or `cylinder.a` or `cylinder.b`.
+    /// ambient pressure. A port is the name of a reservoir or of a node, or a chamber: `<cylinder>.a` or
+    /// `<cylinder>.b`.
     pub struct HydraulicSystem {
-        /// Path of the schema, for completion in an editor. The FMU does not read it.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
+        /// key.
         schema as "$schema": Option<String>;
-        /// Name of the FMU: a letter or underscore, then letters, digits or underscores.
+        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
+        /// underscores.
         name: String => element().required();
-        /// Description, one line of text.
+        /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, for the description of the FMU.
+        /// Author, copyright and licence of the model, for the model description of the FMU.
         about: About => Key::PLAIN.brief();
         /// Oil with entrained air.
         fluid: Fluid;
-        /// Reservoirs and other ports with a given pressure.
+        /// Reservoirs and other ports whose pressure is an input.
         reservoirs: Named<Reservoir>;
         /// Nodes: lines and galleries with a volume of oil.
         nodes: Named<Line>;
@@ -89,25 +92,25 @@ keys! {
         priorities: Named<Priority>;
         /// Sequence valves.
         sequences: Named<Sequence>;
-        /// Pilot operated check valves.
+        /// Pilot operated check valves (lock valves).
         pilot_checks: Named<PilotCheck>;
         /// Counterbalance valves.
         counterbalances: Named<Counterbalance>;
         /// Sequence valves that a cylinder operates.
         position_valves: Named<PositionValve>;
-        /// By-passes.
+        /// By-passes (dump valves).
         bypasses: Named<Bypass>;
-        /// Valves with four ports.
+        /// Valves with four ports and three positions.
         valves: Named<Valve>;
         /// Cylinders.
         cylinders: Named<Cylinder>;
-        /// Locks that pressure releases.
+        /// Locks that oil pressure releases, such as uplocks.
         pressure_locks: Named<PressureLock>;
         /// Coupling with the mechanisms that the cylinders drive.
         coupling: Coupling;
         /// Settings of the time integration.
         solver: Solver;
-        /// Default experiment of the FMU.
+        /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;
     }
 }

@@ -16,17 +16,19 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// Reservoir, or another port whose pressure is given. The input `<name>.pressure` is this pressure.
+    /// Reservoir, or another port whose pressure is given by the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure` [Pa]. As an absolute pressure it must be above 0.
+        /// Start value of the input `<name>.pressure` [Pa]. The absolute pressure, which is this value plus
+        /// `fluid.ambient_pressure`, must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
     /// Node: a line or a gallery with a volume of oil at one pressure.
     pub struct Line: Copy {
-        /// Volume of the oil [m3], > 0.
+        /// Volume of the oil at the node [m3], > 0. A volume of 0 is rejected.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start [Pa]. As an absolute pressure it must be above 0.
+        /// Pressure at the start [Pa]. The absolute pressure, which is this value plus `fluid.ambient_pressure`, must
+        /// be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hoses [m3], >= 0. This volume is a part of `volume`. 0: no hose.
@@ -37,7 +39,8 @@ keys! {
             divided by the relative growth of the hose volume");
     }
 
-    /// Pump. The input `<name>.speed` is its relative speed: 1 is the full speed and the start value, 0 is off.
+    /// Pump. The input `<name>.speed` is the relative speed of the pump: 1 is the full speed, and 0 is off. The start
+    /// value is 1.
     pub struct Pump {
         /// Reservoir or node from which the pump takes oil.
         from: String => line().required();
@@ -53,21 +56,23 @@ keys! {
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which @ delivers its \
             full flow");
-        /// Pressure from which a compensated pump delivers no flow [Pa], above `full_pressure`.
-        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure from which @ delivers no \
-            flow");
+        /// Pressure at and above which a compensated pump delivers no flow [Pa]. This pressure must be greater than
+        /// `full_pressure`.
+        max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure at and above which @ \
+            delivers no flow");
     }
 
     /// Gas accumulator at a node.
     pub struct Accumulator {
         /// Node to which the accumulator is connected.
         at: String => line().required();
-        /// Gas volume V_0 at the precharge pressure [m3], > 0.
+        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure: gas pressure without oil [Pa]. As an absolute pressure it must be above 0.
+        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
+        /// this value plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
-            pressure without oil");
+            pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             @");
@@ -79,13 +84,14 @@ keys! {
         from: String => line().required();
         /// Port at which a positive flow leaves.
         to: String => line().required();
-        /// Turbulent flow from `from` to `to` at the rated pressure drop [m3/s], >= 0. 0: no flow in this direction.
+        /// Turbulent flow in the direction from port `from` to port `to`, at the rated pressure drop [m3/s], >= 0. 0:
+        /// no flow in this direction.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Turbulent flow from `to` to `from` at the rated pressure drop [m3/s], >= 0. 0: no flow in this direction.
-        /// Default: `rated_flow`.
-        reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ \
-            against the positive direction, at the rated pressure drop");
+        /// Turbulent flow in the direction from port `to` to port `from`, at the rated pressure drop [m3/s], >= 0. 0:
+        /// no flow in this direction. Default: `rated_flow`.
+        reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in \
+            the reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
@@ -98,18 +104,19 @@ keys! {
             the laminar resistance in @; 0: no laminar pressure drop");
     }
 
-    /// Check valve.
+    /// Check valve: oil flows from port `from` to port `to` only.
     pub struct Check {
-        /// Port from which oil flows.
+        /// Inlet of the check valve: oil flows from this port.
         from: String => line().required();
-        /// Port to which oil flows.
+        /// Outlet of the check valve: oil flows to this port.
         to: String => line().required();
-        /// Pressure drop from `from` to `to` at which the valve opens [Pa], >= 0.
+        /// Pressure drop from port `from` to port `to` at which the valve opens [Pa], >= 0.
         cracking_pressure: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure drop at which @ opens");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0. Not used where `conductance` is given.
+        /// Flow of the open valve at the rated pressure drop [m3/s], > 0. This key is not used if `conductance` is
+        /// greater than 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Pressure drop to which the rated flow refers [Pa], > 0.
@@ -119,35 +126,35 @@ keys! {
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Conductance of a valve with a linear law: flow divided by the pressure drop above the cracking pressure
-        /// [m3/(s.Pa)], >= 0. 0: the valve has the turbulent law of `rated_flow`.
+        /// [m3/(s.Pa)], >= 0. 0: the flow is turbulent, and `rated_flow` states its size.
         conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
-            the pressure drop above the cracking pressure; 0: the law of the rated flow");
+            the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
 
-    /// Relief valve.
+    /// Relief valve: oil flows from port `from` to port `to` while the pressure at `from` is above the key `pressure`.
     pub struct Relief {
         /// Port that the valve protects from high pressure.
         from: String => line().required();
-        /// Port to which the valve lets oil flow, mostly a reservoir.
+        /// Port to which the valve discharges oil, usually a reservoir.
         to: String => line().required();
-        /// Pressure at `from` at which the valve starts to open [Pa], > 0.
+        /// Pressure at the port `from` at which the valve starts to open [Pa], > 0.
         pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ starts to open");
         /// Width of the pressure range over which the valve starts to open smoothly [Pa], > 0.
         width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Conductance of the valve: flow divided by the pressure at `from` above the opening pressure [m3/(s.Pa)], >
-        /// 0.
+        /// Conductance of the valve: flow divided by the excess of the pressure at the port `from` over the key
+        /// `pressure` [m3/(s.Pa)], > 0.
         conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow of @ divided \
-            by the pressure above the opening pressure");
+            by the excess of the pressure over the opening pressure");
     }
 
-    /// Priority valve. The valve is open while the pressure upstream is above a limit.
+    /// Priority valve. The valve is open while the pressure at the port `from` (upstream) is above the key `pressure`.
     pub struct Priority {
-        /// Port upstream, whose pressure opens the valve.
+        /// Upstream port, whose pressure opens the valve.
         from: String => line().required();
-        /// Port downstream: the side of the consumer.
+        /// Downstream port, on the side of the consumer.
         to: String => line().required();
-        /// Pressure at `from` at which the valve is half open [Pa], > 0.
+        /// Pressure at the port `from` at which the valve is half open [Pa], > 0.
         pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure upstream at which @ is half \
             open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
@@ -156,10 +163,10 @@ keys! {
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from `to` to `from` at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: no
-        /// such check valve.
-        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ against the \
-            positive direction, at the rated pressure drop");
+        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
+        /// 0. 0: there is no check valve in parallel.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
+            reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
@@ -168,15 +175,15 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve. The valve is open while the pressure at its pilot is above a limit.
+    /// Sequence valve. The valve is open while the pressure at the port `pilot` is above the key `pressure`.
     pub struct Sequence {
-        /// Port upstream: the side of the pressure source.
+        /// Upstream port, on the side of the pressure source.
         from: String => line().required();
-        /// Port downstream: the side of the consumer.
+        /// Downstream port, on the side of the consumer.
         to: String => line().required();
         /// Port whose pressure opens the valve.
         pilot: String => line().required();
-        /// Pressure at the pilot at which the valve is half open [Pa], > 0.
+        /// Pressure at the port `pilot` at which the valve is half open [Pa], > 0.
         pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pilot pressure at which @ is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
@@ -184,10 +191,10 @@ keys! {
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from `to` to `from` at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: no
-        /// such check valve.
-        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ against the \
-            positive direction, at the rated pressure drop");
+        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
+        /// 0. 0: there is no check valve in parallel.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
+            reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
@@ -196,19 +203,19 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Pilot operated check valve (lock valve). Oil flows from `to` back to `from` only while the pilot pressure is
-    /// above `ratio` times the pressure at `to`.
+    /// Pilot operated check valve (lock valve). Oil flows freely from port `from` to port `to`. The reverse flow is
+    /// possible only while p_pilot > `ratio` * p_to, with the pressures p_pilot and p_to at the ports `pilot` and `to`.
     pub struct PilotCheck {
-        /// Port from which oil flows freely.
+        /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port that is locked.
+        /// Port that the valve locks: oil leaves this port only while the pilot opens the valve.
         to: String => line().required();
-        /// Port whose pressure opens the valve for the flow back.
+        /// Port whose pressure opens the valve for the reverse flow.
         pilot: String => line().required();
-        /// Pilot ratio: pilot pressure divided by the pressure at `to`, above which the valve opens for the flow back
-        /// [1], > 0.
-        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: pilot pressure divided by the \
-            pressure at the locked port, at which the valve opens");
+        /// Pressure ratio at which the pilot opens the valve [1], > 0: the reverse flow is possible while p_pilot >
+        /// `ratio` * p_to. Data sheets usually state the reciprocal, an area ratio.
+        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pilot pressure divided by the pressure at the \
+            locked port, above which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
@@ -223,18 +230,20 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Counterbalance valve. Oil flows from `to` back to `from` while p_to + ratio * p_pilot is above a limit. Here
-    /// p_to and p_pilot are the pressures at `to` and at the pilot.
+    /// Counterbalance valve. Oil flows freely from port `from` to port `to`. The reverse flow is possible while p_to +
+    /// `ratio` * p_pilot is above the key `pressure`. Here p_to and p_pilot are the pressures at the ports `to` and
+    /// `pilot`.
     pub struct Counterbalance {
-        /// Port from which oil flows freely.
+        /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
         /// Port that carries the load.
         to: String => line().required();
         /// Port whose pressure helps to open the valve.
         pilot: String => line().required();
-        /// Pilot ratio: factor of the pilot pressure in the sum that opens the valve [1], > 0.
+        /// Pilot ratio: factor of the pilot pressure in the sum p_to + `ratio` * p_pilot, which opens the valve [1], >
+        /// 0.
         ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: factor of the pilot pressure \
-            in the sum that opens the valve");
+            in the sum of load pressure and pilot pressure, which opens the valve");
         /// Sum p_to + ratio * p_pilot at which the valve is half open [Pa], > 0.
         pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Load pressure plus pilot ratio times \
             pilot pressure, at which @ is half open");
@@ -282,11 +291,11 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// By-pass (dump valve). The input `<name>.open` is its opening: 0 is closed, 1 is fully open.
+    /// By-pass (dump valve). The input `<name>.open` is the opening of the valve: 0 is closed, and 1 is fully open.
     pub struct Bypass {
-        /// Port at one side.
+        /// First port of the valve. A flow from this port to the port `to` is positive.
         from: String => line().required();
-        /// Port at the other side.
+        /// Second port of the valve.
         to: String => line().required();
         /// Start value of the input `<name>.open` [1], from 0 (closed) to 1 (open).
         open: f64 => number(One, UnitRange);
@@ -301,16 +310,16 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Valve with four ports and three positions. Its command is the input `<name>.command`. A positive command
-    /// connects the supply to port a, and port b to the return.
+    /// Valve with four ports and three positions. The input `<name>.command` is the command of the valve. A positive
+    /// command connects the supply to port a, and port b to the return.
     pub struct Valve {
         /// Port from which the valve takes oil.
         supply: String => line().required();
         /// Port to which the valve returns oil.
         r#return as "return": String => line().required();
-        /// Working port a.
+        /// Reservoir, node or chamber at the working port a.
         a: String => line().required();
-        /// Working port b.
+        /// Reservoir, node or chamber at the working port b.
         b: String => line().required();
         /// Start value of the input `<name>.command` [1], -1 to 1.
         command: f64 => number(One, Finite);
@@ -334,12 +343,16 @@ keys! {
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// Opening of a closed edge due to the clearance of the spool, relative to the full opening [1], > 0.
-        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Opening of a closed edge of @ due to the \
-            clearance of the spool, relative to the full opening");
-        /// Overlap: spool position at which an edge opens [1]. Negative values are an underlap.
-        overlap: f64 => number(One, Finite).parameter(Circuit, "Spool position at which an edge of @ opens");
-        /// Natural frequency of the spool [Hz], > 0. Without this key the spool follows the command at once.
+        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
+        /// `overlap`, an edge is open by half of the clearance.
+        clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
+            the full opening; at the overlap, a metering edge is open by half of the clearance");
+        /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
+        /// negative overlap is an underlap.
+        overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
+            starts to open");
+        /// Natural frequency of the spool [Hz], > 0. Without this key, the spool position equals the command at every
+        /// instant.
         frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool of @");
         /// Damping ratio of the spool [1], > 0.
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
@@ -347,10 +360,12 @@ keys! {
 
     /// Chamber of a cylinder.
     pub struct Chamber: Copy {
-        /// Oil volume of the chamber at its end of the travel, including the lines [m3], > 0.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Least oil volume of @, lines \
-            included");
-        /// Pressure at the start [Pa]. As an absolute pressure it must be above 0.
+        /// Smallest oil volume of the chamber, including the oil in the lines [m3], > 0. This is the volume of chamber
+        /// A when the cylinder is fully retracted, and of chamber B when the cylinder is fully extended.
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of @, \
+            including the oil in the lines");
+        /// Pressure at the start [Pa]. The absolute pressure, which is this value plus `fluid.ambient_pressure`, must
+        /// be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hose [m3], >= 0. This volume is a part of `dead_volume`. 0: no hose.
@@ -359,16 +374,18 @@ keys! {
         /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. 0: no restrictor.
         restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
             restrictor at the rated pressure drop; 0: no restrictor");
-        /// Travel over which the cushion throttles the flow out of the chamber [m], >= 0. 0: no cushion.
-        cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Travel over which the cushion throttles \
-            the flow out of @; 0: no cushion");
-        /// Flow out of the chamber at the end of the travel, at the rated pressure drop [m3/s], >= 0. 0: no cushion.
-        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ at the end of \
-            the travel and the rated pressure drop; 0: no cushion");
+        /// Length of the last part of the travel in which the cushion throttles the flow out of the chamber [m], >= 0.
+        /// 0: no cushion.
+        cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
+            which the cushion throttles the flow out of @; 0: no cushion");
+        /// Flow that the cushion lets out of the chamber at the end of the travel, at the rated pressure drop [m3/s],
+        /// >= 0. 0: no cushion.
+        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion lets \
+            out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
-    /// Differential cylinder. Its chambers are the ports `<name>.a`, on the piston side, and `<name>.b`, on the rod
-    /// side.
+    /// Differential cylinder. The chambers of the cylinder are the ports `<name>.a`, on the piston side, and
+    /// `<name>.b`, on the rod side.
     pub struct Cylinder {
         /// Diameter of the piston [m], > 0.
         bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
@@ -376,11 +393,11 @@ keys! {
         rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
         /// Travel of the piston [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
-        /// Length of the cylinder between its end points when fully retracted [m], >= 0.
-        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Length of @ between its end \
-            points when fully retracted");
-        /// Start value of the input `<name>.length` [m], >= 0. Without this key the cylinder starts in the middle of
-        /// its travel.
+        /// Distance between the attachment points of the fully retracted cylinder [m], >= 0.
+        closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
+            points of @ when fully retracted");
+        /// Start value of the input `<name>.length` [m], >= 0. Without this key, the cylinder starts in the middle of
+        /// the travel.
         length: Option<f64> => number(Metre, NonNegative);
         /// Start value of the input `<name>.speed` [m/s].
         speed: f64 => number(MetrePerSecond, Finite);
@@ -388,9 +405,10 @@ keys! {
         /// is connected. 0: the inputs `<name>.length` and `<name>.speed` prescribe the motion.
         reduced_mass: f64 => number(Kilogram, NonNegative);
         /// Start value of the input `<name>.holding_force` [N]: the load on the mass `reduced_mass`, positive if the
-        /// cylinder must push.
+        /// cylinder must push against the load.
         holding_force: f64 => number(Newton, Finite);
-        /// Start value of the input `<name>.lower_limit` [m], >= 0: least length that the stops of the mechanism allow.
+        /// Start value of the input `<name>.lower_limit` [m], >= 0: smallest length that the stops of the mechanism
+        /// allow.
         lower_limit: f64 => number(Metre, NonNegative);
         /// Start value of the input `<name>.upper_limit` [m], >= 0: largest length that the stops of the mechanism
         /// allow. If both limits are 0, the length is not limited.
@@ -398,8 +416,8 @@ keys! {
         /// Pressure drop to which the flows of restrictors and cushions refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the volume [Pa], >= 0.
-        /// 0: rigid walls.
+        /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
+        /// [Pa], >= 0. 0: rigid walls.
         wall_modulus: f64 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls of @; \
             0: rigid walls");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -419,7 +437,7 @@ keys! {
     pub struct PressureLock {
         /// Node or chamber whose pressure releases the lock.
         at: String => line().required();
-        /// Pressure at which the lock releases [Pa], > 0.
+        /// Pressure at the port `at` at which the lock releases [Pa], > 0.
         release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ releases");
         /// Hysteresis [Pa], >= 0: the lock engages again when the pressure falls below `release_pressure` -
         /// `hysteresis`.
@@ -431,7 +449,8 @@ keys! {
 keys! {
     /// Coupling with the mechanisms that the cylinders drive.
     pub struct Coupling: Copy {
-        /// How a step uses the predicted motion; start value of the variable `coupling.mode`.
+        /// Start value of the parameter `coupling.mode`: the motion of the cylinders within a step. `preview`: the
+        /// motion that the FMU predicts. `follow`: the motion at the inputs `<name>.length` and `<name>.speed`.
         mode: Mode => Key::PLAIN.parameter(Circuit, "");
     }
 }

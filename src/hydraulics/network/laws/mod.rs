@@ -205,7 +205,7 @@ impl Laws {
         let remedy = if lowest + self.ambient < CAVITATES * self.ambient {
             ", where the oil cavitates; increase fluid.air_fraction, or connect a check valve from a reservoir"
         } else {
-            ", the lowest pressure"
+            ", the lowest pressure of the network"
         };
         format!("{} = {} Pa{remedy}", self.names[index], Decimal::rounded(lowest))
     }

@@ -116,8 +116,8 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
             )
         }
         Warning::Horizon => format!(
-            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again; set preview.horizon \
-             to the next step size, or to 0 if all steps are equal"
+            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again for this step; set \
+             preview.horizon to the size of the next step, or to 0 if all steps are equal"
         ),
         Warning::Empty => format!(
             "the accumulator {} is empty: its pressure of {one} Pa is below the precharge pressure of {two} Pa, where \
@@ -125,9 +125,9 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
             name(system.accumulators.names())
         ),
         Warning::Toggle => format!(
-            "{}.reduced_mass = {one} kg changes too much within a step of {two} s, as near a dead centre of the \
-             cylinder: no motion is predicted there, and the cylinder moves by its inputs; use shorter steps near this \
-             position",
+            "{}.reduced_mass = {one} kg changes by more than half within a step of {two} s, for example near a dead \
+             centre of the cylinder: no motion is predicted for this step, and the cylinder moves as the inputs length \
+             and speed state; use shorter steps near this position",
             name(system.cylinders.names())
         ),
     }
