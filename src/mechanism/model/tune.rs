@@ -69,7 +69,11 @@ impl Model {
         let before = before.output(&old, &self.inputs, Output::Drift);
         let after = retuned.output(&reduced, &self.inputs, Output::Drift);
         if let (Ok(before), Ok(after)) = (before, after) {
-            retuned.book(after - before);
+            let jump = after - before;
+            // A trial state of model exchange may be so fast that its energy overflows.
+            if jump.is_finite() {
+                retuned.book(jump);
+            }
         }
         self.designs.keep(&tuned, &reduced);
         **motion = retuned;
