@@ -8,6 +8,7 @@ pub mod equilibrium;
 pub mod events;
 pub mod impacts;
 mod memory;
+mod power_ahead;
 pub mod prescribed;
 pub mod samples;
 mod saved;

@@ -6,6 +6,7 @@ use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::prescribed::Given;
 use crate::mechanism::motion::contact::{Ends, outward};
 use crate::mechanism::motion::elapsed::Elapsed;
+use crate::mechanism::motion::power_ahead::PowerAhead;
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::reduced::Reduced;
 
@@ -30,6 +31,8 @@ pub struct PrescribedState {
     pub origin: f64,
     /// The motion by inputs for which the state is placed.
     pub given: Given,
+    /// The power over a time that begins with a step and goes on beyond it, while loads and motion do not change.
+    pub ahead: Option<PowerAhead>,
 }
 
 impl PrescribedState {
@@ -38,7 +41,8 @@ impl PrescribedState {
         record.flag("motion prescribed", &mut self.is_active)?;
         self.time.record(record)?;
         record.finite("start of the prescribed motion", &mut self.origin)?;
-        record.all_finite("prescribed motion", &mut self.given)
+        record.all_finite("prescribed motion", &mut self.given)?;
+        record.option("power ahead", &mut self.ahead, PowerAhead::blank, |record, power| power.record(record))
     }
 }
 
@@ -122,6 +126,20 @@ impl Track<'_> {
             (sigma, last) = (next, miss.abs());
         }
         Err(Missed::Far)
+    }
+
+    /// sigma at which the drive has this position, with S_sigma there, if one evaluation of S shows it to rounding:
+    /// about `way` from a sigma, with no dead point between as far as slope and curvature tell, and within the travel.
+    #[inline]
+    pub fn continued(&self, from: f64, way: f64, position: f64) -> Option<(f64, f64)> {
+        let [s, slope, curvature] = self.displacement(from + way).ok()?;
+        let (step, size) = ((position - s) / slope, 1.0 + s.abs());
+        let sigma = from + way + step;
+        let margin = AT_STOP * size / slope.abs();
+        let is_exact = (0.5 * curvature * step * step).abs() <= ROUNDING * size;
+        let is_clear = (way.abs() + step.abs()) * curvature.abs() <= CAUTION * slope.abs();
+        let is_within = self.ends.limits[0] + margin < sigma && sigma + margin < self.ends.limits[1];
+        (is_exact && is_clear && is_within).then_some((sigma, slope + curvature * step))
     }
 
     /// sigma, at the end of the travel if it is there within rounding.

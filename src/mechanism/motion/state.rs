@@ -174,6 +174,17 @@ impl State {
         }
         let ahead = inputs.signal.ahead;
         let in_force = self.in_force.filter(|_| !ahead);
+        if let Some(locked) = in_force
+            && let Some((y, lost)) = self.read_ahead(locked, h, solver.tolerance)
+        {
+            return match self.arrive_at(reduced, y, lost, 0.0) {
+                Ok(()) => Ok(Reached::End),
+                Err(error) => {
+                    self.undo(reduced, false);
+                    Err(error)
+                }
+            };
+        }
         let locked = match in_force {
             Some(locked) => locked,
             None => self.apply(reduced, inputs, h)?,
@@ -220,6 +231,24 @@ impl State {
         };
         self.undo(reduced, is_new);
         Err(error)
+    }
+
+    /// State and energy lost at the end of a step of `h` [s] under the inputs in force, if it ends within a step of the
+    /// integration that goes on beyond the present: what [`Advance::run`] finds without anything around it.
+    #[inline(always)]
+    fn read_ahead(&mut self, locked: EngagedLocks, h: f64, tolerance: f64) -> Option<([f64; 2], f64)> {
+        let SavedState { memory, contact, .. } = &mut self.saved;
+        if contact.at_rest().is_some() || contact.arrival().is_some() {
+            return None;
+        }
+        match memory {
+            Memory::Conservative(_, lookahead) => Some((lookahead.read_within(h, tolerance, locked)?, 0.0)),
+            Memory::WithDissipation(_, lookahead) => {
+                let [sigma, sigma_dot, lost] = lookahead.read_within(h, tolerance, locked)?;
+                Some(([sigma, sigma_dot], lost))
+            }
+            Memory::WithCircuit(_) => None,
+        }
     }
 
     /// The loads that the state decides, under the applied inputs.
@@ -340,6 +369,9 @@ impl State {
     fn right_hand_side_changed(&mut self) {
         self.memory.refresh();
         self.scratch.panel_force.invalidate();
+        if let Some(prescribed) = &mut self.saved.prescribed {
+            prescribed.ahead = None;
+        }
     }
 
     /// The places of the stops in the frame of sigma, and where locks are engaged.

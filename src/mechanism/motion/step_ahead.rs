@@ -139,6 +139,18 @@ impl<const N: usize> Lookahead<N> {
         self.unchanged_steps = self.required_steps.min(self.unchanged_steps + 1);
     }
 
+    /// State at the end of a communication step of `h` [s] with this tolerance and these locks, if a step ahead goes on
+    /// beyond it.
+    #[inline(always)]
+    pub fn read_within(&mut self, h: f64, tolerance: f64, locked: EngagedLocks) -> Option<[f64; N]> {
+        if (tolerance, locked) != (self.tolerance, self.locked) {
+            return None;
+        }
+        let state = self.step_ahead.as_mut().filter(|ahead| h < ahead.rest())?.read(h);
+        self.end();
+        Some(state)
+    }
+
     /// Whether a step may go on beyond the end of a communication step.
     pub fn may_pass(&self) -> bool {
         self.unchanged_steps >= self.required_steps

@@ -3,6 +3,7 @@
 mod forces;
 mod limits;
 mod profiles;
+mod small_steps;
 mod switches;
 
 use crate::support::definition::{self, G, With, block, rod, weight};

@@ -37,7 +37,24 @@ impl State {
     /// The motion or the revolutions overflow, or an open curve was left; nothing has changed.
     #[inline(always)]
     pub(super) fn arrive(&mut self, reduced: &Reduced, arrival: &Arrival) -> Result<(), ModelError> {
-        let &Arrival { mut y, lost, contact, passed } = arrival;
+        let &Arrival { y, lost, contact, passed } = arrival;
+        self.arrive_at(reduced, y, lost, passed)?;
+        self.contact = contact;
+        Ok(())
+    }
+
+    /// [`Self::arrive`] with the same contact.
+    ///
+    /// # Errors
+    /// As [`Self::arrive`].
+    #[inline(always)]
+    pub(super) fn arrive_at(
+        &mut self,
+        reduced: &Reduced,
+        mut y: [f64; 2],
+        lost: f64,
+        passed: f64,
+    ) -> Result<(), ModelError> {
         if !(y[1] + lost).is_finite() || !(self.reference - lost).is_finite() {
             return Err(ModelError::Overflow { name: "the motion at the end of the step".into() });
         }
@@ -46,7 +63,6 @@ impl State {
             y[0] = self.count_revolutions(reduced, y[0], passed)?;
         }
         [self.sigma, self.sigma_dot] = y;
-        self.contact = contact;
         self.reference -= lost;
         Ok(())
     }

@@ -6,44 +6,47 @@
 //! S(sigma) = s, sigma_dot = s_dot / S_sigma, sigma_ddot = (s_ddot - S_sigma_sigma sigma_dot^2) / S_sigma
 //! ```
 //!
-//! The force of the drive follows by inverse dynamics; its work less all losses is integrated over the step, so that
-//! the energy balance shows what the loads, the friction and the drive do not agree in. In: a state, inputs. Out: the
-//! state after the step, or why the mechanism cannot make the motion. It must not know outputs.
+//! The force of the drive follows by inverse dynamics; its work less all losses is integrated, so that the energy
+//! balance shows what the loads, the friction and the drive do not agree in. As the motion is known in advance, the
+//! integral is taken over a time that goes on beyond the step, and later steps within this time read their part of it.
+//! In: a state, inputs. Out: the state after the step, or why the mechanism cannot make the motion. It must not know
+//! outputs.
+mod balance;
 mod refusals;
 
 use super::inputs::engaged_locks;
 use super::{Arrival, Begin, Reached, State, shift};
 use crate::mechanism::definition::Solver;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
-use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
-use crate::mechanism::dynamics::inputs::{Change, Inputs};
-use crate::mechanism::dynamics::inverse::{Demand, toward, with_efficiency};
-use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::{Prescribed, end_of};
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::{ModelError, unit_of};
 use crate::mechanism::loads::resolved::MotionDrive;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::prescribed::{PrescribedState, Track};
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::decimal::Decimal;
-use crate::numerics::kronrod::{NODES, means, relative_error};
+use balance::{Balance, Found};
+use refusals::{Cause, Trouble};
 
 /// Part of the size of the mechanism's motion of 1 rad by which the position at a switch may differ from that of the
 /// drive.
 const SWITCH: f64 = 1e-6;
 /// Part of what lies between two kinks below which a part of a step is not halved any more.
 const SHORTEST: f64 = 1e-6;
-/// Part of the work of the drive's force over the size of the mechanism's motion: what is exchanged in a part of a step
-/// is judged in relation to no less, as the rounding of position and speed is not smooth.
-const LEAST_WORK: f64 = 1e-6;
+/// Relative error of the energy over a time that goes on beyond the step, as estimated: the energy in a part of this
+/// time is then exact to 1e-12.
+const AHEAD: f64 = 1e-11;
+/// Least length of such a time, in rests of the step.
+const LONG: f64 = 2.0;
+/// Part of a step by which its end may be missed by rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// sigma, sigma_dot and sigma_ddot under a prescribed motion, with S_sigma.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Place {
     y: [f64; 3],
     slope: f64,
@@ -59,17 +62,34 @@ struct Step<'a> {
 
 impl Step<'_> {
     /// The state that the motion prescribes at a time t [s], near a sigma.
-    fn place(&self, t: f64, near: f64) -> Result<Place, ModelError> {
+    fn place(&self, t: f64, near: f64) -> Result<Place, Trouble> {
         let [position, speed, acceleration, _] = self.motion.at(t);
+        let trouble = |cause| Trouble { time: t, cause };
         if !(position.is_finite() && speed.is_finite() && acceleration.is_finite()) {
-            return Err(ModelError::Overflow { name: format!("prescribed {}", self.name()) });
+            return Err(trouble(Cause::Motion));
         }
-        let (sigma, [slope, curvature]) =
-            self.track.locate(near, position).map_err(|missed| self.refusal(t, position, missed))?;
+        let located = self.track.locate(near, position);
+        let (sigma, [slope, curvature]) = located.map_err(|missed| trouble(Cause::Missed(position, missed)))?;
         let sigma_dot = speed / slope;
         let sigma_ddot = (acceleration - curvature * sigma_dot * sigma_dot) / slope;
         Ok(Place { y: [sigma, sigma_dot, sigma_ddot], slope })
     }
+
+    /// (sigma, sigma_dot) that the motion prescribes at a time t [s], on from those before by a time `h` [s] over which
+    /// the power is known; none where it takes more than one evaluation.
+    #[inline]
+    fn place_ahead(&self, t: f64, [sigma, sigma_dot]: [f64; 2], h: f64) -> Option<[f64; 2]> {
+        let [position, speed, ..] = self.motion.at(t);
+        let (sigma, slope) = self.track.continued(sigma, h * sigma_dot, position)?;
+        let sigma_dot = speed / slope;
+        sigma_dot.is_finite().then_some([sigma, sigma_dot])
+    }
+}
+
+/// Factor by which the next time may be longer, for an estimated error in relation to what is allowed: the estimate
+/// grows with the ninth power of the time.
+fn growth(error: f64) -> f64 {
+    [4.0_f64, 2.0, 1.25].into_iter().find(|factor| error * factor.powi(9) < 0.5).unwrap_or(1.0)
 }
 
 impl State {
@@ -129,7 +149,7 @@ impl State {
         let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
         let step = Step { track, motion, inputs, drive };
-        let found = step.place(0.0, self.sigma)?;
+        let found = step.place(0.0, self.sigma).map_err(|trouble| step.error(trouble))?;
         let is_begun = !before.is_active && !at_start;
         let miss = motion.at(0.0)[0] - here;
         if is_begun && miss.abs() > SWITCH * found.slope.abs() * reduced.scale() {
@@ -164,7 +184,7 @@ impl State {
     /// The motion is no longer prescribed: the state goes on as under forces.
     pub(super) fn release_prescribed(&mut self, reduced: &Reduced, locked: EngagedLocks) {
         let Some(prescribed) = self.saved.prescribed.filter(|prescribed| prescribed.is_active) else { return };
-        self.saved.prescribed = Some(PrescribedState { is_active: false, ..prescribed });
+        self.saved.prescribed = Some(PrescribedState { is_active: false, ahead: None, ..prescribed });
         self.memory.restart();
         let ends = Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let resting = ends.at(self.sigma).next().filter(|_| self.sigma_dot == 0.0);
@@ -187,6 +207,9 @@ impl State {
         h: f64,
         solver: &Solver,
     ) -> Result<Reached, ModelError> {
+        if self.step_within(reduced, inputs, h) {
+            return Ok(Reached::End);
+        }
         let SavedState { sigma, sigma_dot, revolutions, contact, reference, prescribed, .. } = self.saved;
         let in_force = self.in_force.filter(|_| !inputs.signal.ahead);
         let locked = match in_force {
@@ -224,6 +247,38 @@ impl State {
         }
         made
     }
+
+    /// A step that ends within the time over which the power is known: all that is to be found is where the mechanism
+    /// then is. Returns whether it has been made; if not, nothing has changed. The result is that of
+    /// [`Self::advance_prescribed`].
+    #[inline]
+    fn step_within(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> bool {
+        let (Some(drive), Some(locked)) = (&reduced.loading().motion, self.in_force.filter(|_| !inputs.signal.ahead))
+        else {
+            return false;
+        };
+        let Some(PrescribedState { origin, time, ahead: Some(mut power), .. }) = self.saved.prescribed else {
+            return false;
+        };
+        let Some(motion) = Prescribed::new(drive, inputs, origin, time.parts()) else { return false };
+        let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
+        if h >= power.rest() || power.is_at_rest || locked != EngagedLocks::default() || ends.bumpers() > 0 {
+            return false;
+        }
+        let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
+        let step = Step { track, motion, inputs, drive };
+        let Some(y) = step.place_ahead(h, [self.sigma, self.sigma_dot], h) else { return false };
+        if self.arrive_at(reduced, y, power.read(h), 0.0).is_err() {
+            return false;
+        }
+        if let Some(prescribed) = &mut self.saved.prescribed {
+            prescribed.time.pass(h);
+            prescribed.given = inputs.given(drive).map_or(prescribed.given, |given| end_of(given, h));
+            prescribed.ahead = Some(power);
+        }
+        true
+    }
+
     /// Advance by `h` [s], or as far as the bound on the work or a pause allows, which the progress tells. Returns
     /// whether the bound was met.
     fn advance_prescribed(
@@ -251,162 +306,96 @@ impl State {
         let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, arrival.contact.touching());
         let mut balance =
             Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
-        balance.begin();
-        let (mut width, mut sigma) = (h, arrival.y[0]);
-        // Where the present piece between two kinks begins, and where it ends.
+        let mut ahead = prescribed.ahead;
+        // Length of a part of the step, and of a time beyond it.
+        let (mut width, mut reach) = (h, ahead.map_or(0.0, |power| power.next));
+        let mut sigma = arrival.y[0];
+        // Where the present piece between two kinks begins, and where it ends within the step.
         let (mut begun, mut kink) = (0.0, 0.0);
+        let mut is_spent = false;
         while progress.t < h {
-            if progress.work.is_spent(attempts) {
-                balance.scratch.panel_force.invalidate();
-                return Ok((progress, true));
-            }
-            progress.work.extra += 1;
             let t = progress.t;
-            let end = motion.next_kink(t, h);
-            if t >= kink {
-                begun = t;
-            }
-            kink = end;
-            let to = if t + width < end { t + width } else { end };
-            let mut near = sigma;
-            let mut places = [None; NODES.len()];
-            for (place, u) in places.iter_mut().zip(NODES) {
-                let found = step.place(t + u * (to - t), near)?;
-                near = found.y[0];
-                *place = Some(found);
-            }
-            let last = step.place(to, near)?;
-            step.check_locks(to, sigma, last.y[0])?;
-            let mut values = [0.0; NODES.len()];
-            for ((value, place), u) in values.iter_mut().zip(places.into_iter().flatten()).zip(NODES) {
-                *value = balance.lost(t + u * (to - t), &place)?;
-            }
-            let means = means(&values);
-            let energy = (0.5 * last.y[1] * last.y[1]).max(LEAST_WORK * balance.largest * reduced.scale());
-            let is_rough = relative_error(means, energy / (to - t)) > solver.tolerance;
-            if is_rough && to - t > SHORTEST * (end - begun) {
-                width = 0.5 * (to - t);
-                continue;
-            }
-            arrival.lost += means[0] * (to - t);
+            let (mut power, near) = match ahead.filter(|power| power.rest() > 0.0) {
+                Some(power) => (power, None),
+                None => {
+                    is_spent = progress.work.is_spent(attempts);
+                    if is_spent {
+                        break;
+                    }
+                    progress.work.extra += 1;
+                    let end = motion.next_kink(t, h);
+                    if t >= kink {
+                        begun = t;
+                    }
+                    kink = end;
+                    let may_pass = end == h && !inputs.signal.ahead && reach >= LONG * (h - t);
+                    let to = match t + width {
+                        _ if may_pass => motion.next_kink(t, t + reach),
+                        to if to < end => to,
+                        _ => end,
+                    };
+                    let found = match balance.power([t, to], h, sigma) {
+                        Ok(found) => found,
+                        // What cannot be made beyond the step need not be made.
+                        Err(_) if may_pass => {
+                            reach = 0.0;
+                            continue;
+                        }
+                        Err(trouble) => return Err(step.error(trouble)),
+                    };
+                    let Found { mut power, error, near } = found;
+                    let allowed = AHEAD.min(solver.tolerance);
+                    if may_pass && error > allowed {
+                        reach = 0.5 * (to - t);
+                        continue;
+                    }
+                    if !may_pass {
+                        if error > solver.tolerance && to - t > SHORTEST * (end - begun) {
+                            width = 0.5 * (to - t);
+                            continue;
+                        }
+                        width = 2.0 * (to - t).max(width);
+                    }
+                    if error <= allowed {
+                        reach = reach.max((to - t) * growth(error / allowed));
+                    }
+                    power.next = reach;
+                    (power, Some(near))
+                }
+            };
+            let to = t + power.rest();
+            let to = if h - to > ROUNDING * h { to } else { h };
+            let known = near.is_none().then(|| step.place_ahead(to, arrival.y, to - t)).flatten();
+            let last = match known {
+                Some(y) => y,
+                None => {
+                    let place = step.place(to, near.unwrap_or(sigma)).map_err(|trouble| step.error(trouble))?;
+                    [place.y[0], place.y[1]]
+                }
+            };
+            step.check_locks(to, sigma, last[0])?;
+            arrival.lost += power.read(to - t);
+            ahead = Some(power);
             // A table that begins at a speed: the drive gives it at once, which is work.
-            if last.y[1] != 0.0 && places.iter().flatten().all(|place| place.y[1] == 0.0) {
-                arrival.lost -= 0.5 * last.y[1] * last.y[1];
+            if last[1] != 0.0 && power.is_at_rest {
+                arrival.lost -= 0.5 * last[1] * last[1];
+                ahead = None;
             }
-            arrival.y = [last.y[0], last.y[1]];
-            (sigma, width, progress.t) = (last.y[0], 2.0 * (to - t).max(width), to);
-            balance.touch(&last);
-            arrival.contact.set_touching(balance.touching);
+            arrival.y = last;
+            (sigma, progress.t) = (last[0], to);
+            if ends.bumpers() > 0 {
+                balance.begin();
+                balance.touch(last);
+                arrival.contact.set_touching(balance.touching);
+            }
             if pauses && to < h {
                 break;
             }
         }
         balance.scratch.panel_force.invalidate();
-        Ok((progress, false))
-    }
-}
-
-/// The energy balance of a step under a prescribed motion.
-struct Balance<'a, 's> {
-    step: &'a Step<'a>,
-    sizes: &'a [f64],
-    airspeed: f64,
-    air: bool,
-    revolutions: f64,
-    scratch: &'s mut Scratch,
-    /// Excess of the sizes of the loads over those at the beginning of the step, then as many zeros.
-    rates: &'s mut Vec<f64>,
-    touching: BumperSet,
-    /// Largest generalised force of the drive in the step.
-    largest: f64,
-}
-
-impl Balance<'_, '_> {
-    /// Begin a step: the drive is the only load that changes, unless others have input derivatives.
-    fn begin(&mut self) {
-        self.scratch.panel_force.invalidate();
-        self.rates.fill(0.0);
-        self.rates[self.step.drive.load] = 1.0;
-    }
-
-    /// The equation of motion at a sigma and the time t [s], with a size of the drive's force.
-    fn equation(&mut self, sigma: f64, t: f64, force: f64) -> EquationOfMotion<'_> {
-        let Self { step, sizes, airspeed, air, revolutions, .. } = *self;
-        let (whole, inputs, load) = (step.track.whole, step.inputs, step.drive.load);
-        let loads = whole.loading().inputs.len();
-        let mut time = force;
-        let mut air_excess = 0.0;
-        if let Some(change) = inputs.change(whole) {
-            let excess = |[first, second]: [f64; 2]| t * (first + 0.5 * t * second);
-            for (rate, (&first, &second)) in self.rates.iter_mut().zip(change.first.iter().zip(change.second)) {
-                *rate = excess([first, second]);
-            }
-            (self.rates[load], time, air_excess) = (force, 1.0, excess(change.airspeed));
-            self.scratch.panel_force.invalidate();
+        if let Some(prescribed) = &mut saved.prescribed {
+            prescribed.ahead = ahead;
         }
-        let (within, _) = whole.unwound(sigma);
-        let (reduced, state_loads) = whole.with_state_loads(within, air);
-        self.scratch.panel_force.on_stretch(reduced.stretch);
-        let (first, second) = self.rates.split_at(loads);
-        let change = Some(Change { first, second, airspeed: [air_excess, 0.0] });
-        let applied = AppliedLoads { sizes, airspeed, revolutions, change };
-        let mode = Mode { touching: self.touching, ..Mode::default() };
-        let (scratch, locked, ports) = (&mut *self.scratch, false, None);
-        EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports }
-    }
-
-    /// The bumpers that push.
-    fn touch(&mut self, place: &Place) {
-        let [sigma, sigma_dot, _] = place.y;
-        let count = self.step.track.ends.bumpers();
-        if count == 0 {
-            return;
-        }
-        let mut equation = self.equation(sigma, 0.0, 0.0);
-        self.touching = BumperSet::of(count, |bumper| {
-            let (beyond, push) = Dynamics::<3>::bumper_push(&mut equation, bumper, sigma, sigma_dot);
-            beyond > 0.0 && push > 0.0
-        });
-    }
-
-    /// Power that leaves the mechanism at a time t [s] of the step, less that of the drive [W].
-    fn lost(&mut self, t: f64, place: &Place) -> Result<f64, ModelError> {
-        let [sigma, sigma_dot, acceleration] = place.y;
-        if sigma_dot == 0.0 {
-            return Ok(0.0);
-        }
-        self.touch(place);
-        let (step, slope) = (self.step, place.slope);
-        let direction = toward(sigma_dot, acceleration);
-        let demand = Demand { drive: (step.drive.load, slope), acceleration, direction, breakaway: None };
-        let force = self.equation(sigma, t, 0.0).required(sigma, sigma_dot, &demand);
-        let generalised = force.map_err(|_| self.locked(t, sigma))?;
-        self.largest = self.largest.max(generalised.abs());
-        let force = generalised / slope;
-        let efficiency = step.track.whole.loading().drives[step.drive.load].efficiency;
-        let force = with_efficiency(efficiency, force * sigma_dot * slope, force);
-        let mut equation = self.equation(sigma, t, force);
-        equation.clear_regimes();
-        equation.mode.direction = direction;
-        let lost = equation.effect(sigma, sigma_dot).map(|evaluation| evaluation.lost);
-        match lost {
-            Ok(lost) if lost.is_finite() => Ok(lost),
-            Ok(_) => Err(ModelError::Overflow { name: "the power of the prescribed motion".into() }),
-            Err(_) => Err(self.locked(t, sigma)),
-        }
-    }
-
-    /// The error of a motion that friction locks.
-    #[cold]
-    fn locked(&self, time: f64, sigma: f64) -> ModelError {
-        let whole = self.step.track.whole;
-        let (within, _) = whole.unwound(sigma);
-        let why = format!(
-            "friction locks the mechanism against the drive there, mainly in {}; reduce the coefficients or pin \
-             radii, or end the motion before this position",
-            whole.locking_joint(within)
-        );
-        let [value, ..] = self.step.motion.at(time);
-        ModelError::Prescribed { name: self.step.name(), value, time, why }
+        Ok((progress, is_spent))
     }
 }

@@ -9,7 +9,52 @@ use crate::mechanism::motion::contact::EngagedLocks;
 use crate::mechanism::motion::prescribed::Missed;
 use crate::numerics::decimal::Decimal;
 
+/// Why a motion cannot be made.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trouble {
+    /// Time of the step [s].
+    pub(super) time: f64,
+    pub(super) cause: Cause,
+}
+
+/// What stands against a motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Cause {
+    /// Position, speed or acceleration of the drive overflows.
+    Motion,
+    /// The drive cannot have this position.
+    Missed(f64, Missed),
+    /// Friction locks the mechanism against its drive at this sigma.
+    Locked(f64),
+    /// The power overflows.
+    Power,
+}
+
 impl Step<'_> {
+    /// The error for the host.
+    #[cold]
+    pub(super) fn error(&self, Trouble { time, cause }: Trouble) -> ModelError {
+        match cause {
+            Cause::Motion => ModelError::Overflow { name: format!("prescribed {}", self.name()) },
+            Cause::Missed(position, missed) => self.refusal(time, position, missed),
+            Cause::Locked(sigma) => self.locked(time, sigma),
+            Cause::Power => ModelError::Overflow { name: "the power of the prescribed motion".into() },
+        }
+    }
+
+    /// The error of a motion that friction locks.
+    fn locked(&self, time: f64, sigma: f64) -> ModelError {
+        let whole = self.track.whole;
+        let (within, _) = whole.unwound(sigma);
+        let why = format!(
+            "friction locks the mechanism against the drive there, mainly in {}; reduce the coefficients or pin \
+             radii, or end the motion before this position",
+            whole.locking_joint(within)
+        );
+        let [value, ..] = self.motion.at(time);
+        ModelError::Prescribed { name: self.name(), value, time, why }
+    }
+
     /// Name of the quantity that is prescribed.
     pub(super) fn name(&self) -> String {
         let loading = self.track.whole.loading();
@@ -22,8 +67,7 @@ impl Step<'_> {
     }
 
     /// Why the drive cannot have a position.
-    #[cold]
-    pub(super) fn refusal(&self, time: f64, value: f64, missed: Missed) -> ModelError {
+    fn refusal(&self, time: f64, value: f64, missed: Missed) -> ModelError {
         let (whole, ends) = (self.track.whole, self.track.ends);
         let at = |sigma: f64| {
             let (within, more) = whole.unwound(sigma);
