@@ -17,8 +17,8 @@ impl Damaged {
     }
 }
 
-/// A record being written or read. A field is written unchecked; a field that is read is checked and replaces the
-/// value. Every method refuses a record that has ended, and a field that is out of its range.
+/// A record being written or read. A field is written unchecked and stays as it is; a field that is read is checked and
+/// replaces the value. Every method refuses a record that has ended, and a field that is out of its range.
 #[derive(Debug)]
 pub enum Record<'a> {
     /// Appends to these bytes.
@@ -33,15 +33,16 @@ impl Record<'_> {
         matches!(self, Self::Read(_))
     }
 
+    /// Write these bytes, or give as many that are read.
+    #[inline]
     fn bytes<const N: usize>(&mut self, value: [u8; N]) -> Result<[u8; N], Damaged> {
         match self {
             Self::Write(out) => {
-                out.extend_from_slice(&value);
+                put(out, value);
                 Ok(value)
             }
             Self::Read(rest) => {
-                let (first, after) =
-                    rest.split_first_chunk().ok_or_else(|| Damaged("the data ends too early".to_owned()))?;
+                let (first, after) = rest.split_first_chunk().ok_or_else(ended)?;
                 *rest = after;
                 Ok(*first)
             }
@@ -50,6 +51,10 @@ impl Record<'_> {
 
     /// Any whole number of 64 bits.
     pub fn word(&mut self, value: &mut u64) -> Result<(), Damaged> {
+        if let Self::Write(out) = self {
+            put(out, value.to_le_bytes());
+            return Ok(());
+        }
         *value = u64::from_le_bytes(self.bytes(value.to_le_bytes())?);
         Ok(())
     }
@@ -74,7 +79,12 @@ impl Record<'_> {
     }
 
     /// A truth value: a byte, 0 or 1.
+    #[inline]
     pub fn flag(&mut self, name: &str, value: &mut bool) -> Result<(), Damaged> {
+        if let Self::Write(out) = self {
+            put(out, [u8::from(*value)]);
+            return Ok(());
+        }
         let mut byte = u8::from(*value);
         self.choice(name, &mut byte, 2)?;
         *value = byte == 1;
@@ -140,8 +150,12 @@ impl Record<'_> {
         allowed: impl FnOnce(f64) -> bool,
         text: &str,
     ) -> Result<(), Damaged> {
+        if let Self::Write(out) = self {
+            put(out, value.to_le_bytes());
+            return Ok(());
+        }
         let read = f64::from_le_bytes(self.bytes(value.to_le_bytes())?);
-        Damaged::unless(!self.reads() || allowed(read), || format!("{name} = {read}: must be {text}"))?;
+        Damaged::unless(allowed(read), || format!("{name} = {read}: must be {text}"))?;
         *value = read;
         Ok(())
     }
@@ -165,7 +179,6 @@ impl Record<'_> {
                 return Ok(());
             }
         };
-        let ended = || Damaged("the data ends too early".to_owned());
         let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
         let (words, _) = own.as_chunks::<8>();
         if !are_finite(words) {
@@ -175,6 +188,20 @@ impl Record<'_> {
         }
         fill(values, words);
         *rest = after;
+        Ok(())
+    }
+
+    /// Any numbers, with how many there are, which the reader knows beforehand.
+    pub fn numbers(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
+        self.length(name, values.len())?;
+        match self {
+            Self::Write(out) => append(out, values),
+            Self::Read(rest) => {
+                let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
+                fill(values, own.as_chunks().0);
+                *rest = after;
+            }
+        }
         Ok(())
     }
 
@@ -197,6 +224,18 @@ impl Record<'_> {
             None => Ok(()),
         }
     }
+}
+
+/// The record has ended before a field.
+#[cold]
+fn ended() -> Damaged {
+    Damaged("the data ends too early".to_owned())
+}
+
+/// Append a few bytes.
+#[inline]
+fn put<const N: usize>(out: &mut Vec<u8>, bytes: [u8; N]) {
+    out.extend_from_slice(&bytes);
 }
 
 /// Append numbers in little-endian bytes.

@@ -73,11 +73,11 @@ impl Snapshot {
         }
     }
 
-    /// Write all fields.
+    /// Write all fields, which stay as they are.
     ///
     /// # Errors
     /// A count of work done is near overflow.
-    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Refused> {
+    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), Refused> {
         match self {
             Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
             Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),

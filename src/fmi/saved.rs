@@ -14,24 +14,24 @@
 //! | 1 or 9 | whether the experiment has a tolerance, the tolerance |
 //! | 17 or 25 | start time, time, whether there is a stop time, stop time |
 //! | n | the component: parameters, inputs, the state with the memory of its integration |
-//! | 4 | CRC-32 of all bytes before |
+//! | 8 | XXH64 of all bytes before |
 
 use super::clock::Clock;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use crate::codec::checksum::crc32;
+use crate::codec::checksum::xxh64;
 use crate::codec::record::{Damaged, Record};
 use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
 /// Version of the form. It changes with every change of the bytes or of what is hashed.
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// More bytes than most states have, so that none are moved while they are written.
 const USUAL: usize = 4096;
 /// Bytes of the check sum.
-const CHECK: usize = 4;
+const CHECK: usize = 8;
 
 /// All that decides how an instance goes on.
 #[derive(Clone, Debug)]
@@ -49,19 +49,19 @@ impl Saved {
     ///
     /// # Errors
     /// A count of work done is near overflow.
-    pub fn to_bytes(&self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
+    pub fn to_bytes(&mut self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
         let mut bytes = Vec::with_capacity(USUAL);
         let head = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases];
         head.iter().for_each(|part| bytes.extend_from_slice(part));
         let mut record = Record::Write(&mut bytes);
-        record_tolerance(&mut self.tolerance.clone(), &mut record).map_err(damaged)?;
-        self.clock.clone().record(&mut record).map_err(damaged)?;
+        record_tolerance(&mut self.tolerance, &mut record).map_err(damaged)?;
+        self.clock.record(&mut record).map_err(damaged)?;
         self.component.write(&mut bytes)?;
         let length = (bytes.len() + CHECK) as u64;
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
-        let check = crc32(&bytes);
+        let check = xxh64(&bytes);
         bytes.extend_from_slice(&check.to_le_bytes());
         Ok(bytes)
     }
@@ -103,7 +103,7 @@ impl Saved {
             ));
         }
         let (all, check) = bytes.split_at(bytes.len() - CHECK);
-        if check != crc32(all).to_le_bytes() {
+        if check != xxh64(all).to_le_bytes() {
             return refuse("the serialized state is damaged: its check sum is wrong".to_owned());
         }
         let ([guid, structure], own) = ([number(20..28), number(28..36)], component.identity());

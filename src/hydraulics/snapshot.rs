@@ -51,8 +51,7 @@ impl Snapshot {
 
 /// Parameters in the record. Their ranges are checked by the reader.
 pub(super) fn record_parameters(record: &mut Record, parameters: &mut [f64]) -> Result<(), Damaged> {
-    record.length("parameters", parameters.len())?;
-    parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))
+    record.numbers("parameters", parameters)
 }
 
 impl Model {

@@ -48,25 +48,25 @@ impl Snapshot {
         self.motion.is_some()
     }
 
-    /// Write all fields.
+    /// Write all fields, which stay as they are.
     ///
     /// # Errors
     /// The number of bookings of work is near overflow.
-    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), ModelError> {
-        let mut copy = self.clone();
+    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), ModelError> {
         let record = &mut Record::Write(out);
         let values = &self.parameter_values;
         record_parameters(record, &mut values.parameters.clone(), &mut values.flags.clone())?;
         record.choice("solver.method", &mut (values.method() as u8), Method::ALL.len())?;
-        copy.inputs.record(record)?;
-        record.flag("in motion", &mut copy.has_motion())?;
-        match &mut copy.motion {
+        self.inputs.record(record)?;
+        record.flag("in motion", &mut self.has_motion())?;
+        match &mut self.motion {
             Some(SavedFormulation::Reduced(state)) => state.record(record)?,
             Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
-        record_rest(record, &mut copy.exchange, &mut copy.clipped, &mut copy.parting)?;
-        let mut untuned = copy.untuned.map(|untuned| (untuned.values.parameters.clone(), untuned.reference));
+        record_rest(record, &mut self.exchange, &mut self.clipped, &mut self.parting)?;
+        let untuned = self.untuned.as_ref();
+        let mut untuned = untuned.map(|untuned| (untuned.values.parameters.clone(), untuned.reference));
         Ok(record_untuned(record, &mut untuned, 0)?)
     }
 }
@@ -95,8 +95,7 @@ fn record_untuned(record: &mut Record, untuned: &mut Option<(Vec<f64>, f64)>, co
 
 /// Parameters in the record. Their ranges are checked by the reader.
 fn record_parameters(record: &mut Record, parameters: &mut [f64], flags: &mut [bool]) -> Result<(), Damaged> {
-    record.length("parameters", parameters.len())?;
-    parameters.iter_mut().try_for_each(|value| record.number("parameter", value, |_| true, ""))?;
+    record.numbers("parameters", parameters)?;
     record.length("Boolean parameters", flags.len())?;
     flags.iter_mut().try_for_each(|flag| record.flag("Boolean parameter", flag))
 }

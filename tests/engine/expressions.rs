@@ -142,7 +142,7 @@ fn a_set_that_makes_no_mechanism_changes_nothing() {
     assert_says(&error, &["load_ratio = -1", "load.mass = \"load_ratio * coupler.mass\"", "coupler.mass = "]);
     let (mut now, mut then) = (Vec::new(), Vec::new());
     model.snapshot().write(&mut now).unwrap();
-    before.write(&mut then).unwrap();
+    before.clone().write(&mut then).unwrap();
     assert_eq!(now, then);
     assert_eq!(
         (model.real(size), model.real(mass), model.real(length)),

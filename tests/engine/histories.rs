@@ -156,7 +156,7 @@ fn written(model: &Model) -> Vec<u8> {
 fn rolled_back(model: &mut Model, fresh: &Model, rollback: Rollback, h: f64) -> Result<(), TestCaseError> {
     let bytes = written(model);
     // Every state that is written is read, as the same one.
-    let read = model.read_snapshot(&bytes).map_err(|e| TestCaseError::fail(format!("its own state: {e}")))?;
+    let mut read = model.read_snapshot(&bytes).map_err(|e| TestCaseError::fail(format!("its own state: {e}")))?;
     let mut again = Vec::new();
     read.write(&mut again).unwrap();
     prop_assert!(again == bytes, "a state changes when it is read");

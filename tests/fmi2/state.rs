@@ -2,6 +2,7 @@
 //! one.
 
 use crate::host::{self, FOLDER, Folder, Gear, mechanism};
+use linkage_fmu::codec::checksum::xxh64;
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, logger};
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetBoolean, fmi2GetInteger};
@@ -296,17 +297,13 @@ fn a_state_outlives_its_instance() {
     free(&second, state);
 }
 
-/// CRC-32 bit by bit, apart from the library's.
-fn crc32(bytes: &[u8]) -> u32 {
-    !bytes.iter().fold(!0, |crc: u32, byte| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 })
-    })
-}
+/// Bytes of the check sum.
+const CHECK: usize = 8;
 
 /// The bytes with the right check sum.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
-    bytes.truncate(bytes.len() - 4);
-    let check = crc32(&bytes).to_le_bytes();
+    bytes.truncate(bytes.len() - CHECK);
+    let check = xxh64(&bytes).to_le_bytes();
     [bytes, check.to_vec()].concat()
 }
 
@@ -377,10 +374,10 @@ fn forged_numbers_are_refused_or_harmless() {
     // From the inputs on: other parameters are other mechanisms.
     let first = bytes.windows(8).position(|window| window == 12_345.678_f64.to_le_bytes()).unwrap();
     let mut accepted = 0;
-    for at in first..bytes.len() - 4 {
+    for at in first..bytes.len() - CHECK {
         for forged in [&[0xFF_u8; 8][..], &[0; 8], &[0xFF], &1e9_f64.to_le_bytes(), &f64::NAN.to_le_bytes()] {
             let mut changed = bytes.clone();
-            let end = (at + forged.len()).min(bytes.len() - 4);
+            let end = (at + forged.len()).min(bytes.len() - CHECK);
             changed[at..end].copy_from_slice(&forged[..end - at]);
             if let Ok(forged) = deserialize(&gear, &sealed(changed)) {
                 accepted += 1;

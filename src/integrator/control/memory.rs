@@ -96,8 +96,11 @@ impl<const N: usize> Integrator<N> {
         record.option("proposed step", &mut self.proposal, || 0.0, |record, h| record.positive("proposed step", h))?;
         let blank = || [0.0; N];
         // Where friction locks, the derivative has no value; it is evaluated again.
-        self.derivative = self.derivative.filter(|f| f.iter().all(|f| f.is_finite()));
-        record.option("derivative", &mut self.derivative, blank, |record, f| record.all_finite("derivative", f))?;
+        let mut derivative = self.derivative.filter(|f| f.iter().all(|f| f.is_finite()));
+        record.option("derivative", &mut derivative, blank, |record, f| record.all_finite("derivative", f))?;
+        if record.reads() {
+            self.derivative = derivative;
+        }
         record.all_finite("compensation", &mut self.carry)?;
         self.stiffness.record(record)?;
         for span in &mut self.longest_span {

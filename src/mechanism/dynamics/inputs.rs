@@ -146,7 +146,9 @@ impl InputPolynomial {
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("derivative of an input", &mut self.first)?;
         record.all_finite("second derivative of an input", &mut self.second)?;
-        self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        if record.reads() {
+            self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
+        }
         record.flag("derivatives of inputs ahead", &mut self.ahead)
     }
 

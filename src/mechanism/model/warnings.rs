@@ -42,7 +42,9 @@ impl Clipped {
 
     /// Whether a step has met one, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        self.pending = None;
+        if record.reads() {
+            self.pending = None;
+        }
         record.flag("command clipped before", &mut self.is_known)
     }
 }
@@ -103,7 +105,9 @@ impl Parting {
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("contacts that part", self.contacts.len())?;
         self.contacts.iter_mut().try_for_each(|contact| {
-            contact.pending = None;
+            if record.reads() {
+                contact.pending = None;
+            }
             record.flag("parted before", &mut contact.has_parted)
         })?;
         self.watches = self.contacts.iter().any(|contact| !contact.has_parted);

@@ -72,7 +72,9 @@ impl CircuitMemory {
     pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.circuit.time.record(record)?;
         record.all_finite("state of the circuit", &mut self.circuit.values)?;
-        self.before = self.circuit;
+        if record.reads() {
+            self.before = self.circuit;
+        }
         record.all_finite("input of the circuit", &mut self.ports)?;
         self.integrator.record(record)?;
         self.kept.get_or_insert_default().record(record)?;

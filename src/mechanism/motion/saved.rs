@@ -111,7 +111,10 @@ impl SavedState {
         let allowed = |revolutions: f64| revolutions.fract() == 0.0 && revolutions.abs() <= MOST_REVOLUTIONS;
         record.number("turns", &mut self.revolutions, allowed, "a whole number")?;
         self.contact.record(record)?;
-        record_travel(Arc::make_mut(&mut self.travel), record)?;
+        match record.reads() {
+            true => record_travel(Arc::make_mut(&mut self.travel), record)?,
+            false => record_travel(&mut Travel::clone(&self.travel), record)?,
+        }
         record.length("sizes", self.applied.len())?;
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;

@@ -91,7 +91,7 @@ fn a_clipped_command_is_told_once() {
     let after = gear.snapshot();
     for (state, expected) in [(&before, true), (&after, false), (&before, true)] {
         let mut bytes = Vec::new();
-        state.write(&mut bytes).unwrap();
+        state.clone().write(&mut bytes).unwrap();
         for state in [state, &gear.read_snapshot(&bytes).unwrap()] {
             gear.restore(state).unwrap();
             gear.step(0.01);

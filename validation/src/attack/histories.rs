@@ -181,7 +181,7 @@ fn rolled_back(
     random: &mut Random,
 ) -> Result<(), String> {
     let bytes = written(twin)?;
-    let read = twin.read_snapshot(&bytes).map_err(|e| format!("the state that it wrote is refused: {e}"))?;
+    let mut read = twin.read_snapshot(&bytes).map_err(|e| format!("the state that it wrote is refused: {e}"))?;
     let mut again = Vec::new();
     read.write(&mut again).map_err(|e| e.to_string())?;
     if again != bytes {

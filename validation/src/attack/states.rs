@@ -5,7 +5,7 @@ use super::mechanism::Prepared;
 use super::probe::Probe;
 use super::random::Random;
 use crate::host::model;
-use linkage_fmu::codec::checksum::crc32;
+use linkage_fmu::codec::checksum::xxh64;
 use linkage_fmu::component::Stepped;
 use linkage_fmu::fmi2::host::{Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
@@ -14,7 +14,7 @@ use linkage_fmu::fmi2::types::Status;
 const STEPS: usize = 4;
 /// Bytes of the head of an instance's state that tell its form, length and mechanism, and those of its check sum.
 const HEAD: usize = 36;
-const CHECK: usize = 4;
+const CHECK: usize = 8;
 
 /// A part's case: a model's state, or that of an instance through the C functions.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
@@ -146,7 +146,7 @@ fn instance(probe: &mut Probe) -> Result<(), String> {
     host.free(&mut state);
     let end = bytes.len() - CHECK;
     spoil(&mut random, &mut bytes[HEAD..end]);
-    let sum = crc32(&bytes[..end]).to_le_bytes();
+    let sum = xxh64(&bytes[..end]).to_le_bytes();
     bytes[end..].copy_from_slice(&sum);
     let Ok(mut state) = probe.timed("fmi2DeSerializeFMUstate", || host.deserialize(&bytes)) else {
         probe.count("states refused");
