@@ -307,6 +307,18 @@ impl Component {
         fn initialize(self: &mut Self) -> ();
     }
 
+    /// Present values of several Reals in their order, each as [`Self::real`].
+    ///
+    /// # Errors
+    /// As [`Self::real`]; the values before are given.
+    #[inline]
+    pub fn reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), Refused> {
+        if let Self::Mechanism(model) = self {
+            return Ok(model.reals(references, give)?);
+        }
+        references.iter().try_for_each(|&reference| self.real(reference).map(&mut give))
+    }
+
     /// What the steps and values since the last call give reason to warn of; None mostly.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {

@@ -4,7 +4,7 @@
 //! pointers to instances, nor how a value is found.
 
 use super::instance::Instance;
-use super::phase::{Way, may_get, may_set};
+use super::phase::{Way, may_get, may_get_all, may_set};
 use super::refusal::Refusal;
 use super::undefined::Undefined;
 use crate::component::{Component, Refused};
@@ -26,7 +26,13 @@ impl Instance {
     /// Read Reals. On an error the array may be filled in part. An output that has no value in this state is NaN; all
     /// others are told, and a warning says why.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
-        self.get_each_real(references, references.iter().zip(values))
+        may_get_all(self, references, Kind::Real)?;
+        let (mut undefined, mut values) = (false, values.iter_mut());
+        self.component.reals(references, |number| {
+            undefined |= number.is_nan();
+            values.next().into_iter().for_each(|value| _ = value.write(number));
+        })?;
+        if undefined { self.warn(references, "value", Component::undefined) } else { Ok(()) }
     }
 
     /// [`Self::get_real`] of some of the references of a call.

@@ -40,6 +40,35 @@ impl Model {
         }
     }
 
+    /// Present values of several Reals in their order, each as [`Self::real`]: outputs share one view of the state.
+    ///
+    /// # Errors
+    /// As [`Self::real`]; the values before are given.
+    #[inline]
+    pub fn reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), ModelError> {
+        let variables = &self.original.variables;
+        let mut done = 0;
+        if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
+            (&mut self.state, &self.reduced, self.exchange)
+            && references.iter().any(|r| matches!(variables.quantity(*r), Some(Quantity::Output(_))))
+        {
+            let (mut outputs, inputs) = (motion.outputs(reduced, &self.inputs), &self.inputs.reals);
+            for &reference in references {
+                give(match variables.quantity(reference) {
+                    Some(Quantity::Output(output)) => outputs.value(output),
+                    Some(Quantity::Input(i)) => inputs[i],
+                    Some(Quantity::Parameter(i)) => self.parameter_values.parameters[i],
+                    _ => break,
+                });
+                done += 1;
+            }
+        }
+        for &reference in &references[done..] {
+            give(self.real(reference)?);
+        }
+        Ok(())
+    }
+
     /// Whether [`Self::set_real`] would accept this value; changes nothing.
     ///
     /// # Errors

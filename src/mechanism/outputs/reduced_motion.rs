@@ -4,9 +4,9 @@
 //! their derivatives. It must not know any law.
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::mechanism::definition::{Mechanism, Solver};
-
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{Reached, Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
@@ -216,6 +216,12 @@ impl ReducedMotion {
         evaluate(&mut view, reduced.loading(), output)
     }
 
+    /// The outputs of this state under these inputs, to be read one after the other.
+    #[inline]
+    pub fn outputs<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> Outputs<'a> {
+        Outputs { view: self.view(reduced, inputs), loading: reduced.loading() }
+    }
+
     /// Stiffness and damping of small motions, as [`Kinematics::small_motion`].
     ///
     /// # Errors
@@ -253,6 +259,26 @@ impl ReducedMotion {
     /// What reading outputs has made be computed since the start.
     pub fn computed(&self) -> Computed {
         self.cache.computed
+    }
+}
+
+/// Outputs of one state.
+pub struct Outputs<'a> {
+    view: View<'a, f64>,
+    loading: &'a Loading,
+}
+
+impl Outputs<'_> {
+    /// Value of an output; NaN where it has none.
+    #[inline]
+    pub fn value(&mut self, output: Output) -> f64 {
+        if self.view.loads.undriven.is_some() && self.view.check_placed().is_err() {
+            return f64::NAN;
+        }
+        match evaluate(&mut self.view, self.loading, output) {
+            Ok(value) if value.is_finite() => value,
+            _ => f64::NAN,
+        }
     }
 }
 
