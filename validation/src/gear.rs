@@ -5,6 +5,7 @@
 use crate::scene::{After, KNOWN, SPAN, Scene, force};
 use linkage_fmu::fmi2::host::{Description, Host, State};
 use linkage_fmu::fmi2::types::{Status, ValueReference};
+use linkage_fmu::variables::Kind;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -15,6 +16,8 @@ const MOTION: [&str; 3] = ["crank.angle", "crank.speed", "crank.acceleration"];
 const REACTIONS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
 /// Unknowns of the directional derivative.
 const UNKNOWNS: [&str; 4] = ["crank.speed", "crank.acceleration", "actuator.speed", "actuator.acceleration"];
+/// More outputs than the gear has.
+const MOST_OUTPUTS: usize = 256;
 /// Outputs read at the end of a life.
 pub const LAST: [&str; 3] = ["crank.angle", "crank.speed", "energy.drift"];
 
@@ -56,18 +59,23 @@ pub struct Gear {
     reactions: [ValueReference; 4],
     unknowns: [ValueReference; 4],
     known: ValueReference,
+    outputs: Vec<ValueReference>,
 }
 
 impl Gear {
     /// An instance of the mechanism in `folder` with the scene's settings, initialised.
     pub fn new(folder: &Path, scene: &Scene, tolerance: f64) -> Result<Self, String> {
-        let host = Description::read(folder)?.instantiate(None, false)?;
+        let description = Description::read(folder)?;
+        let host = description.instantiate(None, false)?;
         prepare(&host, scene, tolerance)?;
         let mut start = State::NONE;
         done("fmi2GetFMUstate", host.save_into(&mut start))?;
         let (motion, reactions) = (MOTION.map(|name| host.reference(name)), REACTIONS.map(|name| host.reference(name)));
         let (unknowns, known) = (UNKNOWNS.map(|name| host.reference(name)), host.reference(KNOWN));
-        Ok(Self { host, start, motion, reactions, unknowns, known })
+        let all = description.interface().list().iter().zip(0..);
+        let outputs =
+            all.filter(|(v, _)| v.kind == Kind::Real && v.is_output()).map(|(_, reference)| reference).collect();
+        Ok(Self { host, start, motion, reactions, unknowns, known, outputs })
     }
 
     /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is
@@ -117,6 +125,16 @@ impl Gear {
         match what {
             After::Motion => self.motion.iter().try_for_each(|reference| self.read([*reference])),
             After::Reactions => self.read(self.reactions),
+            After::Outputs => {
+                let values = &mut [0.0; MOST_OUTPUTS][..self.outputs.len()];
+                done("fmi2GetReal", self.host.reals(&self.outputs, std::hint::black_box(values)))
+            }
+            After::Serialised => {
+                done("fmi2GetFMUstate", self.host.save_into(state))?;
+                let bytes = self.host.serialize(state).map_err(|status| format!("serialize: {status:?}"))?;
+                std::hint::black_box(&bytes);
+                Ok(())
+            }
             After::EachReaction => self.reactions.iter().try_for_each(|reference| self.read([*reference])),
             After::Derivatives => {
                 let mut rates = [0.0; UNKNOWNS.len()];

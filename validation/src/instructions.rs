@@ -5,7 +5,7 @@
 
 use crate::gear::Gear;
 use crate::measure::{self, Pages, heading};
-use crate::scene::{After, DEFAULT, SCENES, SPAN, Scene};
+use crate::scene::{After, DEFAULT, PRESCRIBED, SCENES, SPAN, Scene};
 use crate::versions;
 use std::fmt::Write;
 use std::path::Path;
@@ -23,11 +23,14 @@ const FEW: u32 = 1;
 const FURTHER: u32 = 6500;
 const MOST: u32 = 200;
 /// Scenes of doSteps: the word for them, what is called after a step.
-const READS: [(&str, &[After]); 4] = [
+const READS: [(&str, &[After]); 7] = [
     ("nothing", &[]),
     ("motion", &[After::Motion]),
     ("reactions", &[After::Reactions]),
     ("each_reaction", &[After::EachReaction]),
+    ("outputs", &[After::Outputs]),
+    ("changed_force", &[After::Force, After::Reactions]),
+    ("serialised", &[After::Serialised]),
 ];
 /// doSteps in a retraction: of 0.13 s, 10 ms, 1 ms and 10 us.
 const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
@@ -56,13 +59,12 @@ pub fn table() -> Result<Option<Pages>, String> {
     rows += "\n## A doStep, default scene, with what is read after it\n\n";
     rows += &heading(&["read", "0.13 s", "10 ms", "1 ms", "10 us"]);
     for (name, _) in READS {
-        let _ = write!(rows, "| {} |", name.replace('_', " "));
-        for steps in COUNTS {
-            let count = instructions(DEFAULT.name, name, steps)?;
-            let _ = write!(rows, " {:.0} |", count / f64::from(steps));
-            let _ = writeln!(csv, "default,{name},{steps},{count:.0},{:.1}", count / f64::from(steps));
-        }
-        rows.push('\n');
+        rows += &row(&name.replace('_', " "), (DEFAULT.name, name), &mut csv)?;
+    }
+    rows += "\n## A doStep under a prescribed motion\n\n";
+    rows += &heading(&["friction", "0.13 s", "10 ms", "1 ms", "10 us"]);
+    for scene in &PRESCRIBED {
+        rows += &row(scene.title, (scene.name, READS[0].0), &mut csv)?;
     }
     rows += &format!("\n{}", measure::page("reset", &[]));
     rows += &heading(&["scene", "instructions"]);
@@ -76,6 +78,17 @@ pub fn table() -> Result<Option<Pages>, String> {
     csv += &lines;
     let words = measure::page("instructions", &[("tolerance", &format!("{TOLERANCE:.0e}")), ("most", &MOST)]);
     Ok(Some(Pages { page: words + &rows, csv }))
+}
+
+/// The row of a scene with what is read: instructions of a step, by step size.
+fn row(title: &str, (scene, reads): (&str, &str), csv: &mut String) -> Result<String, String> {
+    let mut row = format!("| {title} |");
+    for steps in COUNTS {
+        let count = instructions(scene, reads, steps)?;
+        let _ = write!(row, " {:.0} |", count / f64::from(steps));
+        let _ = writeln!(csv, "{scene},{reads},{steps},{count:.0},{:.1}", count / f64::from(steps));
+    }
+    Ok(row + "\n")
 }
 
 /// Instructions of one run of the scene.
@@ -105,13 +118,14 @@ fn counted(words: &[String]) -> Result<u64, String> {
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
-pub fn repeat(folder: &Path, words: [&str; 4]) -> Result<(), String> {
+pub fn repeat(descriptions: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));
-    let scene: &Scene = SCENES.iter().find(|scene| scene.name == name).ok_or_else(|| format!("no scene {name}"))?;
+    let scene: &Scene =
+        SCENES.iter().chain(&PRESCRIBED).find(|s| s.name == name).ok_or_else(|| format!("no scene {name}"))?;
     let after = READS.iter().find(|(word, _)| *word == reads).map_or(scene.after, |(_, after)| after);
     let (steps, repetitions) = (number(steps)?, number(repetitions)?);
-    let mut gear = Gear::new(folder, scene, TOLERANCE)?;
+    let mut gear = Gear::new(&descriptions.join(scene.mechanism), scene, TOLERANCE)?;
     if reads == RESET {
         return (0..repetitions).try_for_each(|_| gear.restart(scene, TOLERANCE));
     }

@@ -51,7 +51,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         ["cosim", words @ ..] => couple(&results, words),
         ["stress", groups @ ..] => stress_report::run(&results, groups),
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
-            instructions::repeat(&descriptions.join("LandingGearRetraction"), [scene, reads, steps, repetitions])
+            instructions::repeat(&descriptions, [scene, reads, steps, repetitions])
         }
         &[versions::CALLS, version, call, repetitions] => {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])

@@ -24,6 +24,10 @@ pub enum After {
     Force,
     /// fmi2GetFMUstate and fmi2SetFMUstate of the same state.
     State,
+    /// One fmi2GetReal: all outputs.
+    Outputs,
+    /// fmi2GetFMUstate, fmi2SerializedFMUstateSize and fmi2SerializeFMUstate.
+    Serialised,
 }
 
 /// Force of the actuator after so many steps in which [`After::Force`] is called [N].
@@ -35,6 +39,8 @@ pub fn force(steps: u32) -> f64 {
 pub struct Scene {
     /// Word for the command line and for CSV.
     pub name: &'static str,
+    /// Folder of the mechanism.
+    pub mechanism: &'static str,
     /// Words for a table.
     pub title: &'static str,
     /// Parameters and inputs.
@@ -49,7 +55,14 @@ const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
 const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
 
 /// The mechanism as it is committed.
-pub const DEFAULT: Scene = Scene { name: "default", title: "default: rigid stops", reals: &[], flags: &[], after: &[] };
+pub const DEFAULT: Scene = Scene {
+    name: "default",
+    mechanism: "LandingGearRetraction",
+    title: "default: rigid stops",
+    reals: &[],
+    flags: &[],
+    after: &[],
+};
 /// Gravity, load factor and drive; no stops.
 pub const BARE: Scene = Scene {
     name: "bare",
@@ -86,7 +99,20 @@ pub const SCENES: [Scene; 9] = [
         reals: &[("airspeed", 70.0), BUMPER[0], BUMPER[1], BUMPER[2]],
         flags: &[("friction.enabled", true), ("air.relative_wind", true), ("upstop.rigid", false)],
         after: &[After::Reactions, After::Derivatives],
+        ..DEFAULT
     },
+];
+
+/// The same gear with the motion of its actuator prescribed.
+pub const PRESCRIBED: [Scene; 2] = [
+    Scene {
+        name: "prescribed",
+        mechanism: "SmoothRetraction",
+        title: "without friction",
+        flags: &[("friction.enabled", false)],
+        ..DEFAULT
+    },
+    Scene { name: "prescribed_friction", mechanism: "SmoothRetraction", title: "with friction", ..DEFAULT },
 ];
 
 impl Scene {
