@@ -215,9 +215,9 @@ def main() -> None:
             raise
         reason = str(error).partition("\n")[0]
         told = (
-            f"no scheduler of Dask answers at {arguments.scheduler}, waited for up to {ANSWER} s ({reason}); start one "
-            "there by `dask scheduler`, or check the address and whether its port is open, or take --workers N for "
-            "processes of this machine"
+            f"no Dask scheduler answers at {arguments.scheduler} within {ANSWER} s ({reason}); start a scheduler on "
+            "that machine with `dask scheduler`, check the address and whether the port is open, or use --workers N "
+            "for processes on this machine"
         )
         tell(out, FATAL, told.encode())
         os._exit(1)

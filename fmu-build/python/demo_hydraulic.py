@@ -242,10 +242,10 @@ def report(runs: list[Run], whole: list[tuple[float, float]]) -> str:
     for run in runs:
         errors = run.errors(whole)
         energy = max(map(abs, run.interface_energy()))
-        up = "lost" if run.time_up is None else f"up after {run.time_up:.9f} s"
+        up = "unstable" if run.time_up is None else f"up after {run.time_up:.9f} s"
         lines.append(
             f"{run.scheme.title:30s}{up:23s}   largest errors {max(e[0] for e in errors):.1e} rad, "
-            f"{max(e[1] for e in errors):.1e} N, energy made at the interface {energy:.1e} J"
+            f"{max(e[1] for e in errors):.1e} N, energy created by the coupling {energy:.1e} J"
         )
     standard = runs[STANDARD]
     last = dict(zip(("time", *COLUMNS), standard.rows[-1], strict=True))
@@ -253,12 +253,12 @@ def report(runs: list[Run], whole: list[tuple[float, float]]) -> str:
     gained -= sum(dict(zip(("time", *COLUMNS), standard.rows[0], strict=True))[k] for k in OF_GEAR[-2:])
     limits = [limit for limit in standard.column("coupling.stable_step") if limit > 0.0]
     lines += [
-        f"energies                      supplied {last['energy.supplied']:.1f} J, throttled "
-        f"{last['energy.throttling']:.1f} J, on the piston {last['energy.piston']:.1f} J, gained by the gear "
+        f"energies                      supplied {last['energy.supplied']:.1f} J, lost by throttling "
+        f"{last['energy.throttling']:.1f} J, work of the piston {last['energy.piston']:.1f} J, gained by the gear "
         f"{gained:.1f} J",
-        f"energy.balance                {last['energy.balance']:.1e} J (0 but for rounding)",
-        f"coupling.stable_step          {1e3 * min(limits):.2f} to {1e3 * max(limits):.2f} ms on the way: what a plain "
-        "exchange stands",
+        f"energy.balance                {last['energy.balance']:.1e} J (0 except for rounding)",
+        f"coupling.stable_step          {1e3 * min(limits):.2f} to {1e3 * max(limits):.2f} ms during the run: the "
+        "largest stable step of a plain exchange of force and motion",
     ]
     return "\n".join(lines)
 
@@ -306,7 +306,7 @@ def write_plot(runs: list[Run], whole: list[tuple[float, float]], path: Path) ->
             energy.semilogy(other.column("time")[1:], made, color=colour, linewidth=1.0, label=other.scheme.title)
         error.set_ylabel("error of the crank angle [rad]")
         error.set_ylim(1e-13, 1e-1)
-        energy.set_ylabel("energy made at the interface [J]")
+        energy.set_ylabel("energy created by the coupling [J]")
         energy.set_ylim(1e-9, 1e2)
         energy.legend(fontsize=8, ncols=2, loc="upper left")
         for panel in panels.flat:

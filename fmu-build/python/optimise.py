@@ -158,9 +158,9 @@ def main() -> None:
     try:
         search_everywhere(problem)
         search_nearby(problem)
-        problem.why += "; nothing more is gained"
+        problem.why += "; a further search finds no better design"
     except OverError:
-        problem.why += "; the evaluations are used up"
+        problem.why += "; the allowed number of evaluations is reached"
     print(json.dumps({"end": problem.why.removeprefix("; ")}), flush=True)
 
 

@@ -294,7 +294,7 @@ class Runner:
                 break
         missed = ""
         if stop_at is not None and not stopped:
-            missed = f"{stop_at.name} did not happen within {self.plan['stop_label']} s"
+            missed = f"the event {stop_at.name} did not happen within {self.plan['stop_label']} s"
         return "; ".join(remark for remark in (missed, self.undefined) if remark)
 
     def make(self, step: Step, call: Call) -> None:

@@ -44,14 +44,16 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
         let name = listed.get(LISTED_LENGTH..LISTED_LENGTH + number(listed, 28, 2)?)?;
         let shown = String::from_utf8_lossy(name);
         if !names.insert(name) {
-            faults
-                .push(format!("{shown} occurs twice in the archive, and hosts can read either of the two; remove one"));
+            faults.push(format!(
+                "{shown} occurs twice in the archive, and a simulation tool can read either of the two files; remove \
+                 one file"
+            ));
         }
         let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
         if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {
             faults.push(format!(
-                "{shown}: the {what} in the directory of the archive differs from the entry itself, so hosts can \
-                 read different files; pack the FMU again"
+                "{shown}: the {what} in the directory of the archive differs from the entry itself, so two simulation \
+                 tools can read different files; pack the FMU again"
             ));
         }
         at += LISTED_LENGTH + name.len() + number(listed, 30, 2)? + number(listed, 32, 2)?;
@@ -110,7 +112,8 @@ mod tests {
         (twice[own + 5], twice[listed + 5]) = (b'1', b'1');
         assert_eq!(
             faults(&twice),
-            ["entry1 occurs twice in the archive, and hosts can read either of the two; remove one"]
+            ["entry1 occurs twice in the archive, and a simulation tool can read either of the two files; remove one \
+              file"]
         );
         let whole = zip();
         assert!(faults(&whole[..whole.len() - 30])[0].contains("incomplete"));

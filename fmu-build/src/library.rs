@@ -101,7 +101,7 @@ pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Tar
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
     let what = target.map_or_else(|| package.to_owned(), |target| format!("{package} for {}", target.triple));
     if !output.status.success() {
-        bail!("cargo build of {what} failed ({}); its own messages are above", output.status);
+        bail!("cargo build of {what} failed ({}); the messages above state the reason", output.status);
     }
     let path = artifact(&String::from_utf8_lossy(&output.stdout), library.name, extension).with_context(|| {
         format!("cargo build of {what} wrote no .{extension}; check that [lib] crate-type is cdylib")

@@ -37,7 +37,7 @@ pub fn check(path: &str) -> Result<()> {
         );
     }
     path.split('/').try_for_each(|name| match fault(name) {
-        Some(fault) => bail!("{}: {fault}, so Windows cannot unpack this file; rename it", path.escape_debug()),
+        Some(fault) => bail!("{}: {fault}, so Windows cannot unpack this file; rename this file", path.escape_debug()),
         None => Ok(()),
     })
 }
@@ -81,7 +81,7 @@ pub fn check_case<'a>(paths: impl Iterator<Item = &'a str>) -> Result<()> {
             if other != part {
                 bail!(
                     "{other} and {part}: the names differ by case only, so on Windows one file replaces the other; \
-                     rename one"
+                     rename one of the two"
                 );
             }
         }
@@ -126,7 +126,7 @@ mod tests {
             ("extra//a", "the path contains the folder or file name \"\""),
         ] {
             let message = check(path).unwrap_err().to_string();
-            assert!(message.contains(words) && message.ends_with("rename it") && !message.contains('\n'), "{message}");
+            assert!(message.contains(words) && message.ends_with("this file") && !message.contains('\n'), "{message}");
         }
         for path in ["documentation/index.html", "extra/com10", "extra/CONSOLE.txt", "extra/COM", "extra/ä ö.txt"] {
             check(path).unwrap();

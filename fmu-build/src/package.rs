@@ -165,10 +165,10 @@ fn further(arguments: &Arguments) -> Result<Vec<Binary>> {
         let binary = Binary::read(named)?;
         let platform = binary.platform();
         if built.contains(&platform) {
-            bail!("--binary {platform}: this library is built here; remove this option");
+            bail!("--binary {platform}: the program adds the library for this platform itself; remove this option");
         }
         if binaries.iter().any(|other| other.platform() == platform) {
-            bail!("--binary {platform}: given twice; give one library for each platform");
+            bail!("--binary {platform}: the option occurs twice for this platform; give one library for each platform");
         }
         binaries.push(binary);
     }
@@ -371,6 +371,6 @@ mod tests {
             "there is no such file or folder; give the path of a mechanism.json or a hydraulics.json or a \
              network.json or of a folder that contains one"
         ));
-        assert!(message("fmu-build").ends_with("put the definition there"));
+        assert!(message("fmu-build").ends_with("in one of these folders"));
     }
 }

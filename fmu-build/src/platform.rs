@@ -177,7 +177,7 @@ pub fn build(
         }
     }
     if !missing.is_empty() && (!arguments.available || targets.is_empty()) {
-        let more = if arguments.available { "" } else { "; or add --available to pack the others" };
+        let more = if arguments.available { "" } else { "; or add --available to pack the other platforms" };
         bail!("nothing was packed: {}{more}", missing.join("\n"));
     }
     missing.iter().for_each(|line| println!("left out: {line}"));
@@ -295,7 +295,7 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
     }
     if let [first, ..] = &needs.libraries[..] {
         bail!(
-            "the library needs {first}, which Windows does not have; link it statically (rustflags -C \
+            "the library needs {first}, which Windows does not have; link this library statically (rustflags -C \
              target-feature=+crt-static)"
         );
     }
@@ -348,8 +348,8 @@ fn linker(triple: &str, (linker, package): (&str, &str)) -> Result<(String, OsSt
     let started = Command::new(&program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
     if started.is_err() {
         bail!(
-            "the linker {program} cannot be started; install it (Debian: apt-get install {package}), or set \
-             another one in {variable}"
+            "the linker {program} cannot be started; install this linker (Debian: apt-get install \
+             {package}), or set another linker in {variable}"
         );
     }
     Ok((variable, program.into()))

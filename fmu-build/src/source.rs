@@ -85,11 +85,12 @@ impl Source {
                 Ok(Self::in_folder(workspace, path, definition))
             }
             (Some(one), Some(other)) => {
-                bail!("{} and {}: an FMU has one definition; remove one of the two", one.display(), other.display())
+                bail!("{} and {}: an FMU has one definition; remove one file", one.display(), other.display())
             }
             (None, _) if let Some(near) = near_miss(path, &files) => bail!("{near}"),
             (None, _) => bail!(
-                "{}: neither the folder nor its folder resources contains {}; put the definition there",
+                "{}: the folder contains no {}, neither directly nor in the folder resources; put the definition in \
+                 one of these folders",
                 path.display(),
                 files.join(" or ")
             ),

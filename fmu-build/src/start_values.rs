@@ -16,7 +16,7 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
     for (name, text) in pairs(words)? {
         let reference = find(interface, name).context("--start-values")?;
         if values.iter().any(|(other, _)| *other == reference) {
-            bail!("--start-values: {name} occurs twice; remove one");
+            bail!("--start-values: {name} occurs twice; remove one of the two values");
         }
         let variable = &interface.list()[reference as usize];
         let value = match variable.kind {

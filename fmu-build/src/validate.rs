@@ -87,8 +87,8 @@ fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     let is_own = described.as_ref().is_none_or(|described| described.generation_tool.starts_with(PROGRAM));
     let packed = if is_own { fmu.definition().map(Some) } else { fmu.find_definition() };
     if matches!(packed, Ok(None)) {
-        let why = "this FMU was built by another program and has no definition: only archive, description and \
-                   libraries are checked";
+        let why = "another program built this FMU, which contains no definition: only the archive, \
+                   modelDescription.xml and the libraries are checked";
         found.notes.push(format!("{}: {why}", fmu.shown()));
     }
     if let Some(Some(packed)) = found.take(packed)
@@ -137,12 +137,12 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     let is_own = described.generation_tool.starts_with(PROGRAM);
     let any = described.interfaces.values().next().filter(|_| !is_own);
     let Some(identifier) = described.interfaces.get(INTERFACE).or(any) else {
-        found.errors.push(format!("{shown}: the description has no {INTERFACE}"));
+        found.errors.push(format!("{shown}: modelDescription.xml has no {INTERFACE}"));
         return;
     };
     let platforms = info::platforms(fmu);
     if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
-        found.errors.push(format!("{shown}: contains no library, so no host can load this FMU"));
+        found.errors.push(format!("{shown}: contains no library, so no simulation tool can load this FMU"));
     }
     let is_archive =
         |name: &&String| name.starts_with(binary::FOLDER) && [".a", ".lib"].iter().any(|e| name.ends_with(e));
@@ -167,14 +167,17 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
         match fmu.read(&path) {
             Ok(Some(content)) if platform == COMPATIBLE && binary::check_for(ARM_LINUX, &content).is_ok() => {
                 found.warnings.push(format!(
-                    "{shown}/{path}: this library is for ARM ({ARM_LINUX}); hosts on x86_64 cannot load this FMU"
+                    "{shown}/{path}: this library is for ARM ({ARM_LINUX}); simulation tools on x86_64 cannot load \
+                     this FMU"
                 ))
             }
             Ok(Some(content)) => {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
                 needs(&format!("{shown}/{path}"), &content, found);
             }
-            Ok(None) => found.errors.push(format!("{shown}: contains no {path}, which hosts on {platform} load")),
+            Ok(None) => {
+                found.errors.push(format!("{shown}: contains no {path}, which simulation tools on {platform} load"))
+            }
             // The archive's check has told it.
             Err(_) => {}
         }
@@ -195,9 +198,9 @@ fn needs(shown: &str, content: &[u8], found: &mut Found) {
         found.notes.push(format!("{shown}: needs glibc {version} or later (for {functions})"));
     }
     for library in &needs.libraries {
-        found
-            .warnings
-            .push(format!("{shown}: needs {library}, which Windows does not have; install it on the path of the host"));
+        found.warnings.push(format!(
+            "{shown}: needs {library}, which Windows does not have; install this library in a folder of PATH"
+        ));
     }
 }
 
@@ -225,7 +228,7 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
     let mut starts = Vec::new();
     for meant in &meant.variables {
         let Some(packed) = others.remove(meant.name.as_str()) else {
-            found.errors.push(format!("{shown}: the description has no variable {}; {remedy}", meant.name));
+            found.errors.push(format!("{shown}: modelDescription.xml has no variable {}; {remedy}", meant.name));
             continue;
         };
         let parts = |variable: &Described| {
@@ -248,8 +251,9 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
     if let Some(first) = starts.first() {
         let more = if starts.len() > 1 { format!(" and {} more", starts.len() - 1) } else { String::new() };
         found.warnings.push(format!(
-            "{shown}: the start value of {first}{more} in modelDescription.xml differs from the definition; hosts \
-             show the value of modelDescription.xml, but the FMU uses the definition; pack the FMU again"
+            "{shown}: the start value of {first}{more} in modelDescription.xml differs from the definition; simulation \
+             tools show the value of modelDescription.xml, but the FMU uses the value of the definition; pack the FMU \
+             again"
         ));
     }
 }

@@ -40,7 +40,7 @@ fn archives_of_others_are_checked_and_named() {
     zip(&system, &[("SystemStructure.ssd", "")]);
     let (code, printed, _) = run(&["validate"], &sound);
     assert!(
-        code == 0 && printed.contains("built by another program") && printed.contains("valid: 0 errors"),
+        code == 0 && printed.contains("another program built this FMU") && printed.contains("valid: 0 errors"),
         "{printed}"
     );
     let (code, printed, _) = run(&["info"], &sound);

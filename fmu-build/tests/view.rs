@@ -272,7 +272,7 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     assert!(fs::metadata(folder.join("broken.html")).unwrap().len() > 10_000);
     let actuator = workspace.descriptions().join("HydraulicActuator");
     let error = view::run(&workspace, &arguments(actuator, "actuator.html")).unwrap_err().to_string();
-    assert!(error.contains("has no linkage that can be drawn"), "{error}");
+    assert!(error.contains("has no mechanism that can be drawn"), "{error}");
     assert!(!folder.join("actuator.html").exists());
     fs::remove_dir_all(folder).unwrap();
 }

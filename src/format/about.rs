@@ -11,9 +11,9 @@ super::keys! {
     pub struct About {
         /// Name and organisation of the model's author. Empty: no author is stated.
         author: String => line();
-        /// Copyright of the model. Empty: the copyright of the library.
+        /// Copyright of the model. Empty: the FMU states the copyright of the library.
         copyright: String => line();
-        /// Licence of the model. Empty: the licence of the library.
+        /// Licence of the model. Empty: the FMU states the licence of the library.
         license: String => line();
     }
 }

@@ -6,9 +6,9 @@ use crate::variables::Unit;
 super::keys! {
     /// Default experiment of the FMU, which starts at 0 s.
     pub struct Experiment: Copy {
-        /// Stop time [s], > 0.
+        /// Time at which the default run ends [s], > 0.
         stop_time: f64 = 1.0 => number(Unit::Second, Range::Positive).required();
-        /// Preferred communication step [s], > 0.
+        /// Communication step that the FMU proposes to the host [s], > 0.
         step_size: f64 = 1e-3 => number(Unit::Second, Range::Positive).required();
     }
 }

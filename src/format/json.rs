@@ -71,7 +71,8 @@ pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
     let read = parser.value().and_then(|node| match parser.peek() {
         None => Ok(node),
         Some(_) => Err(parser.fault(
-            "the definition ends before this: remove the text that follows, or a surplus closing bracket before it",
+            "the definition ends before this place: remove the text after the end, or a surplus closing bracket \
+             before this place",
         )),
     });
     read.map_err(|Stop { at, message, path }| {
@@ -198,7 +199,7 @@ impl Parser<'_> {
             let span = start..self.at;
             self.skip_blanks();
             if !self.takes(b':') {
-                return Err(self.fault("a colon is missing before this: add it").inside(format_args!(".{key}")));
+                return Err(self.fault("a colon is missing before this place: add it").inside(format_args!(".{key}")));
             }
             let value = self.value().map_err(|stop| stop.inside(format_args!(".{key}")))?;
             members.push(Member { key, span, value });
@@ -206,7 +207,7 @@ impl Parser<'_> {
                 break;
             }
             if !self.takes(b',') {
-                return Err(self.fault("a comma is missing before this: add it"));
+                return Err(self.fault("a comma is missing before this place: add it"));
             }
         }
         self.at += 1;
@@ -223,7 +224,7 @@ impl Parser<'_> {
                 break;
             }
             if !self.takes(b',') {
-                return Err(self.fault("a comma is missing before this: add it"));
+                return Err(self.fault("a comma is missing before this place: add it"));
             }
         }
         self.at += 1;
@@ -246,7 +247,7 @@ impl Parser<'_> {
                 }
                 Some(b'\\') => text.push(self.escaped()?),
                 _ => {
-                    return Err(self.fault("a text has no closing quote: add a quote \" at its end, on the same line"));
+                    return Err(self.fault("a text has no closing quote: add a quote \" at the end of the text"));
                 }
             }
         }

@@ -107,7 +107,7 @@ impl ModelError {
         let reason = match end {
             End::OfTravel => "limit the loads or the time".into(),
             End::OfNumbers => format!(
-                "{:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding of numbers is \
+                "at {:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding of numbers is \
                  larger than the mechanism; limit the loads or the time, or add a stop",
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
@@ -159,7 +159,7 @@ impl fmt::Display for ModelError {
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
-                "{name} = {} {}: the mechanism reaches this stop {} s into the step, but solver.method = \
+                "{name} = {} {}: the mechanism reaches this stop {} s after the start of the step, but solver.method = \
                  \"rigid_fem\" has no stops; end the run earlier, set enabled of the stop to false, or choose \
                  solver.method = \"reduced\"",
                 Decimal(*value),
@@ -201,8 +201,8 @@ impl fmt::Display for ModelError {
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
-                "the integration stopped {} s into the step: no step longer than {step:.1e} s reaches \
-                 solver.tolerance; check the values of the inputs",
+                "the integration stopped {} s after the start of the communication step: no integration step longer \
+                 than {step:.1e} s reaches solver.tolerance; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::Locked { position, joint } => write!(
@@ -249,8 +249,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Stuck { error: IntegrationError::StepTooSmall { t, step }, circuit } => write!(
                 f,
-                "the integration stopped {} s into the step: no step longer than {step:.1e} s reaches \
-                 solver.tolerance, at {circuit}; check the values of the inputs",
+                "the integration stopped {} s after the start of the communication step: no integration step longer \
+                 than {step:.1e} s reaches solver.tolerance, at {circuit}; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::LoadOverflow { name, value } => write!(
@@ -261,7 +261,11 @@ impl fmt::Display for ModelError {
             ),
             Self::Prescribed { name, value, time, why } => {
                 let (value, time) = (Decimal::rounded(*value), Decimal::rounded(*time));
-                write!(f, "{name} = {value} {} is prescribed {time} s into the step: {why}", unit_of(name))
+                write!(
+                    f,
+                    "{name} = {value} {} is prescribed {time} s after the start of the step: {why}",
+                    unit_of(name)
+                )
             }
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {

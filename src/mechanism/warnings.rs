@@ -42,11 +42,11 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
     let unit = if mechanism.turns(drive) { "rad" } else { "m" };
     let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
-    let message = format!("starts at {there}, but the drive is at {here} at the start: the run starts with a jump");
+    let message = format!("starts at {there}, but the drive is at {here} at the start: the drive would jump there");
     let (key, remedy) = match motion.profile {
         Some(_) => (
             "points",
-            format!("let the table start with 0 {unit} at time 0, because its distances count from the start"),
+            format!("let the table start with 0 {unit} at time 0, because the distances count from the start position"),
         ),
         None => ("position", format!("write {here}, or start the mechanism where the motion starts")),
     };
@@ -209,7 +209,7 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
     for (group, name, key, at) in forces.chain(torques) {
         let body = at.split('.').next().unwrap_or_default();
         if linkage.carrier(mechanism, body).is_some_and(|(carrier, _)| carrier == GROUND) {
-            let message = format!("acts on {at}, which does not move, so it has no effect");
+            let message = format!("acts on {at}, which does not move, so this load has no effect");
             let remedy = if key == "at" { "give a point that moves" } else { "give a body that moves" };
             all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
         }
@@ -226,7 +226,7 @@ fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Fi
         if load.is_idle() {
             let at = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
             let (words, remedy) = load.idle_words(at, reduced.linkage().size);
-            let message = format!("{words}, so it never moves the mechanism and only loads the joints");
+            let message = format!("{words}, so this element never moves the mechanism and only loads the joints");
             all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
     }

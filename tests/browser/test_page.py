@@ -225,7 +225,7 @@ def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show:
     assert "the loop of joint4 cannot close" in made.told
     shown = show(made.path)
     assert shown.page.get_by_role("alert").is_visible()
-    assert "drawn at the guess" in shown.page.get_by_role("alert").inner_text()
+    assert "the positions of the guess" in shown.page.get_by_role("alert").inner_text()
     words = shown.page.locator("[data-gap=joint4] text").text_content() or ""
     gap = float(words.split()[-2])
     # The crank's two pins tell the scale.

@@ -249,7 +249,10 @@ fn ends_that_keep_their_distance_have_no_effect() {
             let told = inspect(&between(group, first, second)).findings;
             let path = format!("{group}.idle");
             let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
-            assert!(texts.any(|text| text.contains("apart in every position, so it never moves")), "{told:?}");
+            assert!(
+                texts.any(|text| text.contains("apart in every position, so this element never moves")),
+                "{told:?}"
+            );
         }
     }
     assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
@@ -274,7 +277,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
             let path = format!("{group}.idle");
             let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
-                texts.any(|text| text.contains(&format!("0 {unit} in every position, so it never moves"))),
+                texts.any(|text| text.contains(&format!("0 {unit} in every position, so this element never moves"))),
                 "{told:?}"
             );
         }

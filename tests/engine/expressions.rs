@@ -231,7 +231,7 @@ fn what_is_wrong_is_named_with_its_key() {
         (with(&|m| m["guess"]["crank"] = json!("sise")), &["guess.crank", "there is no parameter sise"]),
         (
             with(&|m| m["springs"]["damper"]["points"] = json!([["-size", 0], [1, 2]])),
-            &["springs.damper.points[0][0]", "the host can change size"],
+            &["springs.damper.points[0][0]", "a simulation tool can change size"],
         ),
         (with(&|m| m["parameters"]["rocker"] = json!([1])), &["parameters.rocker", "a number"]),
     ];

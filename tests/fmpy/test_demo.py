@@ -38,7 +38,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
 def test_each_preview_meets_its_figures(made: tuple[str, Path], scheme: str) -> None:
     number = r"(\S+)"
     line = (
-        rf"{scheme} +up after {number} s +largest errors {number} rad, \S+ N, energy made at the interface {number} J"
+        rf"{scheme} +up after {number} s +largest errors {number} rad, \S+ N, energy created by the coupling {number} J"
     )
     found = re.search(line, made[0])
     assert found, made[0]

@@ -120,7 +120,7 @@ def cut(part: str, size: int) -> Change:
             "the start value of actuator.force in modelDescription.xml differs",
             True,
         ),
-        (edited("mechanism.json", b"coupler", b"kuppler"), "the description has no variable kuppler.angle", False),
+        (edited("mechanism.json", b"coupler", b"kuppler"), "modelDescription.xml has no variable kuppler.angle", False),
         (edited("modelDescription", b'guid="{', b'guid="{0'), "guid is", False),
         (edited("modelDescription", b'unit="kg"', b'unit="g"'), "crank.mass is", False),
         (edited("mechanism.json", b'"mass"', b'"weight"'), "weight", False),

@@ -163,7 +163,7 @@ def test_bad_file_is_refused_with_its_faults(tmp_path: Path, name: str) -> None:
 def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
     assert "no such file or folder" in refused(package(tmp_path, "nowhere.json"))
     assert "/dev/null: this is not a regular file" in refused(package(tmp_path, "/dev/null"))
-    assert "contains mechanism.json or hydraulics.json" in refused(package(tmp_path, "."))
+    assert "contains no mechanism.json or hydraulics.json" in refused(package(tmp_path, "."))
     (tmp_path / "own.json").write_text(json.dumps(mechanism()), encoding="utf-8")
     (tmp_path / "taken").write_text("a file", encoding="utf-8")
     line = refused(package(tmp_path, "own.json", "--out", f"taken{os.sep}fmus"))

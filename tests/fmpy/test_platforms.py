@@ -58,7 +58,7 @@ REFUSED = {
     "no FMU's library": (f"win64={SHIPPED / 'logging' / 'win64' / 'logging.dll'}", ["does not export fmi2Instantiate"]),
     "no file": ("win64=nowhere.dll", ["nowhere.dll", "no such file"]),
     "a folder": (f"win64={CONTAINER}", ["no such file"]),
-    "this platform": (f"linux64={CONTAINER / 'x86_64-linux' / 'container_fmu.so'}", ["linux64", "built here"]),
+    "this platform": (f"linux64={CONTAINER / 'x86_64-linux' / 'container_fmu.so'}", ["linux64", "adds the library"]),
 }
 
 
@@ -73,7 +73,7 @@ def test_what_is_no_library_of_the_platform_is_refused(tmp_path: Path, name: str
 
 def test_a_platform_twice_is_refused(tmp_path: Path) -> None:
     binary = f"win64={LIBRARIES['win64']}"
-    assert "given twice" in refused(package(tmp_path, binary, binary))
+    assert "the option occurs twice" in refused(package(tmp_path, binary, binary))
 
 
 def test_an_unknown_platform_is_a_wrong_usage(tmp_path: Path) -> None:

@@ -142,7 +142,7 @@ def test_a_film_shows_the_motion(simulate: Command, fmu: Path, tmp_path: Path) -
 def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
     done = simulate(FMU_FOLDER / "HydraulicActuator.fmu", "--gif", "oil.gif")
     assert done.returncode == 1
-    assert "HydraulicActuator has no linkage that can be drawn" in done.stderr
+    assert "HydraulicActuator has no mechanism that can be drawn" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -283,7 +283,7 @@ def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, t
         said, _ = process.communicate(timeout=600)
         assert process.returncode == 1, said
         assert "Traceback" not in said, said
-        told = f"error: the cluster: no scheduler of Dask answers at {address}, waited for up to 30 s ("
+        told = f"error: the cluster: no Dask scheduler answers at {address} within 30 s ("
         assert told in said, said
-        assert "; start one there by `dask scheduler`, or check the address" in said, said
+        assert "; start a scheduler on that machine with `dask scheduler`, check the address" in said, said
         assert not (tmp_path / str(index) / "runs.journal").exists(), "nothing to resume"

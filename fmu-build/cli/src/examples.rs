@@ -16,7 +16,7 @@ pub const CHECK: &str = "\
 Examples:
   Print errors, warnings, travel, drives and equilibria:
     cargo fmu check gear.json
-  Check two mechanisms in CI: warnings fail too, and the result is JSON:
+  Check two mechanisms in a CI job: a warning is a failure too, and the result is JSON:
     cargo fmu check gear.json door.json --deny-warnings --json";
 
 /// Examples of `info`.
@@ -24,7 +24,7 @@ pub const INFO: &str = "\
 Examples:
   List the variables of an FMU with units and start values:
     cargo fmu info Gear.fmu
-  Print the variables of a definition as JSON:
+  Print the variables of the FMU of a definition as JSON:
     cargo fmu info gear.json --json";
 
 /// Examples of `validate`.
@@ -57,13 +57,13 @@ pub const IMPORT: &str = "\
 Examples:
   Convert a MuJoCo model to a definition:
     cargo fmu import arm.xml --out arm.json
-  Convert a table of joints, and name its format:
+  Convert a table of joints, and state the format of the file:
     cargo fmu import joints.csv --form table --out linkage.json";
 
 /// Examples of `linearise`.
 pub const LINEARISE: &str = "\
 Examples:
-  Plot the eigenfrequency along the travel, with the mechanism held by its drive:
+  Plot the eigenfrequency along the travel while a drive holds the mechanism:
     cargo fmu linearise gear.json --held-by jack.force --plot frequency.png
   Write the state-space matrices at 50 positions:
     cargo fmu linearise gear.json --inputs jack.force --outputs crank.angle --count 50 --output-file matrices.csv";
@@ -146,12 +146,13 @@ Benchmarks:
   (none)        run times of the tables
   importers     the landing gear in FMPy, libcosim, ECOS and fmi-sim
   studies       many runs with sweep, Dask, FMPy and MuJoCo
-  peers         effort and error, compared with other solvers and multibody programs
+  peers         computing time and error, compared with other solvers and multibody programs
   plots         figures from the CSV of the tables
   instructions  instruction counts of callgrind
-  cosim         the packed FMUs, coupled by every scheme; --write writes the page, circuit uses plain numbers
+  cosim         the packed FMUs, coupled by every scheme; options: --write (write the page of results), circuit
+                (use a second, independent formulation of the circuit)
   stress        stress suite, and 600 random linkages of each property
-  attack        random histories, states, definitions and scenes; options: --minutes N, --seed S, --only PART,
+  attack        tests with random histories, states and definitions; options: --minutes N, --seed S, --only PART,
                 --count N, --threads N, --verbose, --write";
 
 #[cfg(test)]

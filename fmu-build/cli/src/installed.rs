@@ -66,7 +66,7 @@ pub fn command() -> Command {
         (
             "package",
             "glibc",
-            "Oldest glibc on which the libraries for Linux must load; a library that needs a newer one is an error",
+            "Oldest glibc on which the libraries for Linux must load; a library that needs a newer glibc is an error",
         ),
         ("demo", "out", "Folder for the results [default: this folder]"),
         ("view", "out", "File for the page [default: <Name>.html in this folder]"),

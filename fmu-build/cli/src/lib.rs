@@ -33,7 +33,7 @@ pub enum Task {
     /// Check a mechanism: errors, warnings, masses, travel, drives, equilibria
     #[command(after_help = examples::CHECK)]
     Check(Check),
-    /// List what an FMU or a mechanism offers to a host: variables, default experiment, platforms
+    /// List the interface of an FMU or a mechanism: variables, default experiment, platforms
     #[command(after_help = examples::INFO)]
     Info(Info),
     /// Check that an FMU is complete: archive, description, libraries, definition
@@ -42,16 +42,16 @@ pub enum Task {
     /// Write a web page that shows the moving mechanism
     #[command(after_help = examples::VIEW)]
     View(View),
-    /// Run a mechanism or an FMU without a host, and write CSV, Parquet, a plot or a film
+    /// Run a mechanism or an FMU without another simulation tool, and write CSV, Parquet, a plot or a film
     #[command(after_help = examples::SIMULATE)]
     Simulate(Simulate),
-    /// Convert the mechanism of another program to a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
+    /// Convert a file of another program to a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
     #[command(after_help = examples::IMPORT)]
     Import(Import),
     /// Linearise a mechanism along its travel: eigenfrequency, damping ratio, state-space matrices
     #[command(after_help = examples::LINEARISE)]
     Linearise(Linearise),
-    /// Make all runs of a study: design of experiments, tolerances, load cases
+    /// Simulate all variants of a study: design of experiments, tolerances, load cases
     #[command(after_help = examples::SWEEP)]
     Sweep(Sweep),
     /// Search for the best design of a mechanism: minimise or maximise a response within limits
@@ -63,7 +63,7 @@ pub enum Task {
     /// Build the documentation as a website that works without a network: target/docs
     #[command(after_help = examples::DOCS)]
     Docs(Docs),
-    /// Write the definition of a chain of N four-bar linkages, a benchmark
+    /// Write the definition of a chain of N four-bar linkages, which is a benchmark of multibody programs
     #[command(after_help = examples::CHAIN)]
     Chain(Chain),
     /// Recompute the figures of the source papers with FMPy: validation/report.md, report.html and figures
@@ -86,10 +86,10 @@ pub struct Check {
     /// Definition file (mechanism.json), folder that contains one, or FMU
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Print errors, warnings and facts as JSON, a list with one object per path
+    /// Print errors, warnings and facts as a JSON list with one object per path
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 1 on warnings too
+    /// Exit with code 1 also if there are warnings but no errors
     #[arg(long)]
     pub deny_warnings: bool,
 }
@@ -146,28 +146,30 @@ pub struct Simulate {
     /// End time of the run [s] [default: stop_time of the definition]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
     pub stop_time: Option<f64>,
-    /// Time between two rows [s], which is also the communication step [default: step_size of the definition, doubled
-    /// until there are at most 1000 rows]
+    /// Time between two rows of the output [s], which is also the communication step [default: step_size of the
+    /// definition, doubled until there are at most 1000 rows]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
     /// Relative tolerance of the integration [1] [default: solver.tolerance of the definition]
     #[arg(long, value_name = "REL", value_parser = part)]
     pub relative_tolerance: Option<f64>,
-    /// Start values of inputs and parameters: pairs of a name and a value, or name=value; a number is in SI units, or
-    /// has the unit or display unit of the variable (45deg) [default: values of the definition]
+    /// Start values of inputs and parameters: pairs of a name and a value, or name=value. A number without a unit is in
+    /// SI units; a number with a unit has the unit or display unit of the variable (45deg) [default: values of the
+    /// definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Inputs over time: CSV file with the column `time` [s] first. Numbers are interpolated between two times,
-    /// Booleans are held; two rows of the same time make a jump
+    /// CSV file with inputs over time; the first column is `time` [s]. Numbers are interpolated between two rows.
+    /// Booleans keep their value until the next row. Two rows with the same time define a jump
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
-    /// Pass the slopes of the inputs too, so that inputs change within a step; a step ends at each time of the file
+    /// Set the time derivatives of the inputs too, so that the inputs also change within a communication step. A
+    /// communication step then ends at each time of the input file
     #[arg(long, requires = "input_file")]
     pub set_input_derivatives: bool,
     /// Variables to record [default: all outputs]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub output_variables: Vec<String>,
-    /// File for the recorded variables, `time` [s] first: CSV, or Parquet if the name ends in .parquet
+    /// File for the recorded variables: CSV, or Parquet if the name ends in .parquet. The first column is `time` [s]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// Plot of the recorded variables over time: .png or .svg file
@@ -221,10 +223,10 @@ pub struct Import {
     /// File to convert, or a link of PMKS or PMKS+ in quotation marks
     #[arg(value_name = "FILE")]
     pub path: PathBuf,
-    /// Format of the file [default: recognised from its name or its first characters]
+    /// Format of the file [default: recognised from the file name or the first characters of the file]
     #[arg(long, value_enum, value_name = "FORM")]
     pub form: Option<ImportForm>,
-    /// File for the definition, .json [default: standard output]
+    /// File for the definition (.json) [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -252,28 +254,28 @@ pub struct Linearise {
     /// Definition file (mechanism.json), folder that contains one, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Angle [rad] or position [m] whose value and rate are the two states, such as crank.angle [default: the
-    /// coordinate of start]
+    /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. This coordinate and its
+    /// rate are the two states [default: the coordinate in the key start of the definition]
     #[arg(long, value_name = "NAME")]
     pub coordinate: Option<String>,
     /// Inputs of the matrices B and D [default: all inputs on which the acceleration depends]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub inputs: Vec<String>,
-    /// Outputs of the matrices C and D [default: the coordinate]
+    /// Outputs of the matrices C and D [default: the coordinate of the linearisation]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub outputs: Vec<String>,
     /// Force [N] or torque [N.m] of the drive that holds the mechanism at each position, such as servo.torque [default:
-    /// none; then only equilibria of the loads are at rest]
+    /// no drive; the mechanism is then at rest only where its loads are in equilibrium]
     #[arg(long, value_name = "NAME")]
     pub held_by: Option<String>,
-    /// Number of equal parts of the travel [1]
+    /// Number of equal parts into which the travel is divided [1]
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub count: u32,
     /// Start values of inputs and parameters: pairs of a name and a value, or name=value [default: values of the
     /// definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// File for the values along the travel: CSV [default: standard output]
+    /// CSV file for the values along the travel [default: standard output]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// Plot of eigenfrequency [Hz], damping ratio and eigenvalues over the coordinate: .png or .svg file
@@ -290,7 +292,7 @@ pub struct Sweep {
     /// Folder for the results (runs.parquet) [default: target/sweep/<name of the study> in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write the results as runs.csv too
+    /// Also write the results as runs.csv
     #[arg(long)]
     pub csv: bool,
     /// Draw the results: page.html for the browser, and pictures as PNG
@@ -302,10 +304,10 @@ pub struct Sweep {
     /// Number of threads [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Make the runs with the packed FMU in this number of processes on this machine, with Dask
+    /// Number of processes on this machine in which Dask makes the runs with the packed FMU
     #[arg(long, value_name = "N", conflicts_with = "threads", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
-    /// Make the runs with the packed FMU on the workers of this Dask scheduler, such as tcp://10.0.0.1:8786
+    /// Address of a Dask scheduler whose workers make the runs with the packed FMU, such as tcp://10.0.0.1:8786
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["threads", "workers"])]
     pub scheduler: Option<String>,
 }
@@ -320,7 +322,7 @@ pub struct Optimise {
     /// study> in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Write all evaluations as evaluations.csv too
+    /// Also write all evaluations as evaluations.csv
     #[arg(long)]
     pub csv: bool,
     /// Draw the evaluations: page.html for the browser, and pictures as PNG
@@ -334,13 +336,14 @@ pub struct Optimise {
 /// Arguments of `demo`.
 #[derive(Args)]
 pub struct Demo {
-    /// Retract with the hydraulic actuator: two FMUs coupled by several schemes, compared with one FMU of both
+    /// Retract the landing gear with the hydraulic actuator: compare two FMUs, coupled by several schemes, with one FMU
+    /// that contains both models
     #[arg(long)]
     pub hydraulic: bool,
     /// Retract and extend a landing gear with door, locks and one hydraulic system: three FMUs of an SSP package
     #[arg(long, conflicts_with = "hydraulic")]
     pub system: bool,
-    /// Draw the mechanisms of docs/gallery as films, each a GIF next to its definition
+    /// Write a film of each mechanism in docs/gallery: a GIF file next to the definition
     #[arg(long, conflicts_with_all = ["hydraulic", "system"])]
     pub gallery: bool,
     /// Folder for the results [default: target/demo; with --gallery docs/gallery]
@@ -365,7 +368,7 @@ pub struct Chain {
     /// Number of four-bar linkages, at most 80
     #[arg(value_parser = clap::value_parser!(u32).range(1..=LONGEST_CHAIN))]
     pub count: u32,
-    /// File that ends in .json, or folder for resources/mechanism.json [default: standard output]
+    /// File whose name ends in .json, or folder in which resources/mechanism.json is written [default: standard output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
 }
@@ -381,7 +384,7 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Benchmark and its options, see below [default: run times]
+    /// Name and options of the benchmark; the names are listed below [default: run times]
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

@@ -19,40 +19,41 @@ pub struct Package {
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Library for another platform, built elsewhere from this version (win64=path/to.dll); can be given several times
+    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll); can
+    /// be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// How the description declares the names of variables: structured by dots, for importers that show a tree, or
-    /// flat, for importers without structure; the names are the same
+    /// Convention of the variable names in modelDescription.xml. `structured`: dots structure the names, for simulation
+    /// tools that show a tree. `flat`: dots have no meaning. The names are the same in both cases
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Pack only the platforms that can be built here, and list the others [default: a missing platform is an error]
+    /// Pack the platforms that this machine can build, and list the others [default: a missing platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Put the library for ARM into binaries/linux64, for importers that do not know aarch64-linux in FMI 2.0
+    /// Put the library for ARM into binaries/linux64, for simulation tools that do not know aarch64-linux in FMI 2.0
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
-    /// Oldest glibc on which the libraries for Linux must load, 2.17 or later; zig links them and is installed from
-    /// PyPI at the first use
+    /// Oldest glibc on which the libraries for Linux must load, 2.17 or later. The linker zig is installed from PyPI
+    /// when this option is used for the first time
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for hosts that link FMUs; can be given
+    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs; can be given
     /// several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
-    /// Leave out documentation/animation.html, the animation of the default run
+    /// Do not pack documentation/animation.html, the animation of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Leave out the tables of the mechanism: the FMU is smaller, but each instance has to compute them
+    /// Do not pack the tables of the mechanism: the FMU is smaller, but each instance has to compute these tables
     #[arg(long)]
     pub no_tables: bool,
-    /// Leave out the reference results of the default run
+    /// Do not pack the reference results of the default experiment
     #[arg(long)]
     pub no_results: bool,
 }
@@ -67,13 +68,13 @@ impl Package {
 /// Platforms that libraries are built for, by the names of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Platform {
-    /// Linux on Intel and AMD, in FMI 2.0 linux64
+    /// Linux on Intel and AMD; the name in FMI 2.0 is linux64
     #[value(name = "x86_64-linux", alias = "linux64")]
     X86Linux,
-    /// Windows on Intel and AMD, in FMI 2.0 win64
+    /// Windows on Intel and AMD; the name in FMI 2.0 is win64
     #[value(name = "x86_64-windows", alias = "win64")]
     X86Windows,
-    /// Linux on ARM with 64 bits, in FMI 2.0 aarch64-linux
+    /// Linux on ARM with 64 bits; the name in FMI 2.0 is aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
     /// macOS on Intel, in FMI 2.0 darwin64; zig links it
@@ -93,7 +94,7 @@ pub enum Fmi {
     /// FMI 3.0
     #[value(name = "3")]
     Three,
-    /// FMI 2.0 and FMI 3.0, one file each
+    /// FMI 2.0 and FMI 3.0, one file for each version
     #[default]
     Both,
 }
@@ -101,9 +102,9 @@ pub enum Fmi {
 /// Conventions of FMI for names of variables (FMI 2.0.5, 2.2.9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Naming {
-    /// Names without structure
+    /// Dots in the names have no meaning
     Flat,
-    /// Names structured by dots
+    /// Dots structure the names
     #[default]
     Structured,
 }
@@ -121,18 +122,19 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms whose libraries are put into the wheel; the program in the wheel is for this machine [default: this
-    /// machine]
+    /// Platforms of the libraries in the wheel, which the installed program packs into FMUs; the program itself is for
+    /// this machine [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Use only the platforms that can be built here, and list the others [default: a missing platform is an error]
+    /// Use the platforms that this machine can build, and list the others [default: a missing platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Library for another platform, built elsewhere from this version (win64=path/to.dll); can be given several times
+    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll); can
+    /// be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Oldest glibc on which the program and the libraries for Linux must run, 2.17 or later; zig links them [default:
-    /// the glibc of this machine]
+    /// Oldest glibc on which the program and the libraries for Linux must run, 2.17 or later; the linker is zig
+    /// [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel [default: target/dist in the repository]
@@ -146,17 +148,17 @@ pub struct Dist {
 /// Arguments of `test`.
 #[derive(Args, Default)]
 pub struct Test {
-    /// Only run the libraries for other platforms with Wine and QEMU, and compare the results with this machine
+    /// Run only the test of other platforms: Wine and QEMU run the libraries, and the results are compared with this
+    /// machine
     #[arg(long)]
     pub platforms: bool,
-    /// Library for a platform, built elsewhere, to test with --platforms (win64=path/to.dll); can be given several
-    /// times
+    /// Library for --platforms that was built on another machine (win64=path/to.dll); can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
     /// Write the result of --platforms to validation/results/platforms.md
     #[arg(long, requires = "platforms")]
     pub write: bool,
-    /// Only build the library in two folders, and compare the bytes
+    /// Run only this test: build the library in two folders, and compare the bytes
     #[arg(long, conflicts_with = "platforms")]
     pub reproducible: bool,
 }

@@ -29,7 +29,7 @@ const HAS: &str = "import sys, importlib.metadata as m; [m.version(name) for nam
 pub fn run(command: &mut Command, task: &str) -> Result<()> {
     let status = command.status().with_context(|| cannot_start(command, task))?;
     if !status.success() {
-        bail!("{task} failed ({status}); its own messages are above");
+        bail!("{task} failed ({status}); the messages above state the reason");
     }
     Ok(())
 }

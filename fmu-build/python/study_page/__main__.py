@@ -29,7 +29,7 @@ def main() -> None:
     arguments = parser.parse_args()
     results = Results.read(arguments.table, arguments.plan)
     if not results.responses:
-        sys.exit(f"{arguments.table}: no response has two different values in the runs that did not fail")
+        sys.exit(f"{arguments.table}: nothing can be drawn, because each response has one value in all runs")
     for name, canvas in pictures.all_of(results):
         canvas.savefig(arguments.out / f"{name}.png", dpi=110, metadata={"Software": None})
     if rows := list(results.rows_of_indices()):

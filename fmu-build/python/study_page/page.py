@@ -41,7 +41,7 @@ def html(results: Results) -> str:
         ("Distributions", distributions(results)),
         ("Response surfaces", response_surfaces(results)),
         ("Sobol's indices", sobol_indices(results)),
-        ("Way of the search", progress(results)),
+        ("Progress of the search", progress(results)),
     ]
     tabs = Tabs(tabs=[TabPanel(child=child, title=title) for title, child in panels if child is not None])
     name = results.plan["name"]

@@ -97,7 +97,7 @@ def distributions(results: Results) -> Figure:
         axes.hist(values, bins=bins(values), color=BLUE)
         for value, style in zip(np.quantile(values, (0.01, 0.5, 0.99)), (":", "-", ":"), strict=True):
             axes.axvline(value, color=ORANGE, linestyle=style, linewidth=1.2)
-        axes.set_title(f"mean {values.mean():.6g}, deviation {values.std():.3g}", fontsize=8)
+        axes.set_title(f"mean {values.mean():.6g}, standard deviation {values.std():.3g}", fontsize=8)
         labelled(axes, name, "runs", True, True)
     canvas.suptitle("Distributions, with quantiles 1 %, 50 %, 99 %")
     return canvas
@@ -139,7 +139,7 @@ def sobol_indices(results: Results) -> Figure | None:
         axes.set_title(f"{name}, {indices.points} points", fontsize=8)
         axes.tick_params(labelsize=7)
         axes.legend(fontsize=7)
-    canvas.suptitle("Sobol's indices with intervals of 95 %")
+    canvas.suptitle("Sobol indices with 95 % confidence intervals")
     return canvas
 
 
@@ -158,5 +158,5 @@ def progress(results: Results) -> Figure | None:
         axes.step(results.numbers[kept], best.accumulate(y[kept]), where="post", color=RED, label="best so far")
     axes.set(xlabel="evaluation", ylabel=name)
     axes.legend(fontsize=8)
-    canvas.suptitle("Way of the search")
+    canvas.suptitle("Progress of the search")
     return canvas

@@ -64,7 +64,7 @@ pub fn summary(checked: &Checked) -> String {
         }
     }
     if !checked.is_whole {
-        out.push_str("; names and numbers are checked after these corrections");
+        out.push_str("; correct these errors first, because names and numbers are checked only then");
     }
     if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
         let _ = write!(out, "; {}", fact.text.split(':').next().unwrap_or_default());

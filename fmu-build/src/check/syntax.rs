@@ -102,7 +102,7 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
         return Some(Fault::new(message, comma..comma + 1).written("."));
     }
     if let Some(open) = open_text(text) {
-        let message = "a text has no closing quote: add a quote \" at its end, on the same line";
+        let message = "a text has no closing quote: add a quote \" at the end of the text, on the same line";
         return Some(Fault::new(message, open));
     }
     let first = rest.chars().next();
@@ -139,7 +139,8 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
             Fault::new("a surplus or wrong closing bracket: remove or correct it", one).written("")
         }
         ParseErrorKind::MultipleRootJsonValues => Fault::new(
-            "the definition ends before this: remove the text that follows, or a surplus closing bracket before it",
+            "the definition ends before this place: remove the text after the end, or a surplus closing bracket before \
+             this place",
             one,
         )
         .blanked_to(text.len()),
@@ -165,12 +166,14 @@ fn missing(text: &str, kind: &ParseErrorKind, start: usize) -> Option<Fault> {
         ParseErrorKind::ExpectedComma => {
             // Of two brackets one may be missing here: a comma would put what follows in the wrong object.
             match open_brackets(text).is_empty() {
-                true => Some(Fault::new("a comma is missing before this: add it", place).preceded(text, ',')),
-                false => Some(Fault::new("a closing bracket is missing before this: add it, with a comma", place)),
+                true => Some(Fault::new("a comma is missing before this place: add it", place).preceded(text, ',')),
+                false => {
+                    Some(Fault::new("a closing bracket is missing before this place: add it, with a comma", place))
+                }
             }
         }
         ParseErrorKind::ExpectedColonAfterObjectKey => {
-            Some(Fault::new("a colon is missing before this: add it", place).preceded(text, ':'))
+            Some(Fault::new("a colon is missing before this place: add it", place).preceded(text, ':'))
         }
         _ => None,
     }
@@ -216,7 +219,7 @@ fn word(text: &str, at: usize) -> Option<Fault> {
             return Some(Fault::new(message, place).written(&bare));
         }
         "none" => {
-            let message = "JSON does not have this word: leave the key out if it has no value";
+            let message = "JSON does not have this word: leave the key out if the key has no value";
             return Some(Fault::new(message, place).written("0"));
         }
         _ => {}

@@ -130,7 +130,7 @@ fn keeps_its_promise(wheel: &Path) -> Result<()> {
             let functions = functions.join(", ");
             bail!(
                 "{name}: {entry} needs glibc {needed} (for {functions}), but the name of the wheel states \
-                 {promised}; build all its parts with --glibc {promised}"
+                 {promised}; build all parts of the wheel with --glibc {promised}"
             );
         }
     }

@@ -96,6 +96,6 @@ fn limit(stop: &Stop) -> String {
         (_, Some(position), _) => ("position", position, "m"),
         (.., length) => ("length", length.unwrap_or(f64::NAN), "m"),
     };
-    let state = if stop.enabled { "" } else { ", not enabled" };
+    let state = if stop.enabled { "" } else { ", switched off" };
     format!("{quantity} of {of} {side} {} {unit}{state}", number(value))
 }

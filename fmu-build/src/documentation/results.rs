@@ -87,21 +87,22 @@ impl Results {
     /// What there is to know of them.
     fn remarks(&self) -> String {
         format!(
-            "Reference results of {name}, after the layered standard FMI-LS-REF.\n\n\
-             {name}_out.csv contains every output over the default experiment: all parameters and inputs at their\n\
-             start values, steps of {interval} s, {rows}. The library in this FMU computed these results.\n\
-             On the same platform the same steps give identical results; on other platforms the rounding can differ.\n\
+            "Reference results of {name}, in the form of the layered standard FMI-LS-REF.\n\n\
+             {name}_out.csv contains every output over the default experiment, with {rows}.\n\
+             All parameters and inputs have their start values. The communication step is {interval} s.\n\
+             The library in this FMU computed these results. On the same platform the same communication steps give\n\
+             identical results. On other platforms the rounding can differ.\n\
              NaN marks an output without a value in the present state.\n{inputs}",
             name = self.name,
             interval = number(self.interval),
             rows = match self.stride {
                 1 => "one row per step".to_owned(),
-                stride => format!("one row per {stride} steps, and one for the end"),
+                stride => format!("one row per {stride} steps and one row for the end"),
             },
             inputs = match &self.inputs {
                 Some(_) => format!(
-                    "{}_in.csv contains the inputs, which are constant. A host that interpolates them can introduce \
-                     rounding.\n",
+                    "{}_in.csv contains the inputs, which are constant. A simulation tool that interpolates the inputs \
+                     can introduce rounding errors.\n",
                     self.name
                 ),
                 None => String::new(),
@@ -117,7 +118,8 @@ impl Results {
         let remarks = self.remarks();
         let (outputs, inputs) = (format!("{}_out.csv", self.name), format!("{}_in.csv", self.name));
         let above = |path: &str| format!("../../{path}");
-        let animation = is_animated.then(|| ("text/html", above(ANIMATION), "document", "The default run, animated"));
+        let animation =
+            is_animated.then(|| ("text/html", above(ANIMATION), "document", "Animation of the default run"));
         let of_inputs =
             self.inputs.as_ref().map(|_| ("text/csv", inputs.clone(), "other", "Inputs of the default experiment"));
         let related = [

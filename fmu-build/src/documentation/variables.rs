@@ -42,34 +42,34 @@ struct Row {
 /// Inputs, outputs, parameters and local variables, as far as there are any.
 pub fn tables(interface: &Interface) -> Vec<Table> {
     let kinds = [
-        ("inputs", "Inputs", "The host can set these variables between steps.", Causality::Input),
+        ("inputs", "Inputs", "A simulation tool can set these variables between two steps.", Causality::Input),
         (
             "outputs",
             "Outputs",
-            "Available at every communication point. An output without a value in the present state is NaN, with a \
-             warning. The last column lists the inputs that act without delay; in addition, every output can \
-             depend on the state.",
+            "A simulation tool can read these variables at every communication point. An output that has no value in \
+             the present state is NaN, and the FMU reports a warning. The last column lists the inputs that act on an \
+             output without delay. Every output can also depend on the state.",
             Causality::Output,
         ),
         (
             "parameters",
             "Parameters",
-            "The host can set these variables before the start. A value from the host replaces the value of the \
+            "A simulation tool can set these variables before the start. A value that is set replaces the value of the \
              definition.",
             Causality::Parameter,
         ),
         (
             "calculated",
             "Calculated parameters",
-            "These values follow from the parameters in the last column, by the expression at the end of the \
-             description.",
+            "These parameters are calculated from the parameters in the last column. The expression is at the end of \
+             each description.",
             Causality::CalculatedParameter,
         ),
         (
             "locals",
             "Local variables",
-            "Position and rotation of each body, for drawing: the origin in the mechanism frame, and the rotation \
-             matrix. These variables are computed only when they are read.",
+            "These variables are for drawing. They give the position and rotation of each body: the origin in the \
+             mechanism frame, and the rotation matrix. They are computed only when they are read.",
             Causality::Local,
         ),
     ];
@@ -153,7 +153,7 @@ fn dependencies(variable: &Variable, interface: &Interface, inputs: &[Reference]
         (count, left) if left < count => {
             // Dependencies ascend.
             let mut left_out = inputs.iter().copied().filter(|input| own.binary_search(input).is_err());
-            format!("every input but {}", named(&mut left_out, left))
+            format!("every input except {}", named(&mut left_out, left))
         }
         (count, _) => named(&mut own.iter().copied(), count),
     }

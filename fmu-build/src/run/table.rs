@@ -56,7 +56,7 @@ pub fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
             .enumerate()
             .map(|(k, name)| {
                 if names[..k].contains(name) {
-                    bail!("--output-variables: {name} occurs twice; remove one");
+                    bail!("--output-variables: {name} occurs twice; remove one of the two");
                 }
                 let reference = find(interface, name).context("--output-variables")?;
                 let variable = &interface.list()[reference as usize];

@@ -94,7 +94,7 @@ impl System<'_> {
                 );
             }
             if !ends.insert((to, &input.name)) {
-                bail!("{} has two connections; keep one", input.name);
+                bail!("{} has two connections; remove one of the two connections", input.name);
             }
         }
         for &(part, name) in self.open {

@@ -82,7 +82,7 @@ mod tests {
         let expected = |name: &str, members: &[&str]| {
             let mut lines = format!(
                 "<Terminal name=\"{name}\" matchingRule=\"bus\" terminalKind=\"_linkage_fmu_drive_{}\" \
-                 description=\"The drive {name}\">",
+                 description=\"Connection of the drive {name}: force, motion, reduced mass and load\">",
                 members[1]
             );
             for member in members {

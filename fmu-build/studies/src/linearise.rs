@@ -39,9 +39,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     print!("{}", named.in_words(&start));
     if is_held_by_friction(&start) {
         eprintln!(
-            "warning: static friction holds the mechanism here, so A21, A22 and B2 are zero; eigenfrequency, damping \
-             ratio and eigenvalues are those of the mechanism when it slides; set friction.enabled to false, or \
-             friction.law to viscous, for matrices that agree with them"
+            "warning: static friction holds the mechanism at this position, so A21, A22 and B2 are zero; \
+             eigenfrequency, damping ratio and eigenvalues are those of the mechanism when it slides; set \
+             friction.enabled to false, or friction.law to viscous, for matrices that agree with these values"
         );
     }
     if arguments.output_file.is_none() && arguments.plot.is_none() {
@@ -83,7 +83,7 @@ fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
         Some(name) => find(interface, name).context("--coordinate")?,
         None => match model.natural_coordinate() {
             Some(coordinate) => coordinate,
-            None => bail!("{} has no travel: only mechanisms can be linearised", model.name()),
+            None => bail!("{} is not a mechanism and has no travel: only mechanisms can be linearised", model.name()),
         },
     };
     let inputs = match arguments.inputs.as_slice() {

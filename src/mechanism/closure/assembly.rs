@@ -153,21 +153,27 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                 let message = match (body, linkage.joints.iter().find(|joint| joint.name == name)) {
                     (Some(_), _) => {
                         format!(
-                            "this body is fixed to the ground and does not turn: remove this key; the coordinates \
-                             are {all}"
+                            "this body is fixed to the ground and does not turn: remove this key; a guess is possible \
+                             for {all}"
                         )
                     }
                     (None, Some(joint)) if matches!(joint.freedom, Freedom::Coupling(_)) => {
-                        format!("is a coupling: guess the angles of its bodies instead; the coordinates are {all}")
+                        format!(
+                            "is a coupling, which has no guess: guess the angles of the coupled bodies instead; a \
+                             guess is possible for {all}"
+                        )
                     }
                     (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
-                        format!("is a revolute joint: guess the angles of bodies instead; the coordinates are {all}")
+                        format!(
+                            "is a revolute joint, which has no guess: guess the angles of bodies instead; a guess is \
+                             possible for {all}"
+                        )
                     }
                     (None, Some(_)) => format!(
-                        "its position follows from other prismatic joints between the same bodies: remove this key; \
-                         the coordinates are {all}"
+                        "the position of this joint follows from other prismatic joints between the same bodies: \
+                         remove this key; a guess is possible for {all}"
                     ),
-                    (None, None) => format!("is not a coordinate; the coordinates are {all}"),
+                    (None, None) => format!("there is no such body or prismatic joint; a guess is possible for {all}"),
                 };
                 return Err(AssemblyError::Guess { name: on_one_line(name), message });
             }

@@ -51,8 +51,8 @@ impl fmt::Display for AssemblyError {
             Self::Open { joint, gap, contradicts: true } => write!(
                 f,
                 "the loops do not close: {joint} stays open by {gap:.3e} m, because the lengths contradict other \
-                 joints between the same bodies; correct the lengths by this gap, with all digits (snap does not \
-                 help here), or remove a redundant joint"
+                 joints between the same bodies; correct the lengths by this gap and write them with all digits, or \
+                 remove a redundant joint (the key snap does not help here)"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
@@ -70,13 +70,16 @@ impl fmt::Display for AssemblyError {
                     Ordering::Less => ("is stretched almost flat, and can hardly move", ""),
                 };
                 let (between, remedy) = match is_slide {
-                    true => (format!("across the slide {side} its joints"), format!("bring the axis of {side} nearer")),
-                    false => (format!("its joints on {side}"), format!("shorten {side}")),
+                    true => (
+                        format!("across the slide {side} the joints of the loop"),
+                        format!("bring the axis of {side} nearer"),
+                    ),
+                    false => (format!("the joints of the loop on {side}"), format!("shorten {side}")),
                 };
                 write!(
                     f,
-                    "the loop of {joint} {what}: {between} are {length} m apart, and the other bodies reach over \
-                     {reach} m{only} ({}); {remedy}, or lengthen another body of the loop",
+                    "the loop of {joint} {what}: {between} are {length} m apart, and the other bodies together reach \
+                     over{only} {reach} m ({}); {remedy}, or lengthen another body of the loop",
                     listed.join(", ")
                 )
             }
@@ -91,8 +94,8 @@ impl fmt::Display for AssemblyError {
             ),
             Self::Crossing => write!(
                 f,
-                "two branches of motion cross at the guess: guess a position away from the crossing, on the \
-                 intended branch (start may still be the crossing)"
+                "two branches of motion cross at the guess: guess a position on the intended branch, away from the \
+                 crossing (the key start can still give the position of the crossing)"
             ),
         }
     }

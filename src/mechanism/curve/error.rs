@@ -53,8 +53,8 @@ impl fmt::Display for CurveError {
         match self {
             Self::Massless(position) => write!(
                 f,
-                "the reduced inertia vanishes at {position}: nothing with mass, or almost nothing, moves there; add \
-                 a mass or an inertia to a body that moves there"
+                "the reduced inertia is zero or almost zero at {position}, because no mass, or almost no mass, moves \
+                 there; add a mass or an inertia to a body that moves there"
             ),
             Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
@@ -64,42 +64,44 @@ impl fmt::Display for CurveError {
             ),
             Self::NearCrossing { position, miss: Some(miss), .. } => write!(
                 f,
-                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of \
-                 the size of the mechanism, so rounding decides; to continue straight there, write \"snap\": {:e} \
-                 or more; else change a length by at least 1e-5 of its value",
+                "two branches of motion almost cross at {position}: the lengths miss a crossing by {miss:.1e} of the \
+                 size of the mechanism, so rounding would decide how the motion continues; for a motion straight \
+                 through the crossing, write \"snap\": {:e} or more; otherwise change a length by at least 1e-5 of its \
+                 value",
                 cure(*miss)
             ),
             Self::Stuck { position, .. } => {
                 write!(
                     f,
-                    "the linkage cannot be followed past {position}: the motion ends or has a cusp there; change \
-                     the lengths"
+                    "the motion cannot be computed beyond {position}: the path of the mechanism ends or has a cusp \
+                     there; change the lengths"
                 )
             }
             Self::Unwound { position, revolutions } => write!(
                 f,
                 "an angle has made {revolutions:.1e} revolutions at {position}: the rounding of the angle, {:.0e} rad, \
                  is too large to keep the wheels of the couplings in mesh; use numbers of teeth with which all wheels \
-                 return to their start within 100 revolutions; such a motion has no limit",
+                 return to their start within 100 revolutions; with these numbers of teeth the revolutions are not \
+                 limited",
                 revolutions * TAU * f64::EPSILON
             ),
             Self::Outside(position) => {
                 write!(
                     f,
-                    "no travel is allowed from {position}: start at a position within the stops, or move the stops"
+                    "the stops allow no motion from {position}: start at a position within the stops, or move the stops"
                 )
             }
             Self::TooLong { panels } => {
                 write!(
                     f,
-                    "the motion is too long to be computed: it does not return to its start within {panels} \
-                    sections of its path; simplify the linkage"
+                    "the path of the motion is too long to be computed: after {panels} sections of the path the \
+                     mechanism is not back at its start; simplify the linkage"
                 )
             }
             Self::Inconsistent { joint, gap, position } => write!(
                 f,
-                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct its points so that it fits \
-                 everywhere, or remove it"
+                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct the points of this joint so \
+                 that the gap is zero in every position, or remove this joint"
             ),
         }
     }

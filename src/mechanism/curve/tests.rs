@@ -136,7 +136,7 @@ fn one_limit_is_met_from_both_sides_and_a_limit_out_of_reach_by_none() {
     }
     let free = within(0.8, &mut |crank| crank + 1.4).unwrap();
     assert!(matches!(free.ends, Ends::Closed(_)));
-    assert!(within(0.8, &mut |crank| 0.7 - crank).is_err_and(|e| e.to_string().contains("no travel")));
+    assert!(within(0.8, &mut |crank| 0.7 - crank).is_err_and(|e| e.to_string().contains("no motion")));
 }
 
 #[test]

@@ -7,11 +7,11 @@ keys! {
     /// A rigid body. Its frame has the origin at the point `origin`; the x axis passes through the point `end`, which
     /// lies at the distance `length`.
     pub struct Body {
-        /// Point (`body.point`) of another body. The origin of this body is rigidly fixed to that point.
+        /// Point (`body.point`) of another body. The origin of this body is rigidly fixed to the stated point.
         fixed_to: Option<String> => point();
-        /// Angle from the x axis of the other body to the x axis of this body [rad]. Only with `fixed_to`.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x \
-            axis").absent("0");
+        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. Only with `fixed_to`.
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x \
+            axis of the other body to the x axis").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass of the body [kg], >= 0.
@@ -29,7 +29,7 @@ keys! {
         /// it. Not with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
-        /// More points by name: coordinates [x, y] in the frame of the body [m].
+        /// Additional points by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
         /// The body as drawn in one position of the mechanism. Use it in place of `length`, `points` and `center`.
         drawn: Option<Drawn> => Key::PLAIN.brief();
@@ -37,7 +37,7 @@ keys! {
 
     /// A point whose position, velocity and acceleration are outputs.
     pub struct Marker {
-        /// The point (`body.point`).
+        /// Point (`body.point`) whose motion is an output.
         at: String => point().required();
     }
 
@@ -53,10 +53,12 @@ keys! {
         second: String => point().required();
         /// Prismatic joint only: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
-            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding").absent("0");
+            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding, as an angle in the frame \
+                of the first body,").absent("0");
         /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
         angle: Option<f64> =>
-            number(Radian, Range::Finite).parameter(Role::Geometry, "Angle between the bodies").absent("0");
+            number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
+                axis of the second body").absent("0");
         /// Revolute joint only: pin radius [m], >= 0. Without this key the joint has no friction.
         pin_radius: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin");
         /// Coefficient of static friction in this joint [1], >= 0. Without this key, the value in `friction` applies.
@@ -75,21 +77,24 @@ keys! {
         /// Whether the joints have friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "Whether the joints have friction").absent("false");
-        /// Friction law below `static_speed`. `viscous`: in proportion to the slip speed. `stick`: Coulomb's law, which
-        /// holds the mechanism at rest.
+        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
+        /// the mechanism at rest. `stick`: Coulomb's law, with which friction holds the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
-        /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` at least the kinetic coefficient.
+        /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` this coefficient must be at least as
+        /// large as the kinetic coefficient.
         static_coefficient: f64 => number(One, Range::NonNegative)
-            .parameter(Role::Law, "Coefficient of static friction").required();
+            .parameter(Role::Law, "Coefficient of static friction of joints that state no other value").required();
         /// Coefficient of kinetic friction mu_d [1], >= 0.
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
-            .parameter(Role::Law, "Coefficient of kinetic friction").required();
-        /// Slip speed V_S at which the coefficient is the static one [m/s], > 0 (with the law `stick` >= 0).
+            .parameter(Role::Law, "Coefficient of kinetic friction of joints that state no other value").required();
+        /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], > 0 (with the law
+        /// `stick` >= 0).
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
-            .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static one");
-        /// Slip speed V_d from which the coefficient is the kinetic one [m/s], > V_S (with the law `stick` >= 0).
+            .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static coefficient");
+        /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], > V_S (with the law
+        /// `stick` >= 0).
         kinetic_speed: f64 = 1.0 => number(MetrePerSecond, Range::NonNegative)
-            .parameter(Role::Load, "Slip speed from which the coefficient of friction is the kinetic one");
+            .parameter(Role::Load, "Slip speed above which the coefficient of friction is the kinetic coefficient");
     }
 }
 
@@ -133,7 +138,7 @@ impl Body {
         for (point, coordinates) in self.points.iter_mut() {
             for ((axis, index), value) in AXES.into_iter().zip(coordinates) {
                 let key = ["bodies.", name, ".points.", point, index];
-                let description = ["Point ", point, ", ", axis, ", of ", name];
+                let description = ["Point ", point, ", ", axis, " coordinate, of ", name];
                 let kind = (Metre, Range::Coordinate, Role::Geometry);
                 visit(Parameter::new([name, ".", point, "_", axis], key, description, kind), value);
             }

@@ -21,8 +21,9 @@ keys! {
         /// Cam angle over which the segment extends [rad], > 0. In the last segment this key may be absent: the segment
         /// then fills the rest of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
-        /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A dwell
-        /// has no rise. In the last segment this key may be absent: the lift then returns to 0.
+        /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A
+        /// segment with the law `dwell` has no rise. In the last segment this key may be absent: the lift then returns
+        /// to 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }
@@ -88,18 +89,19 @@ impl Coupling {
             (Some(_), Some(_)) => {
                 return refused(
                     at("second"),
-                    "the follower slides in a joint already: remove second, or remove joint for a follower that turns",
+                    "the follower already slides in a joint: remove the key second, or remove the key joint for a \
+                     follower that turns",
                 );
             }
             (None, None) => {
-                let message = "the follower has no motion: add joint for a follower that slides, or second for a \
-                               follower that turns about this centre";
+                let message = "the follower has no motion: add the key joint for a follower that slides, or the key \
+                               second (the centre of rotation) for a follower that turns";
                 return refused(key.to_owned(), message);
             }
             (Some(_), None) if self.carrier.is_some() => {
                 return refused(
                     at("carrier"),
-                    "the joint of the follower defines the carrier of the cam: remove carrier",
+                    "the joint of the follower defines the carrier of the cam: remove the key carrier",
                 );
             }
             _ => {}
@@ -154,7 +156,7 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
                 );
                 return refused(at("angle"), message);
             }
-            None => return refused(at("angle"), "is missing: only the last segment may leave out its angle"),
+            None => return refused(at("angle"), "is missing: only the last segment may be without an angle"),
         };
         let distance = match (law, segment.rise) {
             (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove rise, or choose another law"),
@@ -164,7 +166,7 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
                 rise
             }
             (Some(_), None) if k == last => -lift,
-            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment may leave out its rise"),
+            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment may be without a rise"),
         };
         angle += length;
         lift += distance;
@@ -173,8 +175,8 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
     }
     if (angle - TAU).abs() > CLOSE * TAU {
         let message = format!(
-            "the angles add up to {} rad instead of {} rad (2 pi): correct them, or leave out the angle of the last \
-             segment",
+            "the angles add up to {} rad instead of {} rad (2 pi): correct the angles, or leave out the angle of the \
+             last segment",
             Decimal::rounded(angle),
             Decimal::rounded(TAU)
         );
@@ -182,8 +184,8 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
     }
     if lift.abs() > CLOSE * largest {
         let message = format!(
-            "the rises add up to {} {} instead of 0, so the lift does not return: correct them, or leave out the \
-             rise of the last segment",
+            "the rises add up to {} {} instead of 0, so the lift does not return to its start: correct the rises, or \
+             leave out the rise of the last segment",
             Decimal::rounded(lift),
             unit.name()
         );

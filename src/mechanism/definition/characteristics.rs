@@ -34,7 +34,7 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
     }
     match monotone(points) {
         Some(function) => Ok(function),
-        None => refused(key, "two points are so close that the slope between them is infinite: remove one"),
+        None => refused(key, "two points are so close that the slope between them is infinite: remove one point"),
     }
 }
 
@@ -44,14 +44,15 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
         if is_rotary {
             return refused(
                 format_args!("{key}.gas"),
-                "a gas spring acts along a line: give first and second, or a prismatic joint",
+                "a gas spring acts along a line: give the keys first and second, or a prismatic joint",
             );
         }
         if spring.points.is_some() {
-            return refused(format_args!("{key}.gas"), "a spring has points or a gas, not both: define two springs");
+            let message = "a spring has either the key points or the key gas: define two springs";
+            return refused(format_args!("{key}.gas"), message);
         }
         if spring.free_length.is_none() {
-            return refused(key, "the gas volume refers to the free length: add free_length");
+            return refused(key, "the gas volume is the volume at the free length: add the key free_length");
         }
     }
     let Some(points) = &spring.points else { return Ok(()) };
@@ -95,7 +96,7 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
         return match drive.command {
             Some(_) => refused(
                 format_args!("{key}.command"),
-                "scales a curve, but there are no points: add points [speed, force]",
+                "scales the force-speed curve, but this drive has no curve: add points [speed, force]",
             ),
             None => Ok(()),
         };
@@ -103,12 +104,12 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
     if drive.hydraulics.is_some() {
         return refused(
             format_args!("{key}.points"),
-            "the hydraulic circuit gives the force: remove points or hydraulics",
+            "the hydraulic circuit defines the force of this drive: remove the key points or the key hydraulics",
         );
     }
     if drive.motion.is_some() {
-        let message = "the motion prescribes the speed, and the force follows from the motion: remove points or \
-                       motion";
+        let message = "the key motion prescribes the speed of this drive, so a force-speed curve is not allowed: \
+                       remove the key points or the key motion";
         return refused(format_args!("{key}.points"), message);
     }
     function(&format!("{key}.points"), points, "speed").map(drop)
@@ -120,7 +121,7 @@ pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
     let key = format!("{key}.points");
     function(&key, points, "depth")?;
     if points[0] != [0.0, 0.0] {
-        return refused(format_args!("{key}[0]"), "a bumper has no force at the contact: start with [0, 0]");
+        return refused(format_args!("{key}[0]"), "the force of a bumper is 0 at the first contact: start with [0, 0]");
     }
     match points.windows(2).position(|pair| pair[1][1] < pair[0][1]) {
         Some(i) => {

@@ -17,37 +17,39 @@ keys! {
         first: Option<String> => point();
         /// Second of the two points (`body.point`).
         second: Option<String> => point();
-        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the stated value. `upper`: it
-        /// cannot rise above.
+        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the stated value. `upper`: the
+        /// angle, position or distance cannot rise above the stated value.
         limit: Limit => Key::PLAIN.required();
-        /// Angle at the stop [rad]: of the body, or in a revolute joint of the second body relative to the first.
+        /// Angle at the stop [rad]: angle of the body, or angle of the second body of a revolute joint relative to the
+        /// first body.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
         /// Position of the prismatic joint at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
-        length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance of the two points at \
-            the stop @");
+        length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
+            points at the stop @");
         /// Whether the mechanism has this stop (false: the stop is ignored).
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether the stop @ is enabled");
-        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. Must
-        /// be given together with `stiffness`, `damping` or `points`.
+        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. If
+        /// the stop has `stiffness`, `damping` or `points`, this key must be given too.
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "Whether the stop @ is rigid; false: a bumper, which is a spring and damper that \
                 only pushes").absent("true");
-        /// Rigid stop only: speed after an impact divided by the speed before [1], 0 to 1.
+        /// Rigid stop only: speed after an impact divided by the speed before the impact [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
-            by the speed before");
-        /// Bumper only: stiffness [N/m or N.m/rad], >= 0.
+            by the speed before the impact");
+        /// Bumper only: stiffness of the bumper [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Law, "Stiffness of the stop @ as a bumper");
-        /// Bumper only: damping [N.s/m or N.m.s/rad], >= 0.
+        /// Bumper only: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping of the stop @ as a bumper");
         /// Bumper only: additional force as a curve over the compression. Pairs of compression and force [m or rad, N
         /// or N.m]. The first pair is [0, 0], and the force never falls. Beyond the last pair the curve continues as a
         /// straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the Boolean output that is true at this stop. Default: `<name>.reached`.
+        /// Name of the Boolean output that is true if the mechanism is at this stop or beyond. Default:
+        /// `<name>.reached`.
         flag: Option<String> => element();
     }
 
@@ -58,7 +60,7 @@ keys! {
         stop: String => element().required();
         /// Point (`body.point`) on which the lock's force acts.
         at: String => point().required();
-        /// Start value of the input `<name>.engage`.
+        /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;
     }
 }
@@ -66,9 +68,9 @@ keys! {
 words! {
     /// Side of a stop.
     pub enum Limit {
-        /// The value cannot fall below.
+        /// The angle, position or distance cannot fall below the stated value.
         Lower = "lower",
-        /// The value cannot rise above.
+        /// The angle, position or distance cannot rise above the stated value.
         Upper = "upper",
     }
 }

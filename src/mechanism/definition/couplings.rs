@@ -18,7 +18,8 @@ keys! {
     /// rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
-        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower.
+        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. `screw`
+        /// is rejected: use the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects this point to the carrier.
         first: String => point().required();
@@ -35,11 +36,11 @@ keys! {
         /// Elliptic gears: number of lobes of each wheel [1], a whole number. 1: an ellipse that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
-        /// Elliptic gears: direction from the centre of the first wheel to the nearest vertex of its pitch curve, as an
-        /// angle in the frame of the wheel [rad].
+        /// Elliptic gears: direction from the centre of the first wheel to the vertex of its pitch curve that is
+        /// nearest to this centre, as an angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the nearest vertex of the first pitch \
-                curve").absent("0");
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
+                to the nearest vertex of its pitch curve, in the frame of the wheel").absent("0");
         /// Cam: shape of the follower.
         follower: Option<Follower>;
         /// Cam: point of the follower (`body.point`): the centre of the roller, or a point on the flat face.
@@ -49,23 +50,26 @@ keys! {
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam: direction of the flat face, as an angle in the frame of the follower [rad]. Default: perpendicular to
-        /// the sliding direction; for an oscillating follower along its x axis.
-        face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face");
-        /// Cam: angle u1 at which the first segment starts, or at which the table has the angle 0 [rad].
+        /// Cam: direction of the flat face, as an angle in the frame of the follower [rad]. Default for a translating
+        /// follower: perpendicular to the direction of sliding. Default for an oscillating follower: along the x axis
+        /// of the follower.
+        face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face \
+            of the follower, in the frame of the follower,");
+        /// Cam: angle u1 at which the first segment starts, or at which the table `points` has the angle 0 [rad].
         start_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of the cam @ at which the lift \
-                starts").absent("0");
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of the cam @ at which the \
+                first segment or the table of the lift starts").absent("0");
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution as pairs of angle and lift [rad, m or rad], in place of `segments`. The angles
         /// ascend.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
-        /// Cam: kind of the curve through the points.
+        /// Cam: kind of the curve through `points`.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
-        /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of the two numbers matters.
+        /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of `first_teeth` to `second_teeth`
+        /// matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Number of teeth of the \
             first wheel");
         /// Gears: number of teeth of the second wheel [1], > 0.
@@ -83,14 +87,17 @@ keys! {
         crossed: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: tension of each span at rest without load [N], >= 0.
         pretension: Option<f64> =>
-            number(Newton, Range::NonNegative).parameter(Role::Load, "Tension of each span without load").absent("0");
+            number(Newton, Range::NonNegative)
+                .parameter(Role::Load, "Tension of each span at rest without load").absent("0");
         /// Rack: pitch radius of the wheel [m], > 0.
         radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Pitch radius of the wheel");
         /// Rack: side of the wheel centre on which the rack lies, looking in the direction of the joint axis.
         side: Option<Side> => Key::PLAIN.absent("\"right\"");
         /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2. Default: 20 degrees.
-        pressure_angle: Option<f64> => number(Radian, Range::Pressure).parameter(Role::Load, "Pressure angle");
-        /// u2 at u1 = 0 [m or rad], in m for a rack. Default: from the guess. Not for a cam.
+        pressure_angle: Option<f64> => number(Radian, Range::Pressure)
+            .parameter(Role::Load, "Pressure angle of the teeth");
+        /// Value of the motion u2 at u1 = 0 [m or rad], in m for a rack. Default: the value that follows from the
+        /// guess. Not for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency [1], > 0 and <= 1, in both directions of power flow. Default: no loss.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");

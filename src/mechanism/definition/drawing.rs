@@ -34,16 +34,16 @@ keys! {
     /// The body as drawn in one position of the mechanism, in the mechanism frame. Lengths, points in the frame of the
     /// body, and the guess follow from the drawing.
     pub struct Drawn {
-        /// The point `origin` [m].
+        /// Coordinates of the point `origin` [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
-        /// The point `end` [m]. The x axis of the body points from `origin` to `end`; the distance is the length of the
-        /// body.
+        /// Coordinates of the point `end` [m]. The x axis of the body points from `origin` to `end`. The distance
+        /// between the two points is the length of the body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
         /// Angle from the X axis to the x axis of the body [rad]. Not with `end`.
         angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
-        /// More points by name [m].
+        /// Coordinates of additional points by name [m].
         points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Centre of mass [m].
+        /// Coordinates of the centre of mass [m].
         center: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
     }
 }
@@ -205,14 +205,18 @@ impl Mechanism {
             // A name that there is not is reported by the checks.
             let Ok((_, local)) = self.point(&key, to) else { continue };
             let Some(&(of, own)) = frames.get(carrier) else {
-                let message = format!("{name} is drawn, so {carrier} must be drawn too: add bodies.{carrier}.drawn");
+                let message = format!(
+                    "{name} has the key drawn, so the body {carrier}, which carries {name}, needs this key too: add \
+                     bodies.{carrier}.drawn"
+                );
                 faults.keep::<()>(Err(DefinitionError::key(key, message)));
                 continue;
             };
             let off = (of + turned(Vec2::from(local), own) - origin).norm();
             if off > ROUNDING * size {
                 let message = format!(
-                    "the origin of {name} is drawn {} m away from {to}; correct one of the two",
+                    "the drawn origin of {name} is {} m away from {to}, but must be at this point; correct one of the \
+                     two positions",
                     Decimal::rounded(off)
                 );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("bodies.{name}.drawn.origin"), message)));
@@ -371,7 +375,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
                     let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
                     let allowed = format!(
-                        "the length in the drawing, as {message}: remove this length, or correct one of the two"
+                        "the length in the drawing, because {message}: remove this length, or correct the length or \
+                         the drawn points"
                     );
                     let (key, stated) = (format!("bodies.{name}.length"), Decimal::rounded(stated));
                     return Err(DefinitionError::value(key, format_args!("{stated} m"), allowed));

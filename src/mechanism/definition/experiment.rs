@@ -7,13 +7,13 @@ keys! {
     pub struct Start or (Short::Word("equilibrium")) {
         /// Body whose angle states the start.
         body: Option<String> => element();
-        /// Angle of this body at the start [rad], -1e6 to 1e6.
+        /// Angle of the body in `body` at the start [rad], -1e6 to 1e6.
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
         /// Prismatic joint whose position states the start.
         joint: Option<String> => element();
-        /// Position of this joint at the start [m].
+        /// Position of the joint in `joint` at the start [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
-        /// Speed of the joint or the body at the start [m/s or rad/s].
+        /// Speed of the stated body or joint at the start [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
         /// true: the run starts at the stable equilibrium nearest to the stated position, under the loads at the start.
         equilibrium: bool => Key::PLAIN.brief();
@@ -24,8 +24,9 @@ keys! {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the integration").required();
-        /// Smallest speed that the relative tolerance refers to [1], > 0 and <= 1. The unit is the speed that the
-        /// present loads would give the mechanism over a motion of 1 rad. Small values make slow creep accurate.
+        /// Smallest speed to which the relative tolerance refers [1], > 0 and <= 1. The key is a fraction of the speed
+        /// that the present loads would give the mechanism over a motion of 1 rad. Small values make slow creep
+        /// accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
@@ -37,17 +38,17 @@ keys! {
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
         /// Formulation of the motion; start value of the variable `solver.method`. `reduced`: rigid bodies.
         /// `rigid_fem`: links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key
-        /// the formulation is `reduced` and the FMU has no such variable.
+        /// the formulation is `reduced` and the FMU does not have the variable `solver.method`.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
         /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5. Only with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
-            .parameter(Role::Step, "Largest step of the rigid finite elements");
+            .parameter(Role::Step, "Largest step of Newmark's method (rigid_fem)");
         /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables.
         /// false: each evaluation solves the loop equations, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
-            "Whether the equation of motion is read from tables; false: each step solves the loop equations, which is \
-             slower",
+            "true: the equation of motion is evaluated from tables; false: each evaluation solves the loop equations, \
+             which is slower",
         );
     }
 }
@@ -79,7 +80,7 @@ impl Start {
             };
         let mut add = |quantity, kind, value| {
             let word = match (self.equilibrium, quantity) {
-                (true, "angle" | "position") => "Start at the nearest stable equilibrium, searched from ",
+                (true, "angle" | "position") => "Position from which the stable equilibrium at the start is searched: ",
                 _ => "Start ",
             };
             let description = [word, quantity, " of ", of];

@@ -104,7 +104,7 @@ fn warn_of_table(
         Decimal(low),
         Decimal(high)
     );
-    let remedy = "add points there (three equal values for a rest), or write \"interpolation\": \"monotone\"";
+    let remedy = "add points in this range (three equal values for a dwell), or write \"interpolation\": \"monotone\"";
     all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
 }
 
@@ -124,8 +124,8 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {} {of}: at this spacing the rounding causes up to about {part:.0} % of the \
-             acceleration",
+            "have values in steps of {} {of}: at this spacing of the points, rounding causes up to about {part:.0} % \
+             of the acceleration",
             Decimal(unit)
         );
         let remedy = "give more digits, or fewer points";

@@ -12,8 +12,8 @@ use crate::variables::Unit::{
 use std::f64::consts::TAU;
 
 keys! {
-    /// Uniform gravity. Every mass has the weight m * load_factor * acceleration, against the upward direction
-    /// `up_angle`. The load factor is the input `load_factor`.
+    /// Uniform gravity. The weight of a mass m is m * load_factor * acceleration. This weight acts against the upward
+    /// direction `up_angle`. The load factor is the input `load_factor`.
     pub struct Gravity {
         /// Acceleration of free fall [m/s2], >= 0.
         acceleration: f64 => number(MetrePerSecondSquared, Range::Size)
@@ -21,7 +21,7 @@ keys! {
         /// Upward direction, as an angle from the X axis [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, angle from the X axis").required();
-        /// Start value of the input `load_factor` [1].
+        /// Start value of the input `load_factor` [1], the factor by which all weights are multiplied.
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
@@ -51,32 +51,32 @@ keys! {
         /// Screw between a motor and the line of the drive. The input is then the motor torque. Not in a revolute
         /// joint.
         screw: Option<Screw> => Key::PLAIN.brief();
-        /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive has a circuit;
-        /// not in a revolute joint.
+        /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive can have a
+        /// circuit. A drive in a revolute joint cannot have a circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
-        /// Prescribed motion of the drive. The drive force is then an output. At most one drive has a prescribed
-        /// motion; not with `hydraulics`.
+        /// Prescribed motion of the drive. The drive force is then an output. At most one drive can have a prescribed
+        /// motion. Not with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
     /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke changes by lead *
     /// phi / (2 pi).
     pub struct Screw: Copy {
-        /// Stroke for one revolution [m], > 0.
+        /// Lead: stroke for one revolution of the screw [m], > 0.
         lead: f64 => number(Metre, Range::Length).parameter(Role::Geometry, "Lead of the screw").required();
         /// Moment of inertia of screw and motor about the screw axis [kg.m2], >= 0.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
-            .parameter(Role::Geometry, "Moment of inertia of the screw").absent("0");
+            .parameter(Role::Geometry, "Moment of inertia of screw and motor").absent("0");
     }
 
     /// A force at a point, in the mechanism frame.
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components [N]: start values of `<name>.force_x` and `<name>.force_y`. With `constant` they are parameters,
-        /// otherwise inputs.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. With
+        /// `constant` these variables are parameters, otherwise inputs.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
-        /// true: the components are parameters. false: they are inputs.
+        /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
     }
 
@@ -84,9 +84,10 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of `<name>.torque` [N.m]. With `constant` it is a parameter, otherwise an input.
+        /// Start value of the variable `<name>.torque` [N.m]. With `constant` this variable is a parameter, otherwise
+        /// an input.
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
-        /// true: the torque is a parameter. false: it is an input.
+        /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
     }
 
@@ -107,12 +108,14 @@ keys! {
             .parameter(Role::Load, "Stiffness");
         /// Damping coefficient of the linear damper [N.s/m or N.m.s/rad], >= 0.
         damping: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
-            .parameter(Role::Load, "Damping").absent("0");
-        /// Length at which the spring force is the preload [m]. Between two points >= 0.
+            .parameter(Role::Load, "Damping coefficient").absent("0");
+        /// Length at which the force of the linear spring equals `preload` [m]. For a spring between two points
+        /// `free_length` must be >= 0.
         free_length: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Free length").absent("0");
-        /// Angle at which the spring torque is the preload [rad]. Only in a revolute joint.
+        /// Angle at which the torque of the linear spring equals `preload` [rad]. Only in a revolute joint.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
-        /// Pulling force or torque at the free length or angle [N or N.m].
+        /// Force or torque of the linear spring at the free length or free angle [N or N.m]. A positive value pulls the
+        /// ends together or turns the second body clockwise.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
         /// Additional pulling force as a curve over the length, position or angle. Pairs of length and force [m or rad,
@@ -123,14 +126,14 @@ keys! {
         /// sign of its speed. Beyond the first and the last pair the curve continues as a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Gas filling of a gas spring. Between two points or in a prismatic joint.
+        /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.
         gas: Option<Gas>;
     }
 
     /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length), the gas pressure p =
     /// pressure * (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
     pub struct Gas: Copy {
-        /// Absolute pressure at the free length [Pa], > 0.
+        /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
         /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston this is the cross section of the
@@ -156,10 +159,11 @@ keys! {
         /// Direction in which the air flows, as an angle from the X axis [rad].
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, angle from the X axis").required();
-        /// true: drag depends on the air velocity relative to the moving surface. false: on the airspeed alone.
+        /// true: drag depends on the air velocity relative to the moving surface. false: drag depends on the airspeed
+        /// only.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
-            "Whether drag depends on the air velocity relative to the moving surface; false: on the airspeed alone",
+            "true: drag depends on the air velocity relative to the moving surface; false: on the airspeed only",
         );
         /// Start value of the input `airspeed` [m/s].
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
@@ -174,16 +178,18 @@ keys! {
         /// Point (`body.point`) at the second end of a strip, on the same body.
         to: Option<String> => point();
         /// Width of a strip [m], >= 0.
-        width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface");
+        width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
         /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
-        /// Area of the surface [m2], >= 0.
-        area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area");
+        /// Area of a surface with the key `at` [m2], >= 0.
+        area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without this key, the
         /// area is the same from all sides.
-        surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle of the flat area");
+        surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
+            the surface @, as an angle in the frame of the body");
         /// Drag coefficient c [1], >= 0.
-        drag_coefficient: f64 => number(One, Range::NonNegative).parameter(Role::Law, "Drag coefficient").required();
+        drag_coefficient: f64 => number(One, Range::NonNegative)
+            .parameter(Role::Law, "Drag coefficient of the surface @").required();
     }
 }
 

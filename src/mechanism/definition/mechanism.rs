@@ -22,11 +22,11 @@ pub const SNAP: f64 = 1e-6;
 keys! {
     /// A planar linkage with one degree of freedom. Numbers are in SI units, angles in rad, positive anticlockwise.
     pub struct Mechanism {
-        /// Path of the schema, for completion in an editor. The FMU does not read it.
+        /// Path of the JSON schema, with which an editor completes keys. The FMU does not use this key.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
-        /// Description, one line of text.
+        /// Description of the model, one line of text.
         description: String => line();
         /// Author, copyright and licence of the model, for the description of the FMU.
         about: About => Key::PLAIN.brief();
@@ -50,8 +50,8 @@ keys! {
         joints: Named<Joint> => Key::PLAIN.required();
         /// Gears, racks, belts and cams by name.
         couplings: Named<Coupling> => Key::PLAIN.brief();
-        /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs of the mechanism
-        /// reduced to the drive.
+        /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs such as its length,
+        /// its speed and the mass of the mechanism reduced to the drive.
         actuators: Named<Actuator>;
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;
@@ -67,7 +67,7 @@ keys! {
         air: Option<Air>;
         /// Surfaces with drag, by name. Only with `air`.
         surfaces: Named<Surface>;
-        /// Stops by name: the ends of the travel.
+        /// Stops by name. A stop limits the travel of the mechanism.
         stops: Named<Stop>;
         /// Locks by name: each holds the mechanism at a stop while the input `<name>.engage` is true.
         locks: Named<Lock>;
@@ -128,11 +128,11 @@ impl Mechanism {
             groups.into_iter().filter(|(_, has)| *has).map(|(group, _)| format!("{group}.{name}")).collect();
         match owners.as_slice() {
             [first, second, ..] => {
-                let message = format!("{first} and {second} both have the variable {variable}: rename one");
+                let message = format!("{first} and {second} both have the variable {variable}: rename one element");
                 DefinitionError::key(second, message)
             }
             [one] => DefinitionError::key(one, format!("another element also has the variable {variable}: rename one")),
-            [] => DefinitionError::key(variable, "two elements have a variable of this name: rename one"),
+            [] => DefinitionError::key(variable, "two elements have a variable of this name: rename one element"),
         }
     }
 

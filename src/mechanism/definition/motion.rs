@@ -14,8 +14,8 @@ keys! {
     /// Prescribed motion of a drive, either by the inputs `<name>.motion.position`, `.speed` and `.acceleration` or by
     /// a profile over time.
     pub struct PrescribedMotion {
-        /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the drive force
-        /// acts.
+        /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the input force or
+        /// torque of the drive acts.
         enabled: bool = true;
         /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. Only
         /// without a profile.
@@ -25,21 +25,22 @@ keys! {
         /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
         /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
-            .parameter(Role::Load, "Time at rest before the motion starts").absent("0");
+            .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
         /// Duration of the profile [s], > 0. Not for a trapezoid or a table, whose duration follows from the other
         /// keys.
-        duration: Option<f64> => number(Second, Range::Positive).parameter(Role::Load, "Duration of the motion");
+        duration: Option<f64> => number(Second, Range::Positive)
+            .parameter(Role::Load, "Duration of the prescribed motion");
         /// Distance of the motion, of either sign [m or rad], from the position at which the motion is first
         /// prescribed.
         distance: Option<f64> =>
-            either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the motion");
+            either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
         /// Largest speed of a trapezoid [m/s or rad/s], > 0.
         speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Positive)
-            .parameter(Role::Load, "Largest speed of the motion");
+            .parameter(Role::Load, "Largest speed of the prescribed motion");
         /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
-            .parameter(Role::Load, "Acceleration and deceleration of the motion");
-        /// Table of the motion: pairs of time and distance [s, m or rad], times ascending.
+            .parameter(Role::Load, "Acceleration and deceleration of the prescribed motion");
+        /// Only for the profile `table`: pairs of time and distance [s, m or rad], times ascending.
         points: Option<Vec<[f64; 2]>> => curve([Second; 2], [Metre, Radian], Range::Finite);
         /// Kind of the curve through the points of a table.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
@@ -122,19 +123,21 @@ impl Mechanism {
         let key = format!("actuators.{name}.motion");
         if let Some((_, other, _)) = self.hydraulic_drive() {
             let message = format!(
-                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove one of the two"
+                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit or \
+                 this motion"
             );
             faults.keep::<()>(refused(&key, message));
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
             let message = format!(
-                "{other} already has a prescribed motion, which moves the whole mechanism: remove one of the two"
+                "{other} already has a prescribed motion, which moves the whole mechanism: remove one of the two \
+                 motions"
             );
             faults.keep::<()>(refused(&key, message));
         }
         if self.start.equilibrium && motion.enabled {
-            let message = "the prescribed motion holds the mechanism at any position: give a start position, or \
-                           write \"enabled\": false";
+            let message = "with a prescribed motion every position is an equilibrium: give a start position, or write \
+                           \"enabled\": false";
             faults.keep::<()>(refused(&key, message));
         }
         motion.check(&key, faults);

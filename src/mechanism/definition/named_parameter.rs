@@ -23,13 +23,13 @@ keys! {
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
-        /// Contents of the file. Written by `package` into the definition inside an FMU.
+        /// Contents of the file. The command `package` writes this key into the definition inside an FMU.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
     /// The contents of a file of shared parameters.
     pub struct SharedContents {
-        /// Path of the schema, for completion in an editor. The FMU does not read it.
+        /// Path of the JSON schema, with which an editor completes keys. The FMU does not use this key.
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;
@@ -56,8 +56,8 @@ impl Shared {
             None => Err(DefinitionError::value(
                 "parameters_from",
                 format_args!("\"{}\"", self.file),
-                "the file of shared parameters was not read: pass the path of the definition to `cargo fmu`, which \
-                 packs this file into the FMU",
+                "the file of shared parameters was not read, because the path of the definition is unknown: pass this \
+                 path to `cargo fmu`, which also packs the file of shared parameters into the FMU",
             )),
         }
     }

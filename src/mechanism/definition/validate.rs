@@ -75,7 +75,7 @@ impl Mechanism {
 
     fn check_bodies(&self, faults: &mut Faults) {
         if self.bodies.get(GROUND).is_none() {
-            faults.keep::<()>(refused("bodies", "the body `ground`, which does not move, is missing: add it"));
+            faults.keep::<()>(refused("bodies", "the body `ground`, which does not move, is missing: add this body"));
         }
         let before = faults.len();
         for (name, body) in self.bodies.iter() {
@@ -104,11 +104,12 @@ impl Mechanism {
         }
         if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
             let other = to.split('.').next().unwrap_or_default();
-            let message = "give the axial stiffness of the body that carries this one";
-            return refused("axial_stiffness", &format!("{name} is part of {other}: {message}"));
+            let message = format!("{name} is fixed to {other}: give the axial stiffness of {other} instead");
+            return refused("axial_stiffness", &message);
         }
         if body.angle.is_some() && body.fixed_to.is_none() {
-            return refused("angle", "needs fixed_to; the angle of a moving body belongs in guess");
+            let message = "only a body with the key fixed_to has an angle: give the angle of a moving body in guess";
+            return refused("angle", message);
         }
         if body.shape.is_some() && body.length.is_none() {
             return refused("shape", "a uniform_rod needs a length");
@@ -175,7 +176,7 @@ impl Mechanism {
             if a.screw.is_some() {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
                 if is_rotary {
-                    refuse("a screw drives along a line: give first and second, or a prismatic joint");
+                    refuse("a screw drives along a line: give the keys first and second, or a prismatic joint");
                 }
                 if a.hydraulics.is_some() {
                     refuse("a hydraulic circuit already drives this actuator: remove screw or hydraulics");
@@ -191,17 +192,18 @@ impl Mechanism {
             if let Some(circuit) = &a.hydraulics {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
                 if is_rotary {
-                    refuse("a cylinder drives along a line: give first and second, or a prismatic joint");
+                    refuse("a cylinder drives along a line: give the keys first and second, or a prismatic joint");
                 }
                 if a.force.is_some() {
-                    refuse("the circuit gives the force, which is an output: remove force");
+                    refuse("the hydraulic circuit computes the force, which is an output: remove the key force");
                 }
                 if a.efficiency.is_some() {
-                    refuse("the losses of a circuit are the friction of its seals: remove efficiency");
+                    refuse("a hydraulic drive has the friction of its seals as its loss: remove the key efficiency");
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
                     refuse(&format!(
-                        "{other} already has a circuit, and only one drive can have one: remove one of the two"
+                        "{other} already has a hydraulic circuit, but only one drive can have a circuit: remove one of \
+                         the two circuits"
                     ));
                 }
                 circuit.find_faults(faults);
@@ -218,7 +220,8 @@ impl Mechanism {
             let Some(is_rotary) = faults.keep(ends) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                let message = "a spring in a revolute joint has a free_angle; all other springs have a free_length";
+                let message = "a spring in a revolute joint has the key free_angle; all other springs have the key \
+                               free_length";
                 faults.keep::<()>(refused(&key, message));
             }
             faults.keep(check_spring(&key, spring, is_rotary));
@@ -239,7 +242,7 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format!(
-                    "is fixed to {carrier} and turns with it: guess the angle of that body, and remove this key"
+                    "is fixed to {carrier} and turns with this body: guess the angle of {carrier}, and remove this key"
                 );
                 faults.keep::<()>(refused(key, message));
             } else if is_body || is_joint {
@@ -279,13 +282,13 @@ impl Mechanism {
                 let joint = entry(format_args!("{key}.joint"), "joints", &self.joints, joint)?;
                 Ok(joint.kind == JointKind::Revolute)
             }
-            _ => refused(key, "give first and second, or joint"),
+            _ => refused(key, "give the keys first and second, or the key joint"),
         }
     }
 
     fn check_surfaces(&self, faults: &mut Faults) {
         if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
-            let message = "drag needs air: add the key air";
+            let message = "drag needs the density and flow of the air: add the key air to the definition";
             faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
         }
         for (name, s) in self.surfaces.iter() {
@@ -305,13 +308,14 @@ impl Mechanism {
                 if s.surface_angle.is_some() {
                     return refused(
                         key("surface_angle"),
-                        "belongs to an area; a strip lies along the line from `from` to `to`",
+                        "belongs to a surface with at and area: remove this key, because this surface lies along the \
+                         line from `from` to `to`",
                     );
                 }
                 Ok(())
             }
             (None, None, None, Some(at), Some(_)) => self.point(key("at"), at).map(drop),
-            _ => refused(format_args!("surfaces.{name}"), "give from, to and width, or at and area"),
+            _ => refused(format_args!("surfaces.{name}"), "give the keys from, to and width, or the keys at and area"),
         }
     }
 
@@ -339,17 +343,18 @@ impl Mechanism {
                     (false, None) => "length",
                 }
             }
-            _ => return refused(key, "give body, or joint, or first and second"),
+            _ => return refused(key, "give the key body, the key joint, or the keys first and second"),
         };
         let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
-            return refused(key, format!("give {asked}, and no other value"));
+            let others: Vec<&str> = given.iter().map(|(k, _)| *k).filter(|k| *k != asked).collect();
+            return refused(key, format!("this stop needs {asked}, and neither {}", others.join(" nor ")));
         }
         let given = [("stiffness", s.stiffness != 0.0), ("damping", s.damping != 0.0), ("points", s.points.is_some())];
         for (k, is_given) in given {
             if s.rigid.is_none() && is_given {
-                let message = "a rigid stop has no such value: remove this key, or add \"rigid\": false for a \
-                               bumper (or \"rigid\": true, if a host may change the stop to a bumper)";
+                let message = "only a bumper has this key: remove this key, or add \"rigid\": false for a bumper (or \
+                               \"rigid\": true, if a simulation tool will change the stop to a bumper)";
                 return refused(format_args!("{key}.{k}"), message);
             }
         }

@@ -76,7 +76,8 @@ impl Mechanism {
             None => all.push(Finding::warning(
                 "friction",
                 "is given, but not enabled, so the joints have no friction",
-                "add \"enabled\": true; or write \"enabled\": false if a host enables the friction",
+                "add \"enabled\": true; or write \"enabled\": false if a simulation tool enables the friction during \
+                 the run",
             )),
             Some(false) => {}
             Some(true) => {
@@ -98,7 +99,7 @@ impl Mechanism {
             match stop.rigid {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
-                    "is a bumper without stiffness, damping and points, so it never pushes",
+                    "is a bumper without stiffness, damping and points, so this stop never pushes",
                     "add stiffness, or \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
@@ -123,7 +124,7 @@ impl Mechanism {
             let forces = [Some(spring.stiffness), spring.damping, spring.preload];
             let is_linear = spring.points.is_none() && spring.gas.is_none() && spring.damping_points.is_none();
             if is_linear && forces.into_iter().flatten().all(|value| value == 0.0) {
-                let message = "is a spring without stiffness, damping and preload, so it has no force";
+                let message = "is a spring without stiffness, damping and preload, so this spring has no force";
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),
                     message,

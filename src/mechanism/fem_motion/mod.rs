@@ -260,7 +260,7 @@ fn refuse_locks(reduced: &Reduced, inputs: &Inputs, rigid: &State) -> Result<(),
         Some((lock, _)) => Err(ModelError::NotInRigidFem {
             name: format!("{}.engage", lock.name),
             value: "true".into(),
-            remedy: "set it to false before the mechanism reaches its stop".into(),
+            remedy: "set this input to false before the mechanism reaches the stop of the lock".into(),
         }),
         None => Ok(()),
     }

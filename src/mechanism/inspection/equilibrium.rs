@@ -120,7 +120,7 @@ fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, coordinate: us
         });
     }
     if all.is_empty() {
-        facts.push(Fact::new(ALL, "").saying("none: no load acts, or the loads move the mechanism everywhere"));
+        facts.push(Fact::new(ALL, "").saying("none: no load acts, or the loads move the mechanism at every position"));
     } else if all.len() > MOST {
         facts.push(Fact::new(ALL, "").saying(format!("and {} more", all.len() - MOST)));
     }

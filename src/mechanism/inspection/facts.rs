@@ -299,7 +299,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
             (None, _) if reduced.ends_meet()[side].is_some() => {
                 let reason = ends_meet(reduced, side);
-                let message = format!("the run ends with an error if the mechanism reaches this position: {reason}");
+                let message = format!("no stop ends the travel before the run ends with an error: {reason}");
                 out.findings.push(Finding::warning("stops", message, "add a stop before this position"));
                 format!("no stop: {reason}")
             }
@@ -357,8 +357,10 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let curve = reduced.curve();
     let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
     for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
-        let text =
-            format!("two branches of motion cross at {}; the motion continues straight on", curve.describe(sigma, 0.0));
+        let text = format!(
+            "two branches of motion cross at {}; the motion continues straight through the crossing",
+            curve.describe(sigma, 0.0)
+        );
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
@@ -401,12 +403,13 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
         others.dedup();
         let names: Vec<&str> = others.iter().map(|&other| linkage.joints[other].name.as_str()).collect();
         let text = match names.is_empty() {
-            true => "is redundant, because it repeats conditions of other joints in its loop; these joints share the \
-                reactions"
+            true => "is redundant, because other joints of the loop impose the same constraints; these joints share \
+                the reactions"
                 .to_owned(),
             false => {
                 format!(
-                    "is redundant, because it repeats conditions of {}; the joints of these loops share the reactions",
+                    "is redundant, because this joint repeats the constraints of {}; the joints of these loops share \
+                     the reactions",
                     names.join(", ")
                 )
             }

@@ -13,7 +13,7 @@ pub(super) fn add_bodies(b: &mut Builder) {
     let bodies = b.source.linkage.bodies.iter().enumerate();
     for (body, name) in bodies.filter(|(_, b)| b.angle_coordinate.is_some()).map(|(i, b)| (i, &b.name)) {
         let derivatives = [
-            ("angle", "Angle (anticlockwise positive) of the x axis of", Radian),
+            ("angle", "Angle (anticlockwise positive) from the X axis of the mechanism frame to the x axis of", Radian),
             ("speed", "Angular speed (anticlockwise positive) of", RadianPerSecond),
             ("acceleration", "Angular acceleration (anticlockwise positive) of", RadianPerSecondSquared),
         ];
@@ -26,9 +26,9 @@ pub(super) fn add_joints(b: &mut Builder) {
     let linkage = &b.source.linkage;
     for (coordinate, name) in linkage.coordinates.iter().enumerate().skip(linkage.angles) {
         let derivatives = [
-            ("position", "Position along the axis of", Metre),
-            ("speed", "Speed along the axis of", MetrePerSecond),
-            ("acceleration", "Acceleration along the axis of", MetrePerSecondSquared),
+            ("position", "Position along the axis of the joint", Metre),
+            ("speed", "Speed along the axis of the joint", MetrePerSecond),
+            ("acceleration", "Acceleration along the axis of the joint", MetrePerSecondSquared),
         ];
         let stated = b.source.mechanism.start.joint.as_ref() == Some(name);
         b.motion(name, derivatives, stated, |order| Output::JointPosition { coordinate, order });
@@ -55,7 +55,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
         if !is_revolute {
             add(
                 "torque",
-                "Moment (anticlockwise positive) about the second point",
+                "Moment (anticlockwise positive, about the second point of the joint)",
                 NewtonMetre,
                 reaction(ReactionPart::Moment),
             );
@@ -106,7 +106,7 @@ pub(super) fn add_energy(b: &mut Builder) {
     let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
     let text = "Energy error of the integration: present energy minus the energy at the start, minus the work of all \
-        loads";
+        loads since the start";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }
 

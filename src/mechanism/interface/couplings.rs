@@ -22,7 +22,7 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force_y", "y component of the force", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     if !is_cam {
-        add("transmitted_force", "Force along the motion (positive if it drives forward)", ReactionPart::Moment);
+        add("transmitted_force", "Force along the motion (positive: drives forward)", ReactionPart::Moment);
         let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
         let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
@@ -34,9 +34,9 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     }
     add(
         "contact_force",
-        "Contact force along the normal of the profile (positive in compression)",
+        "Contact force (positive in compression) along the normal of the cam profile",
         ReactionPart::Moment,
     );
-    let text = ["Pressure angle of ", n, ", from the direction of the lift to the normal of the profile"];
+    let text = ["Pressure angle of ", n, ": angle from the direction of the lift to the normal of the cam profile"];
     b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, placed());
 }

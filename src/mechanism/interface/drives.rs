@@ -23,9 +23,9 @@ pub(super) fn add_inputs(b: &mut Builder) {
             false => ("Force of ", Newton, a.force),
         };
         let (sense, joint) = match (drive.is_rotary, &a.joint) {
-            (true, _) => (", positive when it turns the second body anticlockwise", ""),
-            (false, Some(joint)) => (", positive along the axis of ", joint.as_str()),
-            (false, None) => (", positive when it pushes its ends apart", ""),
+            (true, _) => (". A positive torque turns the second body anticlockwise", ""),
+            (false, Some(joint)) => (". A positive force moves the second body along the axis of ", joint.as_str()),
+            (false, None) => (". A positive force pushes the two ends of the drive apart", ""),
         };
         b.load_input(&[what, name, sense, joint], unit, start.unwrap_or(0.0));
     }
@@ -37,7 +37,8 @@ pub(super) fn add_commands(b: &mut Builder) {
     for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
         if drive.curve.is_some() {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            b.load_input(&["Command of ", name, ": factor of its curve of ", what, " over speed"], One, a.command());
+            let text = ["Command of ", name, ": factor by which its ", what, "-speed curve is multiplied"];
+            b.load_input(&text, One, a.command());
         }
     }
 }
@@ -45,7 +46,7 @@ pub(super) fn add_commands(b: &mut Builder) {
 pub(super) fn add_demands(b: &mut Builder) {
     for drive in &b.source.loading.drives {
         let (n, unit) = (&drive.name, if drive.is_rotary { RadianPerSecondSquared } else { MetrePerSecondSquared });
-        let text = ["Demanded acceleration of ", n, ", for which required_force is computed"];
+        let text = ["Demanded acceleration of ", n, ", for which the output required_force is computed"];
         b.input([n, ".demanded_acceleration"].concat(), &text, unit, 0.0);
     }
 }
@@ -70,8 +71,7 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
 pub(super) fn add_motion_switch(b: &mut Builder) {
     let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
     let text = b.text(|| {
-        ["Whether the motion of ", name, " is prescribed; false: the drive acts with the force or torque of its input"]
-            .concat()
+        ["true: the motion of ", name, " is prescribed. false: the input of the drive is its force or torque"].concat()
     });
     let start = (None, Value::Boolean(motion.enabled));
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
@@ -87,12 +87,12 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
     };
     let output = Output::ActingForce { drive };
     if let Some(curve) = &s.loading.drives[drive].curve {
-        let text = [what, n, ": the input plus the command times the curve at the present speed"];
+        let text = [what, n, ": the input, plus the command times the value of the drive's curve at the present speed"];
         let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
         b.output(n, suffix, &text, unit, output, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
-        let text = [what, n, ": the input, or the value that the prescribed motion needs"];
+        let text = [what, n, ": the value that the prescribed motion needs, or the input if no motion is prescribed"];
         b.output(n, suffix, &text, unit, output, needs);
     }
 }
@@ -109,8 +109,8 @@ pub(super) fn add(b: &mut Builder) {
         let position = Needs { loads: &[load], ..s.displacement(load) };
         for (order, suffix, word, needs) in [
             (0, what, "Present ", position),
-            (1, "speed", "Rate of the ", Needs { speed: true, ..position }),
-            (2, "acceleration", "Second derivative of the ", s.acceleration()),
+            (1, "speed", "Time derivative of the ", Needs { speed: true, ..position }),
+            (2, "acceleration", "Second time derivative of the ", s.acceleration()),
         ] {
             let output = Output::Displacement { load, order };
             b.output(n, suffix, &[word, what, " of ", n], units[order], output, needs);
@@ -166,24 +166,25 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     };
     let (inertia, force) = ([Kilogram, KilogramSquareMetre], [Newton, NewtonMetre]);
     let change = [KilogramPerMetre, KilogramSquareMetrePerRadian];
-    let text = "Mass, or moment of inertia for a rotary drive, of the whole mechanism reduced to @";
+    let text = "Mass (for a rotary drive: moment of inertia) of the whole mechanism, reduced to the drive @";
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
-    let text = "Derivative of the reduced mass or inertia with respect to the displacement of @";
+    let text = "Derivative of the reduced mass or inertia with respect to the displacement of the drive @";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    add("static_load", "static_load", "Sum of all other present loads, reduced to @", force, StaticLoad, load);
-    let text = "Force or torque of @ due to the change of the reduced inertia: -1/2 speed^2 times its derivative";
+    let text = "Sum of all other loads that act at present, reduced to the drive @";
+    add("static_load", "static_load", text, force, StaticLoad, load);
+    let text = "Force or torque at @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the reduced mass";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
-    let text = "Force or torque of @ that gives the demanded acceleration, with friction and losses";
+    let text = "Force or torque of @ that gives the demanded acceleration, including friction and losses";
     add("required_force", "required_force", text, force, RequiredForce, required);
     let text = "Force or torque of @ that holds the mechanism at rest under the present loads, without friction";
     add("holding_force", "holding_torque", text, force, HoldingForce, holding);
-    let text = "Derivative of the holding force or torque with respect to the displacement of @";
+    let text = "Derivative of the holding force or torque with respect to the displacement of the drive @";
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
     let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
     add(linear, rotary, text, stiffness, term, holding);
     if !l.stops.is_empty() {
         let limit = Needs { inputs: &locks, loads: &stops, ..placed() };
-        let (text, way) = ("Least displacement of @ that stops and locks allow", [Metre, Radian]);
+        let (text, way) = ("Smallest displacement of @ that stops and locks allow", [Metre, Radian]);
         add("lower_limit", "lower_limit", text, way, LowerLimit, limit);
         let text = "Largest displacement of @ that stops and locks allow";
         add("upper_limit", "upper_limit", text, way, UpperLimit, limit);
@@ -194,9 +195,8 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         let text = "Force or torque of @ below which the mechanism starts to move backward from rest, with friction";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
-            let force = ": no force of this drive gives the demanded acceleration, ";
-            ["Whether friction locks the mechanism against ", n, force, "or starts a motion forward or backward"]
-                .concat()
+            let force = ": no force of this drive gives the demanded acceleration, or none starts a motion ";
+            ["Whether friction locks the mechanism against ", n, force, "forward or backward"].concat()
         });
         let locking = Needs { statics: true, ..required };
         b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);

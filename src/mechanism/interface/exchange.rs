@@ -17,16 +17,17 @@ pub(super) fn add(b: &mut Builder) {
     let states = [
         (
             "position",
-            "Position along the motion: distance travelled by a mass of 1 kg that has the kinetic energy of the \
-             mechanism",
+            "Position along the motion: distance travelled by an imaginary mass of 1 kg that has the same kinetic \
+             energy as the mechanism",
             Metre,
         ),
-        ("speed", "Speed of a mass of 1 kg that has the kinetic energy of the mechanism", MetrePerSecond),
         (
-            "acceleration",
-            "Acceleration of a mass of 1 kg that has the kinetic energy of the mechanism",
-            MetrePerSecondSquared,
+            "speed",
+            "Speed along the motion: speed of an imaginary mass of 1 kg that has the same kinetic energy as the \
+             mechanism",
+            MetrePerSecond,
         ),
+        ("acceleration", "Acceleration along the motion: time derivative of along_curve.speed", MetrePerSecondSquared),
     ];
     for (order, (suffix, text, unit)) in states.into_iter().enumerate() {
         let needs = s.acceleration();
@@ -81,7 +82,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(0) => (
             own("low_end"),
             [
-                "Gap to the rigid stop at the low end of the travel; at rest on the stop, the force on the stop",
+                "Event indicator of the rigid stop at the low end of the travel. In free motion: gap to the stop. At \
+                 rest on the stop: contact force",
                 "",
                 "",
                 "",
@@ -90,7 +92,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(_) => (
             own("high_end"),
             [
-                "Gap to the rigid stop at the high end of the travel; at rest on the stop, the force on the stop",
+                "Event indicator of the rigid stop at the high end of the travel. In free motion: gap to the stop. At \
+                 rest on the stop: contact force",
                 "",
                 "",
                 "",
@@ -98,30 +101,30 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         ),
         Indicator::Bumper(stop) => {
             let name = s.loading.stops[stop].name.as_str();
-            let text = "Gap before the contact, or force during the contact, with the bumper ";
-            ([name, ".indicator"].concat(), [text, name, "", ""])
+            let text = ". Before the contact: gap to the bumper. During the contact: contact force";
+            ([name, ".indicator"].concat(), ["Event indicator of the bumper ", name, text, ""])
         }
         Indicator::Lock(lock) => {
             let name = s.loading.locks[lock].name.as_str();
-            let text = "Distance to the position at which the mechanism is caught by the lock ";
-            ([name, ".indicator"].concat(), [text, name, "", ""])
+            let text = ": distance to the position at which the lock catches the mechanism";
+            ([name, ".indicator"].concat(), ["Event indicator of the lock ", name, text, ""])
         }
         Indicator::Reversal => (
             own("reversal"),
-            ["Speed whose sign decides the direction of friction and of the losses of drives", "", "", ""],
+            ["Event indicator: speed whose sign is the direction of friction and of losses of drives", "", "", ""],
         ),
         Indicator::Slip { joint, kinetic } => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             let border = if kinetic { "kinetic" } else { "static" };
-            let text = ["Slip speed minus friction.", border, "_speed in the joint ", name];
+            let text = ["Event indicator: slip speed minus friction.", border, "_speed in the joint ", name];
             ([name, ".", border, "_indicator"].concat(), text)
         }
         Indicator::DriveSign(load) => {
             let name = s.loading.drives[load].name.as_str();
             (
                 [name, ".loss_indicator"].concat(),
-                ["Force along the motion whose sign decides the direction of the losses of ", name, "", ""],
+                ["Event indicator: force whose sign is the direction of the losses of the drive ", name, "", ""],
             )
         }
         Indicator::NormalForce(joint) => {
@@ -129,23 +132,25 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             (
                 [name, ".normal_indicator"].concat(),
-                ["Normal or transmitted force whose sign decides the direction of the losses in ", name, "", ""],
+                ["Event indicator: normal or transmitted force whose sign is the direction of loss in ", name, "", ""],
             )
         }
         Indicator::Points(curve) => {
             let (name, suffix, what) = match curve {
-                Curve::Drive(load) => (&s.loading.drives[load].name, ".points_indicator", "points of the curve of "),
+                Curve::Drive(load) => {
+                    (&s.loading.drives[load].name, ".points_indicator", "points of the force-speed curve of ")
+                }
                 Curve::Damper(k) => {
-                    (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damper of ")
+                    (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damping curve of ")
                 }
                 Curve::Spring(k) => (&s.loading.springs[k].name, ".points_indicator", "points of the curve of "),
                 Curve::Bumper(k) => (&s.loading.stops[k].name, ".points_indicator", "points of the curve of "),
                 Curve::Cam(k) => {
                     let joint = s.linkage.couplings[k].joint;
-                    (&s.linkage.joints[joint].name, ".points_indicator", "borders of segments or points of ")
+                    (&s.linkage.joints[joint].name, ".points_indicator", "ends of segments or points of the cam ")
                 }
             };
-            ([name, suffix].concat(), ["Function that changes sign at the ", what, name, ""])
+            ([name, suffix].concat(), ["Event indicator: function that changes its sign at the ", what, name, ""])
         }
     }
 }

@@ -9,14 +9,15 @@ use crate::variables::Unit::{
 
 /// The force of the drive, in the place of the input that other drives have.
 pub(super) fn add_force(b: &mut Builder, name: &str) {
-    let text = ["Force of ", name, ", computed by its circuit, positive when it pushes its ends apart"];
+    let text = ["Force of ", name, ", computed by the hydraulic circuit. A positive force pushes the two ends apart"];
     let needs = Needs { speed: true, circuit: true, ..placed() };
     b.output(name, "force", &text, Newton, Output::Hydraulic(Hydraulic::Force), needs);
 }
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
-    b.input("valve.command".into(), &["Command of the valve from -1 to 1, positive to extend"], One, 0.0);
+    let text = ["Command of the valve, from -1 to 1. A positive command extends the cylinder"];
+    b.input("valve.command".into(), &text, One, 0.0);
     if let Some(command) = b.list.last_mut() {
         command.details.bounds = [Some(-1.0), Some(1.0)];
     }
@@ -71,7 +72,7 @@ const OUTPUTS: &[Row] = &[
     (
         "valve",
         "position",
-        "Position of the valve spool, 1 at full opening, positive to extend",
+        "Position of the valve spool, from -1 to 1 (fully open). A positive position extends the cylinder",
         One,
         Hydraulic::SpoolPosition,
         [false; 3],
@@ -91,7 +92,7 @@ const OUTPUTS: &[Row] = &[
     (
         "cylinder",
         "stroke_position",
-        "Position of the piston, 0 at the closed length",
+        "Position of the piston, 0 with the rod fully retracted",
         Metre,
         Hydraulic::StrokePosition,
         [true, false, false],
@@ -104,12 +105,12 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::EndForce,
         [true, true, true],
     ),
-    ("power", "supply", "Hydraulic power from the supply", Watt, Hydraulic::Power(0), [true, false, true]),
+    ("power", "supply", "Hydraulic power that the supply delivers", Watt, Hydraulic::Power(0), [true, false, true]),
     ("power", "return", "Hydraulic power into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
     (
         "power",
         "piston",
-        "Mechanical power of the force on the mechanism",
+        "Mechanical power of the drive force on the mechanism",
         Watt,
         Hydraulic::Power(2),
         [true, true, false],
@@ -131,9 +132,23 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::Power(5),
         [true, false, true],
     ),
-    ("energy", "supplied", "Energy from the supply since the start", Joule, Hydraulic::Energy(0), [false; 3]),
+    (
+        "energy",
+        "supplied",
+        "Energy that the supply has delivered since the start",
+        Joule,
+        Hydraulic::Energy(0),
+        [false; 3],
+    ),
     ("energy", "returned", "Energy into the tank since the start", Joule, Hydraulic::Energy(1), [false; 3]),
-    ("energy", "piston", "Work of the force on the mechanism since the start", Joule, Hydraulic::Energy(2), [false; 3]),
+    (
+        "energy",
+        "piston",
+        "Work of the drive force on the mechanism since the start",
+        Joule,
+        Hydraulic::Energy(2),
+        [false; 3],
+    ),
     (
         "energy",
         "seal_friction",
@@ -174,10 +189,10 @@ pub(super) fn add(b: &mut Builder) {
     let ports = [drive.first_input + 1, drive.first_input + 2];
     let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
     let stiffness = Needs { circuit: true, ..position };
-    let text = ["Stiffness of the oil column along ", name];
+    let text = ["Stiffness of the oil in the cylinder of ", name];
     b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
     let damping = Needs { speed: true, ..stiffness };
-    let text = ["Derivative of the friction of the seals with respect to the speed of ", name];
+    let text = ["Derivative of the friction of the seals with respect to the speed of the drive ", name];
     b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), damping);
     for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);

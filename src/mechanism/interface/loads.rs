@@ -25,13 +25,13 @@ pub(super) fn add_inputs(b: &mut Builder) {
 
 pub(super) fn add_airspeed(b: &mut Builder) {
     if let Some(air) = &b.source.mechanism.air {
-        let text = "Speed of the air relative to the ground, along air.flow_angle";
+        let text = "Speed of the air relative to the ground, in the direction air.flow_angle";
         b.input("airspeed".into(), &[text], MetrePerSecond, air.airspeed);
     }
 }
 
 /// Sense of a spring's force, for its description.
-const PULLS: &str = ", positive when it pulls its ends together";
+const PULLS: &str = ". A positive force pulls the two ends together";
 
 pub(super) fn add_springs(b: &mut Builder) {
     let s = b.source;
@@ -39,15 +39,16 @@ pub(super) fn add_springs(b: &mut Builder) {
         let (n, load) = (spring.name.as_str(), spring.load);
         let (what, unit, force, force_unit, sense) = match s.loading.loads[load] {
             Load::Couple { .. } => {
-                ("angle", Radian, "torque", NewtonMetre, ", positive when it turns the second body clockwise")
+                ("angle", Radian, "torque", NewtonMetre, ". A positive torque turns the second body clockwise")
             }
             Load::Slide { .. } => ("position", Metre, "force", Newton, PULLS),
             _ => ("length", Metre, "force", Newton, PULLS),
         };
         let position = Needs { loads: &[load], ..s.displacement(load) };
         let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
-        b.output(n, what, &["Present ", what, " of ", n], unit, Output::Displacement { load, order: 0 }, position);
-        let text = ["Total ", force, " of ", n, sense];
+        let text = ["Present ", what, " of the spring ", n];
+        b.output(n, what, &text, unit, Output::Displacement { load, order: 0 }, position);
+        let text = ["Total ", force, " of the spring ", n, sense];
         b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
     }
 }
@@ -59,7 +60,7 @@ pub(super) fn add_surfaces(b: &mut Builder) {
         let (n, loads) = (surface.name.as_str(), [surface.load, surface.load + 1, surface.load + 2]);
         let position = s.position(&[surface.start.body]);
         let needs = Needs { speed: true, inputs: airspeed.as_slice(), loads: &loads, ..position };
-        let text = ["Drag on the surface ", n, ", component along the flow"];
+        let text = ["Drag of the air on the surface ", n, ": component in the direction of the flow"];
         b.output(n, "drag", &text, Newton, Output::Drag { surface: i }, needs);
     }
 }
@@ -67,7 +68,7 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
         let text = b.text(|| {
-            ["Whether the lock ", name, " is engaged, to hold the mechanism at the stop ", &lock.stop].concat()
+            ["true: the lock ", name, " is engaged and holds the mechanism when it is at stop ", &lock.stop].concat()
         });
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
@@ -84,7 +85,7 @@ pub(super) fn add_stops(b: &mut Builder) {
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };
-        let text = b.text(|| ["Whether the mechanism is at the stop ", n, " or beyond"].concat());
+        let text = b.text(|| ["Whether the mechanism is at the stop ", n, " or beyond this stop"].concat());
         b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
         let (suffix, what, unit) = match stop.quantity == "angle" {
             true => ("torque", "Torque of the stop ", NewtonMetre),
@@ -100,7 +101,7 @@ pub(super) fn add_stops(b: &mut Builder) {
 fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     let s = b.source;
     let name = &s.loading.stops[stop].name;
-    let size = "; for a bumper, reduced mass times speed of arrival";
+    let size = "; for a bumper: reduced mass times the speed at first contact";
     let parts = [
         ("impact_count", ["Number of impacts on the stop ", " since the start"], One, ImpactPart::Count),
         (
@@ -121,7 +122,13 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
     if b.source.loading.stops.is_empty() {
         return;
     }
-    let text = b.text(|| format!("Contact of the mechanism with its stops: {}", CONTACT_MODES.join(", ")));
+    let text = b.text(|| {
+        let modes = CONTACT_MODES.join(", ");
+        format!(
+            "Contact of the mechanism with its stops: {modes}. pushed: by a bumper; resting: on a rigid stop; locked: \
+             by a lock; arrived: at a stop, just before the impact"
+        )
+    });
     let name = "contact.mode".to_owned();
     b.add((name, text), Causality::Local, (None, None), Quantity::Contact, Needs::default());
 }

@@ -67,7 +67,10 @@ impl Known {
             b.known(name, text, Parameter, (None, Value::Boolean(value)), Quantity::Flag(index));
         }
         if let Some(method) = mechanism.solver.method {
-            let text = b.text(|| ["Method of computation: ", &Method::ALL.map(Method::word).join(" or ")].concat());
+            let text = b.text(|| {
+                let methods = Method::ALL.map(Method::word).join(" or ");
+                ["Model of the mechanism: ", &methods, ". reduced: rigid bodies; rigid_fem: elastic rods"].concat()
+            });
             let start = (None, Value::Item(method.word().into()));
             b.known("solver.method".into(), text, Parameter, start, Quantity::Method);
         }

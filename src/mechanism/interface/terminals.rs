@@ -47,7 +47,7 @@ fn terminal(
     Some(Terminal {
         name: name.to_owned(),
         kind: displacement.quantity().to_owned(),
-        description: ["The drive ", name].concat(),
+        description: ["Connection of the drive ", name, ": force, motion, reduced mass and load"].concat(),
         members: std::iter::once(Member::of(reference, input)).chain(outputs).collect(),
     })
 }

@@ -163,7 +163,7 @@ impl Linkage {
             return named.refused(
                 "second",
                 format_args!(
-                    "is on {} as well, so nothing is coupled: give another body",
+                    "is on {}, the body of the key first, so nothing is coupled: give another body",
                     self.bodies[first.body].name
                 ),
             );

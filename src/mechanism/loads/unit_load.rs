@@ -123,10 +123,10 @@ impl Load {
         let s = Decimal::rounded(if s.abs() <= rounding { 0.0 } else { s });
         match self.along() {
             Self::Pair { .. } => {
-                (format!("its ends are {s} m apart in every position"), "give two points whose distance changes")
+                (format!("the two ends are {s} m apart in every position"), "give two points whose distance changes")
             }
-            Self::Slide { .. } => (format!("its joint is at {s} m in every position"), "give a joint that moves"),
-            _ => (format!("its joint is at {s} rad in every position"), "give a joint that moves"),
+            Self::Slide { .. } => (format!("the joint is at {s} m in every position"), "give a joint that moves"),
+            _ => (format!("the joint is at {s} rad in every position"), "give a joint that moves"),
         }
     }
 

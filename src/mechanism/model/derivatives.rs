@@ -103,7 +103,7 @@ impl Model {
         self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         if !(1..=INPUT_ORDER).contains(&order) {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
-            return Err(ModelError::Derivative { what, reason: "set orders 1 and 2".into() });
+            return Err(ModelError::Derivative { what, reason: "only the orders 1 and 2 can be set".into() });
         }
         if !value.is_finite() {
             let name = format!("derivative {order} of {}", self.name_of(reference));

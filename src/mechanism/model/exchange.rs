@@ -241,7 +241,8 @@ impl Model {
         }
         if matches!(self.state, Some(Formulation::RigidFem(_))) {
             return Some(
-                "solver.method = \"rigid_fem\" has no acceleration along the curve; read the acceleration of a body"
+                "solver.method = \"rigid_fem\" has no acceleration along the motion of a rigid mechanism; read the \
+                 acceleration of a body"
                     .into(),
             );
         }
@@ -384,8 +385,8 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     let too_far = |end: f64| {
         let (x, end, at) = (Decimal(x), Decimal(end), state.describe(reduced));
         let why = format!(
-            "the position state is {x} m, beyond the end of the travel at {end} m; before, it was {at}; use a \
-             shorter step"
+            "the position state is {x} m, beyond the end of the travel at {end} m; the previous position was {at}; use \
+             a shorter step"
         );
         Err(NoValue::AtState(why))
     };

@@ -102,8 +102,8 @@ impl Told {
                 let [change, impulse] = [change, impulse].map(Decimal::rounded);
                 let name = &drive.name;
                 event(format!(
-                    "the motion of {name} is prescribed from here: the speed jumps by {change} {per}, for which the \
-                     drive needs an impulse of {impulse} {unit}"
+                    "the motion of {name} is prescribed from this time on: the speed jumps by {change} {per}, for \
+                     which the drive needs an impulse of {impulse} {unit}"
                 ))
             }
             What::Touched { stop } => event(format!("bumper {} starts to push", name(stop))),
@@ -117,7 +117,7 @@ impl Told {
                 event("the motion stops or reverses, and the losses of the drives change their direction".to_owned())
             }
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
-            What::BreaksAway => event("the mechanism breaks away from its friction".to_owned()),
+            What::BreaksAway => event("the mechanism breaks away from static friction".to_owned()),
             What::Regime { joint, regime } => {
                 let load = loading.friction.as_ref()?.acting().nth(joint)?.joint;
                 let joint = &reduced.linkage().joints[load].name;

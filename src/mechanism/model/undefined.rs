@@ -91,7 +91,10 @@ impl Model {
         Some(match value {
             Ok(value) if value.is_finite() => return None,
             Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
-                format!("indeterminate at {}, a dead centre or a crossing of branches", state.describe(reduced))
+                format!(
+                    "indeterminate at {}, because this is a dead centre or a crossing of branches",
+                    state.describe(reduced)
+                )
             }
             Ok(_) => "larger than the largest number with the present inputs and parameters: check their values".into(),
             Err(OutputError::Table(at)) => {

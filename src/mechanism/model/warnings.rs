@@ -205,8 +205,8 @@ fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f
 #[cold]
 fn lifting_words(name: &str, force: f64, when: &str) -> [String; 2] {
     let message = format!(
-        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam; the computation keeps \
-         the contact from here on",
+        "{name}.contact_force is {} N{when}, below 0: the follower would lift off its cam; from this time on the \
+         computation keeps follower and cam in contact",
         Decimal::rounded(force)
     );
     let remedy = format!(

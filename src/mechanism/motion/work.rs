@@ -76,8 +76,8 @@ impl Spent {
             parts.push(format!("{} revolutions", revolutions.abs()));
         }
         format!(
-            "solver.max_steps = {} was reached {} s into a step of {} s, after {}: {}; use shorter communication \
-             steps or a larger solver.max_steps",
+            "solver.max_steps = {} was reached {} s after the start of a communication step of {} s, after {}: {}; use \
+             shorter communication steps or a larger solver.max_steps",
             Decimal(*max_steps),
             Decimal(*time),
             Decimal(*h),

@@ -88,8 +88,8 @@ impl fmt::Display for ReductionError {
             ),
             Self::Table { what, position } => write!(
                 f,
-                "{what} is not smooth near {position}: almost nothing with mass moves there; add a mass or an \
-                 inertia to a body that moves there"
+                "{what} is not smooth near {position}, because almost no mass moves there; add a mass or an inertia to \
+                 a body that moves there"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
                 let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);
@@ -100,7 +100,7 @@ impl fmt::Display for ReductionError {
                 )?;
                 let is_meant = unit == " rad" && (low.0..=high.0).contains(&value.0.to_radians());
                 if let Some(same) = turned {
-                    write!(f, ", where {}{unit} is the same position: write this value", Decimal::rounded(*same))?;
+                    write!(f, "; {}{unit} is the same position: write this value", Decimal::rounded(*same))?;
                 }
                 f.write_str(&if is_meant { if_degrees(value.0) } else { String::new() })
             }
@@ -109,9 +109,9 @@ impl fmt::Display for ReductionError {
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or \
-                     couplings of its loop, which is rigid, while {} move{} freely; remove a joint or a coupling \
-                     of the rigid loop or add a body to it, and constrain what moves freely",
+                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings \
+                     of its loop, which is rigid, while {} move{} freely; remove a joint or a coupling of the rigid \
+                     loop or add a body to it, and constrain the bodies and joints that move freely",
                     Decimal(*value),
                     moving.join(", "),
                     if moving.len() == 1 { "s" } else { "" }
@@ -120,7 +120,7 @@ impl fmt::Display for ReductionError {
             Self::StartSpeed { name, value } => write!(
                 f,
                 "{name} = {} is not possible: at this position this coordinate does not move (dead centre or rigid \
-                 loop); define the start by another body",
+                 loop); give the start position of another body",
                 Decimal(*value)
             ),
         }

@@ -57,8 +57,8 @@ impl fmt::Display for RigidFemError {
             ),
             Self::Nodes { body, count } => write!(
                 f,
-                "{body} has joints at {count} points, but a rigid finite element has exactly 2; choose solver.method = \
-                 \"reduced\""
+                "{body} has joints at {count} points, but a rigid finite element must have joints at exactly 2 points; \
+                 choose solver.method = \"reduced\""
             ),
             Self::AxialStiffness { body, value } => {
                 let value = Decimal(*value);

@@ -35,14 +35,14 @@ fn what_is_no_curve_is_refused_by_name() {
         (motor(json!({ "joint": "slide", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
         (
             motor(json!({ "joint": "slide", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
-            &["actuators.m.points", "remove points or motion"],
+            &["actuators.m.points", "remove the key points or the key motion"],
         ),
         (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "start with [0, 0]"]),
         (
             buffer(json!([[0, 0], [1, 2], [2, 1]])),
             &["stops.b.points[2]", "the force 1 is smaller than 2 at the point before"],
         ),
-        (rigid, &["stops.b.points", "a rigid stop has no such value", "\"rigid\": false"]),
+        (rigid, &["stops.b.points", "only a bumper has this key", "\"rigid\": false"]),
     ] {
         let mut text = body(false, [0.0, 0.0]);
         text.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());

@@ -11,11 +11,11 @@ fn faulty_circuits_are_refused_by_name() {
     };
     let drive =
         |gear: &mut serde_json::Value, key: &str, value: serde_json::Value| gear["actuators"]["actuator"][key] = value;
-    assert_says(error(&|gear| drive(gear, "force", json!(3))), &["actuators.actuator.hydraulics", "remove force"]);
+    assert_says(error(&|gear| drive(gear, "force", json!(3))), &["actuators.actuator.hydraulics", "the key force"]);
     assert_says(error(&|gear| drive(gear, "efficiency", json!(0.9))), &["actuators.actuator.hydraulics", "efficiency"]);
     assert_says(
         error(&|gear| gear["actuators"]["other"] = gear["actuators"]["actuator"].clone()),
-        &["actuators.other.hydraulics", "actuator already has a circuit"],
+        &["actuators.other.hydraulics", "actuator already has a hydraulic circuit"],
     );
     assert_says(
         error(&|gear| gear["actuators"]["motor"] = json!({ "joint": "joint1", "hydraulics": {} })),

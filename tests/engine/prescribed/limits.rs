@@ -72,7 +72,7 @@ fn a_dead_point_is_told_and_nothing_hangs() {
 fn a_drive_that_never_moves_takes_no_motion() {
     for (ends, words) in [
         (json!({ "first": "ground.origin", "second": "crank.end" }), "m apart in every position"),
-        (json!({ "joint": "twins" }), "its joint is at 0 rad in every position"),
+        (json!({ "joint": "twins" }), "the joint is at 0 rad in every position"),
     ] {
         for position in [0.0, 0.1] {
             let mut crank = slider_crank(&json!(null));
@@ -128,7 +128,7 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     assert_says(refusal(two), &["motor already has a prescribed motion"]);
     let mut equilibrium = lift(&json!({ "position": 0.5 }));
     equilibrium["start"] = json!("equilibrium");
-    assert_says(refusal(equilibrium), &["the prescribed motion holds the mechanism"]);
+    assert_says(refusal(equilibrium), &["with a prescribed motion every position is an equilibrium"]);
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
     assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);

@@ -21,7 +21,7 @@ impl Wanted {
     /// The time is no time.
     pub fn new(stop_time: Option<f64>, start_values: &[String]) -> Result<Self> {
         if let Some(time) = stop_time.filter(|time| !(time.is_finite() && *time >= 0.0)) {
-            bail!("--stop-time {time}: a time in s, >= 0");
+            bail!("--stop-time {time}: must be a time in s, >= 0");
         }
         Ok(Self { stop_time, start_values: start_values.to_vec() })
     }

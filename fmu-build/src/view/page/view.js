@@ -127,9 +127,9 @@ function setUpTravel() {
   byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
   const [low, high] = data.travel.goes_on;
   const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
-  const ends = data.travel.is_closed && !stops.length ? "one full cycle of the motion" : stops.length ? `with the stops ${stops.join(", ")}` : "from end to end";
-  const beyond = low || high ? "; the motion continues beyond" : "";
-  byId("hint").textContent = `The Travel slider moves the mechanism without time: ${ends}${beyond}. Press Space to play, arrow keys to step.`;
+  const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end to the other";
+  const beyond = low || high ? "; the motion of the mechanism continues beyond this range" : "";
+  byId("hint").textContent = `The Travel slider moves the mechanism by its position instead of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame.`;
 }
 
 function onKey(event) {
@@ -216,14 +216,14 @@ function describe() {
   const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
   const parts = scene ? `${count(scene.bodies.length - 1, "body").replace("bodys", "bodies")}, ${count(scene.joints.length, "joint")}, ${count(scene.actuators.length, "drive")}.` : "Nothing can be drawn.";
   const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${shown(gap.gap, 4)} m`).join(", ");
-  if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `At the guess ${gaps}.`;
+  if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `In the position of the guess ${gaps}.`;
   const length = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
-  byId("drawing-description").textContent = parts + length + (gaps ? ` At the guess ${gaps}.` : "");
-  const left = motion?.left_out ? ` ${motion.left_out} variables are left out.` : "";
+  byId("drawing-description").textContent = parts + length + (gaps ? ` In the position of the guess ${gaps}.` : "");
+  const left = motion?.left_out ? ` ${motion.left_out} variables are not on this page.` : "";
   const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
-  byId("about").textContent = `${frames}${parts}${left} Angles anticlockwise, SI units. Built by linkage-fmu.`;
+  byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units. Built by linkage-fmu.`;
   if (stands && byId("error-title")) {
-    byId("error-title").textContent = stands.is_assembled ? "This mechanism assembles, but does not run" : "This mechanism does not assemble: drawn at the guess";
+    byId("error-title").textContent = stands.is_assembled ? "The loops of this mechanism close, but the motion cannot be computed" : "The loops of this mechanism do not close; the drawing shows the positions of the guess";
   } else if (motion && byId("error-title")) {
     byId("error-title").textContent = "The motion ends early";
   }

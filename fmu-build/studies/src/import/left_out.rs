@@ -66,8 +66,8 @@ pub fn contact(root: Node) -> Option<String> {
     let first = touching.next()?;
     let other = touching.find(|geom| geom.parent() != first.parent())?;
     Some(format!(
-        "contact between geoms, such as {} and {}, is left out: bodies can pass through each other; use stops to \
-         end the travel",
+        "contact between geoms, such as {} and {}, is left out: bodies of the imported mechanism can pass through each \
+         other; add stops that end the travel",
         at(first),
         at(other)
     ))

@@ -117,8 +117,8 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     }
     own.notes.push(units.names.to_owned());
     own.notes.push(
-        "the gravity setting is not read, because versions of PMKS+ store it differently: add \"gravity\" if gravity \
-         acts"
+        "the gravity setting is not read, because versions of PMKS+ store this setting differently: add the key \
+         gravity to the definition if gravity acts"
             .into(),
     );
     Ok(own)

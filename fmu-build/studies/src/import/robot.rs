@@ -132,7 +132,7 @@ impl Mjcf {
                     self.space.gravity = gravity;
                 }
             }
-            "include" => bail!("{}: included files are not read: put their content here", at(node)),
+            "include" => bail!("{}: included files are not read: replace this element by the file", at(node)),
             "worldbody" => {
                 self.space.solids.push(Solid::default());
                 self.body(node, 0, ([0.0; 3], SAME))?;
@@ -189,7 +189,10 @@ impl Mjcf {
                 "joint" => {
                     joints += 1;
                     if joints > 1 {
-                        bail!("{}: a second joint of one body; put a body without mass between them", at(inner));
+                        bail!(
+                            "{}: a second joint of one body; put a body without mass between the two joints",
+                            at(inner)
+                        );
                     }
                 }
                 "freejoint" => bail!("{}: a free body is not part of a mechanism: remove this element", at(inner)),
@@ -328,7 +331,7 @@ impl Mjcf {
             bail!("{}: only <connect> with body1, body2 and anchor is supported among the equalities", at(node));
         }
         if node.attribute("active") == Some("false") {
-            self.space.notes.push(format!("{}: this connection is not active, so it is left out", at(node)));
+            self.space.notes.push(format!("{}: this connection is not active and is left out", at(node)));
             return Ok(());
         }
         let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
@@ -362,7 +365,7 @@ impl Mjcf {
 
     fn drive(&mut self, node: Node) -> Result<()> {
         let Some(name) = node.attribute("joint") else {
-            self.space.notes.push(format!("{}: this actuator acts on no joint, so it is left out", at(node)));
+            self.space.notes.push(format!("{}: this actuator acts on no joint and is left out", at(node)));
             return Ok(());
         };
         let found = self.space.hinges.iter_mut().find(|hinge| hinge.name == name);
@@ -370,7 +373,8 @@ impl Mjcf {
         let is_second = std::mem::replace(&mut hinge.is_driven, true);
         if is_second {
             let text = format!(
-                "{}: this actuator acts on the joint {}, like another one: the import combines them into one drive",
+                "{}: this actuator acts on the joint {}, on which another actuator acts too: the import combines both \
+                 actuators into one drive",
                 at(node),
                 name.escape_debug()
             );
@@ -378,7 +382,9 @@ impl Mjcf {
         }
         self.space.notes.extend(left_out::of_drive(node));
         if !node.has_tag_name("motor") {
-            self.space.notes.push(format!("{}: the control law is left out; the force is an input", at(node)));
+            self.space
+                .notes
+                .push(format!("{}: the control law is left out; the force of the drive is an input", at(node)));
         }
         Ok(())
     }

@@ -162,7 +162,10 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
             if hinge.slides { dot(axis, normal).abs() } else { dot(cross(axis, normal), cross(axis, normal)).sqrt() };
         if off > OFF {
             let what = if hinge.slides { "slides out of" } else { "does not turn in" };
-            bail!("the joint {} {what} the plane of the others: only planar mechanisms can be imported", hinge.name);
+            bail!(
+                "the joint {} {what} the plane of the other joints: only planar mechanisms can be imported",
+                hinge.name
+            );
         }
     }
     // y as far upward as it can be; where the plane lies flat, x and y are those of the file.

@@ -66,7 +66,7 @@ impl Film {
         match model {
             Component::Mechanism(_) => Ok(Self { stills: Thinned::new(FRAMES) }),
             Component::Hydraulic(_) => {
-                bail!("--gif: {} has no linkage that can be drawn", model.name())
+                bail!("--gif: {} has no mechanism that can be drawn", model.name())
             }
         }
     }

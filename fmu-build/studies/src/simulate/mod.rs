@@ -168,7 +168,7 @@ const MOST_STEPS: f64 = 1e12;
 
 /// What the run gave, in some lines.
 fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
-    eprintln!("{} steps to {:?} s in {elapsed:.3} s", ended.steps, ended.time);
+    eprintln!("{} steps to {:?} s, computed in {elapsed:.3} s", ended.steps, ended.time);
     let files = [&arguments.output_file, &arguments.plot, &arguments.gif];
     for path in files.into_iter().flatten() {
         eprintln!("{}", path.display());

@@ -72,7 +72,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder
         return Ok(mechanism.to_path_buf());
     }
     eprintln!(
-        "{}: is not an FMU of FMI 2.0 of this version of the program; the workers use a new FMU that is packed here",
+        "{}: is not an FMU for FMI 2.0 from this version of the program; a new FMU is packed for the workers",
         mechanism.display()
     );
     let definition = given.definition()?;
@@ -142,7 +142,7 @@ pub fn run(
                     }
                     Err(RecvTimeoutError::Timeout) => {}
                     Err(RecvTimeoutError::Disconnected) => {
-                        bail!("{PROGRAM} ended early; its own messages are above; --resume continues the study")
+                        bail!("{PROGRAM} ended early; the messages above state the reason; continue with --resume")
                     }
                 }
             }

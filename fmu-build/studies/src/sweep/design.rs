@@ -136,7 +136,7 @@ impl Design {
             let key = format!("factors.{name}");
             let factor = factor(&key, name, stated, model, &mut dimensions)?;
             if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
-                bail!("{key}: is also a column of points; remove one of the two");
+                bail!("{key}: is also a column of the CSV file in the key points; remove the column or this factor");
             }
             if let Source::List(values) = &factor.source {
                 counts[1] = times(counts[1], values.len() as u64)?;
@@ -146,7 +146,7 @@ impl Design {
             factors.push(factor);
         }
         let cube = match (study.sampling, dimensions) {
-            (Some(_), 0) => bail!("sampling: no factor has a distribution; add one, or remove sampling"),
+            (Some(_), 0) => bail!("sampling: no factor has a distribution; add a distribution, or remove sampling"),
             (None, 1..) => bail!("sampling: is missing; add the sampling method of the factors with a distribution"),
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
             (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(

@@ -39,7 +39,7 @@ impl Journal {
         let stands = path.exists();
         if stands && !resumes {
             bail!(
-                "{shown}: contains results of a run that was stopped; --resume continues the run; to start again, \
+                "{shown}: contains results of a run that was stopped; continue the run with --resume; to start again, \
                  remove this file"
             );
         }
@@ -51,7 +51,10 @@ impl Journal {
             .open(path)
             .with_context(|| format!("{shown}: cannot be opened"))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            bail!("{shown}: another run is writing this file; wait for its end, or give another folder with --out");
+            bail!(
+                "{shown}: another run is writing this file; wait until that run ends, or give another folder with \
+                 --out"
+            );
         }
         let journal = |file: &mut File| -> std::io::Result<Option<(Records, u64)>> {
             if file.metadata()?.len() < HEAD {
@@ -180,7 +183,7 @@ mod tests {
         assert!(Journal::open(&path, 7, true).unwrap_err().to_string().contains("another run is writing this file"));
         drop(journal);
         let whole = fs::read(&path).unwrap();
-        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("--resume continues"));
+        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("continue the run with --resume"));
         assert!(Journal::open(&path, 8, true).unwrap_err().to_string().contains("belongs to another study"));
         for cut in HEAD as usize..=whole.len() {
             fs::write(&path, &whole[..cut]).unwrap();

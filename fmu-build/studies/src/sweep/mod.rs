@@ -201,7 +201,7 @@ impl Study {
         let shown = path.display();
         if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
             bail!(
-                "{shown}: objective, constraints and search belong to `{} optimise`; remove them",
+                "{shown}: objective, constraints and search belong to `{} optimise`; remove these keys",
                 workspace.program()
             );
         }
@@ -251,7 +251,7 @@ impl Stated {
 fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
     let scenario = Scenario::new(definition, folder, component, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
-        bail!("factors.{}: is also set by start_values or the scenario; remove one of the two", factor.name);
+        bail!("factors.{}: is also set by start_values or the scenario; remove one of these settings", factor.name);
     }
     let responses = Responses::new(definition, &scenario, component)?;
     let calls = design::calls(component, factors);

@@ -89,7 +89,7 @@ pub fn instants(study: &Definition) -> Result<Vec<f64>> {
                 bail!("responses.{name}.times[{index}] = {time}: must be finite and >= 0 s");
             }
             if response.times.iter().flatten().take(index).any(|other| other == time) {
-                bail!("responses.{name}.times[{index}] = {time} s occurs twice; remove one");
+                bail!("responses.{name}.times[{index}] = {time} s occurs twice; remove one of the two times");
             }
             all.push(*time);
         }
@@ -140,7 +140,7 @@ impl Responses {
         };
         let key = format!("{key}.{kind}");
         if times.is_some() != (kind == "course") {
-            bail!("{key}: times belong to a time series (course), and a course needs times");
+            bail!("{key}: times belong to a time series (course), and course needs the key times");
         }
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
         let of = &model.interface().list()[reference as usize];
@@ -148,7 +148,7 @@ impl Responses {
             bail!("{key}: {variable} is a text, but a response must be a number");
         }
         if !scenario.is_sampled && !matches!(kind, "event" | "final" | "course") {
-            bail!("{key}: needs communication steps of a known size; add scenario.output_interval");
+            bail!("{key}: this response needs communication steps of constant size; add scenario.output_interval");
         }
         let unit = of.unit.map_or("", Unit::name);
         let mut names = vec![(name.to_owned(), unit.to_owned())];

@@ -122,7 +122,8 @@ impl<'a> Runner<'a> {
         let scenario = &self.task.scenario;
         let mut remarks = Vec::new();
         if let Some(event) = scenario.stop_at.filter(|_| !has_stopped) {
-            remarks.push(format!("{} did not happen within {} s", name(event.flag), Decimal(scenario.stop())));
+            let (flag, stop) = (name(event.flag), Decimal(scenario.stop()));
+            remarks.push(format!("the event {flag} did not happen within {stop} s"));
         }
         if let Some((reference, time)) = self.progress.undefined {
             remarks.push(format!("{} has no value {}", name(reference), self.instant(time)));

@@ -103,7 +103,7 @@ impl Scenario {
         let mut known: Vec<Reference> = start.iter().map(|(reference, _)| *reference).collect();
         for reference in all.iter().flat_map(Signals::references) {
             if known.contains(&reference) {
-                bail!("scenario: {} is set twice; remove one of the two", interface.list()[reference as usize].name);
+                bail!("scenario: {} is set twice; remove one value", interface.list()[reference as usize].name);
             }
             known.push(reference);
         }
@@ -168,16 +168,16 @@ pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
     });
     let flags: Vec<(&str, &str)> = flags.collect();
     if let Some((own, _)) = flags.iter().find(|(own, stop)| *stop == flag && *own != flag) {
-        bail!("{key} = \"{flag}\": the flag of this stop is {own}; write {own}");
+        bail!("{key} = \"{flag}\": the name of the flag variable of this stop is {own}; write {own}");
     }
     let reference = find(interface, flag).with_context(|| key.to_owned())?;
     let Some([count, time]) = model.impacts_of(reference) else {
         let flags: Vec<&str> = flags.into_iter().map(|(flag, _)| flag).collect();
         let remedy = match flags.as_slice() {
             [] => "this mechanism has no stop".to_owned(),
-            flags => format!("the flags of this mechanism are {}", flags.join(", ")),
+            flags => format!("the flag variables of this mechanism are {}", flags.join(", ")),
         };
-        bail!("{key} = \"{flag}\": an event is the flag of a stop; {remedy}");
+        bail!("{key} = \"{flag}\": an event must be the flag variable of a stop; {remedy}");
     };
     Ok(Event { flag: reference, count, time })
 }
@@ -222,8 +222,8 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
         Some(variable) if variable.causality != Causality::Input => {
             let what = variable.causality.word().to_lowercase();
             bail!(
-                "{key}: is not an input but a {what}; set it in start_values, or as a factor if it differs between \
-                 runs"
+                "{key}: is not an input but a {what}; set this variable in start_values, or as a factor if the value \
+                 differs between runs"
             )
         }
         _ => Ok(()),
@@ -241,7 +241,10 @@ fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> 
         bail!("{key}: the time decreases from {} to {} s; sort the points", pair[0][0], pair[1][0]);
     }
     if let Some(points) = points.windows(3).find(|points| is_close(points[0][0], points[2][0])) {
-        bail!("{key}: three points are at {} s, but a jump has two: the values before and after", points[0][0]);
+        bail!(
+            "{key}: three points are at {} s, but a jump has two points: the values before and after the jump",
+            points[0][0]
+        );
     }
     Ok(Signals::of_points(reference, variable.kind, points))
 }

@@ -44,7 +44,7 @@ fn medium_softness_and_second_drives() {
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["<motor \"second\">: this actuator acts on the joint bearing, like another one: the import combines"],
+        &["<motor \"second\">: this actuator acts on the joint bearing, on which another actuator acts too"],
     );
 }
 

@@ -52,10 +52,10 @@ fn what_is_wrong_is_said_in_one_line() {
         (with("points", json!("words.csv")), "line: 2"),
         (with("scenario", json!({ "stop_time": 0 })), "scenario.stop_time = 0.0: must be finite and > 0 s"),
         (with("scenario", json!({ "output_interval": 1e-12 })), "scenario.output_interval = 1e-12: must be"),
-        (with("scenario", json!({ "stop_at": "upstop" })), "the flag of this stop is retracted; write retracted"),
+        (with("scenario", json!({ "stop_at": "upstop" })), "the flag variable of this stop is retracted; write"),
         (
             with("scenario", json!({ "stop_at": "upstop.enabled" })),
-            "the flags of this mechanism are retracted, extended",
+            "the flag variables of this mechanism are retracted, extended",
         ),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[1, 0], [0, 1]] } })),
@@ -67,7 +67,7 @@ fn what_is_wrong_is_said_in_one_line() {
         ),
         (
             with("scenario", json!({ "inputs": { "crank.mass": 20 } })),
-            "scenario.inputs.crank.mass: is not an input but a parameter; set it in start_values, or as a factor",
+            "scenario.inputs.crank.mass: is not an input but a parameter; set this variable in start_values, or",
         ),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[0, 0], [0.1, 1], [0.1, 2], [0.1, 3]] } })),
@@ -79,9 +79,9 @@ fn what_is_wrong_is_said_in_one_line() {
             "start_values.friction.enabled = 1: must be a Boolean",
         ),
         (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
-        (response(json!({ "event": "crank.angle" })), "an event is the flag of a stop"),
+        (response(json!({ "event": "crank.angle" })), "an event must be the flag variable of a stop"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
-        (response(json!({ "course": "crank.angle" })), "a course needs times"),
+        (response(json!({ "course": "crank.angle" })), "course needs the key times"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),

@@ -46,8 +46,9 @@ impl Mechanism {
             let name = fixed.expression.as_ref().ok().and_then(|expression| expression.names().first());
             if let (Some(name), false) = (name, key.starts_with("guess.")) {
                 let why = format!(
-                    "the host can change {name}, but this number is fixed when the file is read: write an expression \
-                     without parameters, or replace drawn by the length and the points in the frame of the body"
+                    "a simulation tool can change {name}, but this number is fixed when the file is read: write an \
+                     expression without parameters, or replace the key drawn by the key length and by points in the \
+                     frame of the body"
                 );
                 faults.push(DefinitionError::key(&key, format_args!("\"{}\": {why}", texts[fixed.index])));
             }

@@ -20,8 +20,8 @@ pub(super) fn check_name(key: impl fmt::Display, name: &str) -> Check {
     if name.len() > LONGEST {
         let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
         let message = format!(
-            "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because files have this \
-             name: shorten it"
+            "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because the program \
+             writes files with this name: shorten the name"
         );
         return refused(key, message);
     }
@@ -144,7 +144,9 @@ impl Mechanism {
         match (point, b.length, b.points.get(point)) {
             ("origin", ..) => Ok((index, [0.0, 0.0])),
             ("end", Some(length), _) => Ok((index, [length, 0.0])),
-            ("end", None, _) => unknown(format!("{body} has no length and therefore no end: add bodies.{body}.length")),
+            ("end", None, _) => {
+                unknown(format!("{body} has no length and therefore no point end: add bodies.{body}.length"))
+            }
             (.., Some(&local)) => Ok((index, local)),
             (_, length, None) => {
                 let mut names = vec!["origin"];

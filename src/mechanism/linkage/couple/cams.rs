@@ -130,8 +130,8 @@ impl Linkage {
                 let half = ((radius - offset) * (radius + offset)).max(0.0).sqrt();
                 if half <= LEAST * radius {
                     let message = format!(
-                        "the centre of the roller passes the centre of the cam at {} m, but {what} is only {} m: \
-                         make base_radius larger",
+                        "the centre of the roller stays at least {} m away from the centre of the cam, but {what} is \
+                         only {} m: make base_radius larger",
                         told(offset),
                         told(radius)
                     );
@@ -189,8 +189,8 @@ impl Linkage {
             Some(start) => Ok(start),
             None => named.refused(
                 "base_radius",
-                "at the contact the follower moves along the base circle, so no lift can move it: change the base \
-                 circle or the follower",
+                "at the contact the follower moves along the base circle, so no lift can move the follower: change \
+                 the base circle or the follower",
             ),
         }
     }

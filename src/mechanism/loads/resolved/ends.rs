@@ -68,13 +68,13 @@ pub(super) fn between(
     second: &Option<String>,
     joint: &Option<String>,
 ) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::key(key, "give first and second, or joint");
+    let missing = || DefinitionError::key(key, "give the keys first and second, or the key joint");
     if let (Some(first), Some(second)) = (first, second) {
         let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
         let (first, second) = (end("first", first)?, end("second", second)?);
         if first.body == second.body {
             let message = format!(
-                "both ends are on {}, so it has no effect: give points of two bodies",
+                "both ends are on {}, so this element has no effect: give points of two bodies",
                 linkage.bodies[first.body].name
             );
             return Err(DefinitionError::key(key, message));

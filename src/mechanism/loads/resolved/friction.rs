@@ -80,8 +80,8 @@ impl Loading {
         for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
             let Some(efficiency) = defined.efficiency else { continue };
             if mechanism.friction.as_ref().is_some_and(|friction| friction.law != FrictionLaw::Stick) {
-                let message = "a coupling with losses needs a friction law that holds at rest: write \"law\": \
-                               \"stick\" in friction, or remove the efficiency";
+                let message = "a coupling with losses needs a friction law that can hold the mechanism at rest: write \
+                               \"law\": \"stick\" in friction, or remove the efficiency";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.efficiency"), message));
             }
             let joint = &linkage.joints[coupling.joint];

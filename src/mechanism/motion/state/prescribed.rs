@@ -154,8 +154,8 @@ impl State {
         let miss = motion.at(0.0)[0] - here;
         if is_begun && miss.abs() > SWITCH * found.slope.abs() * reduced.scale() {
             let why = format!(
-                "the drive is at {} {} when its prescribed motion is switched on; set {}.motion.position to this \
-                 value before",
+                "the drive is at {} {} when its prescribed motion is switched on; before that, set \
+                 {}.motion.position to this value",
                 Decimal::rounded(here),
                 unit_of(&step.name()),
                 reduced.loading().drives[drive.load].name

@@ -98,7 +98,7 @@ pub fn mass_ratios() -> Vec<Scene> {
                 let name = parameter.name.as_str();
                 let stated_still = (STILL.iter())
                     .any(|&(of, names, by)| of == m.name && by == factor && names.split(' ').any(|n| n == name));
-                let refused = || Expected::refusal(&["almost nothing with mass moves there"]);
+                let refused = || Expected::refusal(&["almost no mass moves there"]);
                 let expected = if alone || stated_still { refused() } else { Expected::Angle };
                 // Without its load the jib swings so fast that 3 s take 4e5 steps, eight times `solver.max_steps`.
                 let fast = m.name == "Jib" && name == "load.mass" && factor == 1e-9;

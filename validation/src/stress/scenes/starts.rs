@@ -189,7 +189,7 @@ pub fn crossings() -> Vec<Scene> {
     }
     let guess =
         FLAT.text.replace("\"left\": 0.5, \"coupler\": 0, \"right\": 0.5", "\"left\": 0, \"coupler\": 0, \"right\": 0");
-    let refused = Expected::refusal(&["branches", "guess a position away from the crossing"]);
+    let refused = Expected::refusal(&["branches", "away from the crossing"]);
     let what = "guessed flat: no branch is named".into();
     scenes.push(scene(GROUP, what, Case::of(&FLAT).text(guess), (1.0, 10), refused));
     let crossed = FLAT.text.replace("\"coupler\": 0, \"right\": 0.5", "\"coupler\": -0.55, \"right\": -1.05");

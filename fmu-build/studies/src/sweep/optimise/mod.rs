@@ -129,7 +129,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let Some(best) = found.best else {
         let reason = found.all.iter().map(|(evaluation, _)| &*evaluation.message).find(|message| !message.is_empty());
         bail!(
-            "none of {} runs has a value of the objective and of all limited responses; the first reason: {}",
+            "none of {} runs has a value of the objective and of all responses with limits; reason of the first run: \
+             {}",
             found.all.len(),
             reason.unwrap_or("nothing")
         );
@@ -268,7 +269,7 @@ impl Made<'_> {
         eprintln!("{why}; {} evaluations", self.found.all.len() - 1);
         if worth > 0.0 {
             eprintln!(
-                "warning: no design satisfies all limits; the best one exceeds a limit by {:.3} %",
+                "warning: no design satisfies all limits; the best design exceeds a limit by {:.3} %",
                 100.0 * worth
             );
         }

@@ -74,7 +74,7 @@ impl Optimiser {
         let mut line = String::new();
         let length = self.output.read_line(&mut line).with_context(|| format!("{PROGRAM}: cannot be read"))?;
         if length == 0 {
-            bail!("{PROGRAM} ended early; its own messages are above");
+            bail!("{PROGRAM} ended early; the messages above state the reason");
         }
         serde_json::from_str(&line).with_context(|| format!("{PROGRAM}: its output is not understood"))
     }
@@ -91,7 +91,7 @@ impl Optimiser {
 
     fn tell(&mut self, line: &serde_json::Value) -> Result<()> {
         let written = writeln!(self.input, "{line}").and_then(|()| self.input.flush());
-        written.with_context(|| format!("{PROGRAM} ended early; its own messages are above"))
+        written.with_context(|| format!("{PROGRAM} ended early; the messages above state the reason"))
     }
 }
 

@@ -103,7 +103,9 @@ impl Step<'_> {
                     at(sigma)
                 )
             }
-            Missed::Far => "the position is too far from the last position; use shorter communication steps".to_owned(),
+            Missed::Far => {
+                "the position is too far from the previous position; use shorter communication steps".to_owned()
+            }
         };
         ModelError::Prescribed { name, value, time, why }
     }
@@ -118,7 +120,7 @@ impl Step<'_> {
         let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_locked(*place));
         let Some(place) = places.find(|place| ends.position(*place).is_some_and(is_passed)) else { return Ok(()) };
         let stop = ends.travel.stop(place).map_or("a stop", |(stop, _)| &self.track.whole.loading().stops[stop].name);
-        let why = format!("the motion leaves or passes {stop}, whose lock is engaged; disengage the lock before");
+        let why = format!("the motion leaves or passes {stop}, whose lock is engaged; disengage the lock first");
         let [value, ..] = self.motion.at(t);
         Err(ModelError::Prescribed { name: self.name(), value, time: t, why })
     }
