@@ -47,6 +47,7 @@ pub trait System<const N: usize> {
     }
 
     /// Put back what [`Self::take_kept`] took.
+    #[expect(clippy::boxed_local, reason = "a system that has a place keeps the box")]
     fn give_kept(&mut self, _kept: Box<Kept<N>>) {}
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
