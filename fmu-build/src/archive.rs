@@ -18,7 +18,7 @@ const PERMISSIONS: u32 = 0o644;
 
 /// What is stored as it is: unpacking megabytes takes an importer longer than the run of a mechanism.
 fn is_stored(name: &str) -> bool {
-    name.starts_with(binary::FOLDER) || name.ends_with(TABLES)
+    (name.starts_with(binary::FOLDER) && !name.ends_with(".a")) || name.ends_with(TABLES)
 }
 
 /// One file of an FMU.

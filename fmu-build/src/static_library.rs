@@ -193,7 +193,7 @@ mod tests {
         let names = ["fmi3Reset", "_ZN4core3fmt", "fmi2Reset"].map(str::to_owned);
         let archive = super::archive(b"the object", &names).unwrap();
         assert_eq!(functions(&archive).unwrap(), ["fmi2Reset", "fmi3Reset"]);
-        assert!(archive.ends_with(b"`\nthe object") && archive.len() % 2 == 0);
+        assert!(archive.ends_with(b"`\nthe object") && archive.len().is_multiple_of(2));
         assert_eq!(functions(b"!<arch>\n"), None);
         assert_eq!(functions(&archive[..90]), None);
     }
