@@ -279,8 +279,8 @@ mod tests {
         let folders =
             ["mechanism", "hydraulics", "network"].map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
         let pages = folders.into_iter().flat_map(|(name, files)| {
-            files.map(move |file| {
-                let path = file.unwrap().path();
+            // Pictures are in folders next to the pages.
+            files.map(|file| file.unwrap().path()).filter(|path| path.is_file()).map(move |path| {
                 (format!("{name}/{}", path.file_name().unwrap().to_str().unwrap()), fs::read_to_string(path).unwrap())
             })
         });

@@ -1,8 +1,8 @@
 //! `--static TARGET`: the library as an archive of objects, for hosts that link FMUs instead of loading them.
 //!
-//! In: a target of Rust. Out: an archive for each model, whose functions have the name of the model in front (FMI 2.0.5,
-//! 2.1.2; FMI 3.0.2, 2.5.1.4), and `documentation/staticLinking.txt`. All other names are local to the archive, so that a
-//! host can link any number of them.
+//! In: a target of Rust. Out: an archive for each model, whose functions have the name of the model in front
+//! (FMI 2.0.5, 2.1.2; FMI 3.0.2, 2.5.1.4), and `documentation/staticLinking.txt`. All other names are local to the
+//! archive, so that a host can link any number of archives.
 
 use crate::archive::Entry;
 use crate::binary::FOLDER;
@@ -43,8 +43,8 @@ impl StaticLibrary {
     /// Build it, in release.
     ///
     /// # Errors
-    /// This is an installation; the target is not one of Linux; Rust's standard library for it or a tool is missing; the
-    /// build fails.
+    /// This is an installation; the target is not one of Linux; Rust's standard library for it or a tool is missing;
+    /// the build fails.
     pub fn build(workspace: &Workspace, library: &'static SharedLibrary, triple: &str) -> Result<Self> {
         let shown = format!("--static {triple}");
         ensure!(
@@ -149,8 +149,8 @@ pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entr
     };
     let mut text = format!(
         "Static libraries of {model}\n\n\
-         A host can link these archives instead of loading a shared library. Each function has the name of the model in\n\
-         front: {model}_{function}. All other names are local, so that one host can link several FMUs.\n\n"
+         A host can link these archives instead of loading a shared library. Each function has the name of the model\n\
+         in front: {model}_{function}. All other names are local, so that one host can link several FMUs.\n\n"
     );
     for library in libraries {
         text += &format!("{}\n", library.path(version, model));

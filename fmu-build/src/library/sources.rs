@@ -34,10 +34,10 @@ pub fn variable() -> Result<(String, OsString)> {
     Ok(("CARGO_BUILD_RUSTFLAGS".to_owned(), flag))
 }
 
-/// Write `crates/////` in place of the path of the folder with the sources, wherever messages of panics name it: it tells
-/// the name of who built the library. Rust can leave the path out with `--remap-path-prefix`, but then compiles the
-/// engine once for the program and once for the library. The length stays, as the text is found by its length.
-/// A library of macOS is signed, and stays as it is.
+/// Write `crates/////` in place of the path of the folder with the sources, wherever messages of panics name this
+/// folder: the path tells who built the library. Rust can leave the path out with `--remap-path-prefix`, but then
+/// compiles the engine once for the program and once for the library. The length stays, as the text is found by its
+/// length. A library of macOS is signed, and stays as it is.
 pub fn leave_out(content: &mut [u8], folder: &Path) {
     let path = folder.as_os_str().as_encoded_bytes();
     if path.len() < PLACE.len() || content.starts_with(&MACH_O) {

@@ -331,7 +331,8 @@ mod tests {
         <TypeDefinitions><SimpleType name=\"t\"/></TypeDefinitions>\
         <LogCategories><Category name=\"logAll\"/></LogCategories>\
         <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"0.1\"/><ModelVariables>\
-        <ScalarVariable name=\"p\" valueReference=\"0\" causality=\"parameter\" variability=\"fixed\" initial=\"exact\">\
+        <ScalarVariable name=\"p\" valueReference=\"0\" causality=\"parameter\" variability=\"fixed\" \
+        initial=\"exact\">\
         <Real min=\"0\" max=\"2\" start=\"1\"/></ScalarVariable>\
         <ScalarVariable name=\"u\" valueReference=\"1\" causality=\"input\" variability=\"continuous\">\
         <Real unit=\"rad\" displayUnit=\"deg\" nominal=\"1\" start=\"0\"/></ScalarVariable>\

@@ -3,8 +3,8 @@
 //! In: a dimension. Out: for each bit of the number of a point what it changes in the coordinate. The table of the
 //! authors stands in `joe_kuo/directions.txt`, with its licence next to it.
 
-/// For each dimension from the second on: its number, the degree s and the inner coefficients a of a primitive polynomial,
-/// and the first s direction numbers.
+/// For each dimension from the second on: its number, the degree s and the inner coefficients a of a primitive
+/// polynomial, and the first s direction numbers.
 const TABLE: &str = include_str!("joe_kuo/directions.txt");
 /// Bits of a direction.
 const WORD: usize = u64::BITS as usize;
