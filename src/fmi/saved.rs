@@ -49,7 +49,7 @@ impl Saved {
     ///
     /// # Errors
     /// A count of work done is near overflow.
-    pub fn to_bytes(&mut self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
+    pub fn serialise(&mut self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
         let mut bytes = Vec::with_capacity(USUAL);

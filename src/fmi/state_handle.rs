@@ -162,7 +162,7 @@ unsafe fn serialized<'a>(instance: &Instance, state: State) -> Result<&'a mut Op
     // SAFETY: the caller's promise.
     let kept = unsafe { kept(state, instance) }?;
     if kept.bytes.is_none() {
-        kept.bytes = Some(kept.saved.to_bytes(kept.identity)?);
+        kept.bytes = Some(kept.saved.serialise(kept.identity)?);
     }
     Ok(&mut kept.bytes)
 }
