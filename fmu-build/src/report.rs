@@ -1,8 +1,8 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
 //! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
-//! `hydraulic.csv` and `hydraulic.png`, or `system.csv` and `system.png`; of the report, the figures and claims of the two papers, recomputed:
-//! `report.md`, `report.html` and `figures/`, in `validation/` by default.
+//! `hydraulic.csv` and `hydraulic.png`, or `system.csv` and `system.png`; of the report, the figures and claims of the
+//! two papers, recomputed: `report.md`, `report.html` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, ssp, view};
@@ -16,8 +16,8 @@ const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMUs that the report runs.
 const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
 
-/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, or the landing-gear system, and run
-/// the demo on it.
+/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, or the landing-gear system, and
+/// run the demo on it.
 ///
 /// # Errors
 /// Packing, Python's environment or the run itself fails.

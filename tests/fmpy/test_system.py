@@ -89,18 +89,6 @@ def test_times_do_not_depend_on_the_step(runs: dict[float, demo_system.Run], ste
             assert abs(long[words] - time) < LATE[step], words
 
 
-def test_the_cycle_completes_in_long_steps() -> None:
-    """In steps of 20 ms the gear strikes the up stop once more when the uplock releases it; all else is in order."""
-    acts: list[list[str]] = []
-    for _, words in demo_system.run(PACKAGE, 20e-3).events:
-        if words.startswith("--"):
-            acts.append([])
-        elif words.startswith(("gear is", "door is")) and not (words == "gear is up" and len(acts) == 2):
-            acts[-1].append(words)
-    up, down = (["door is open", f"gear is {end}", "door is closed"] for end in ("up", "down"))
-    assert acts == [up, down, up, down[:2]]
-
-
 def test_nothing_is_lost(runs: dict[float, demo_system.Run]) -> None:
     for found in runs.values():
         moved = max(found.column("hydraulics", "volume.from_reservoirs"))

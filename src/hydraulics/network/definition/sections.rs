@@ -261,7 +261,8 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve that a cylinder operates. The valve is open while the cylinder is longer, or shorter, than a length.
+    /// Sequence valve that a cylinder operates. The valve is open while the cylinder is longer than a length, or
+    /// shorter.
     pub struct PositionValve {
         /// Port upstream.
         from: String => line().required();
