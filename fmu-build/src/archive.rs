@@ -1,7 +1,7 @@
 //! The zip file of an FMU, the same bytes for the same content.
 //!
-//! In: names and contents. Out: entries in a fixed order, deflated or stored, `modelDescription.xml` first, with fixed times and
-//! permissions, without entries for directories (FMI 2.0.5, 2.3).
+//! In: names and contents. Out: entries in a fixed order, deflated or stored, `modelDescription.xml` first, with fixed
+//! times and permissions, without entries for directories (FMI 2.0.5, 2.3).
 
 use crate::{binary, files, names};
 use anyhow::{Context, Result, bail};

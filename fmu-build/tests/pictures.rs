@@ -38,14 +38,14 @@ fn example(page: &str) -> String {
 fn the_committed_pictures_are_those_of_the_examples() {
     let mut count = 0;
     for path in fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()) {
-        let Some(page) = fs::read_to_string(&path).ok().filter(|page| page.contains("](pictures/")) else { continue };
+        let Some(page) = fs::read_to_string(&path).ok().filter(|page| page.contains("](../pictures/")) else { continue };
         let text = example(&page);
         let component = Component::from_definition("mechanism.json", &text).unwrap();
         let picture = Picture::new(&component, &text).unwrap();
         let svg = to_svg(&picture.of_the_page(), Colours::Own, "drawing").unwrap();
         let name = path.file_stem().unwrap().to_str().unwrap();
-        assert!(page.contains(&format!("](pictures/{name}.svg)")), "{name}.md shows the picture of another page");
-        let path = folder().join("pictures").join(name).with_extension("svg");
+        assert!(page.contains(&format!("](../pictures/{name}.svg)")), "{name}.md shows the picture of another page");
+        let path = folder().join("../pictures").join(name).with_extension("svg");
         if std::env::var_os("LINKAGE_FMU_WRITE").is_some() {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(&path, &svg).unwrap();

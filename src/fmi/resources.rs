@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 pub use crate::format::LARGEST_DEFINITION;
 
-/// Component of a new instance, of one of the kinds that the library has. Its definition is read at each instantiation, so that a user may edit the numbers in
-/// it; tables of the definition as it was packed are then made anew.
+/// Component of a new instance, of one of the kinds that the library has. Its definition is read at each
+/// instantiation, so that a user may edit the numbers in it; tables of the definition as it was packed are then made
+/// anew.
 ///
 /// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
 /// library lies. `guid` is the host's, in its argument of the name `guid_argument`.

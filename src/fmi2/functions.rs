@@ -31,7 +31,8 @@ pub extern "C" fn fmi2GetVersion() -> Text {
     c"2.0".as_ptr()
 }
 
-/// New instance, `fmi2Instantiate`, of one of the kinds of models that the library has: from the definition file in the resources folder; NULL, with a message, if anything is amiss.
+/// New instance, `fmi2Instantiate`, of one of the kinds of models that the library has: from the definition file in
+/// the resources folder; NULL, with a message, if anything is amiss.
 ///
 /// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
 /// copied; each may be NULL.

@@ -27,4 +27,6 @@ macro_rules! fmi2_instantiation {
     };
 }
 
+pub use fmi2_instantiation as instantiation;
+
 fmi2_instantiation!(&KINDS);

@@ -12,9 +12,9 @@ use crate::fmi::logger::Logger;
 use crate::fmi::phase::{ALIVE, Function};
 use crate::fmi::{exported_exchange, handle, resources};
 
-/// New instance for model exchange, `fmi3InstantiateModelExchange`, of one of the kinds of models that the library has:
-/// from the definition file in the folder of resources; NULL, with a message, if anything is amiss, and where the XML does not declare model exchange. The path is that of
-/// [`super::instantiate_co_simulation`].
+/// New instance for model exchange, `fmi3InstantiateModelExchange`, of one of the kinds of models that the library
+/// has: from the definition file in the folder of resources; NULL, with a message, if anything is amiss, and where the
+/// XML does not declare model exchange. The path is that of [`super::instantiate_co_simulation`].
 pub unsafe fn instantiate_model_exchange(
     kinds: &[ModelKind],
     name: Text,

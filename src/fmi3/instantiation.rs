@@ -55,4 +55,6 @@ macro_rules! fmi3_instantiation {
     };
 }
 
+pub use fmi3_instantiation as instantiation;
+
 fmi3_instantiation!(&KINDS);

@@ -2,7 +2,10 @@
 //! library that makes no model of this kind is without this code.
 //!
 //! In: a model. Out: its answers, and its snapshots. It must not know any law.
-use super::{HydraulicsError, Model, Snapshot, network};
+use super::error::HydraulicsError;
+use super::model::Model;
+use super::snapshot::Snapshot;
+use super::{definition, network};
 use crate::format::{About, Experiment};
 use crate::inspection::Finding;
 use crate::integrator::Statistics;
@@ -28,7 +31,7 @@ macro_rules! methods {
         }
 
         methods! {
-            of Model, Snapshot, super::FILE =>
+            of Model, Snapshot, definition::FILE =>
             $(fn $name($this: $receiver $(, $argument: $type)*) $(-> $answer)?;)*
         }
         methods! {

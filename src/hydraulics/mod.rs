@@ -22,9 +22,7 @@ mod snapshot;
 mod state;
 mod systems;
 
-/// Name of the definition file of a hydraulic actuator.
-pub const FILE: &str = "hydraulics.json";
-
+pub use definition::FILE;
 pub use error::HydraulicsError;
 pub use interface::ACTUATOR;
 pub use model::{INPUT_ORDER, Model, OUTPUT_ORDER};

@@ -227,7 +227,7 @@ fn positions_without_an_answer() {
     let massive = |text: String| text.replace(r#""mass": 1"#, r#""mass": 1, "shape": "uniform_rod""#);
     check(
         &massive(rods("0.1", "1", "0", "0")),
-        &["two branches of motion cross at the guess", "away from the crossing", "the key start can still"],
+        &["two branches of motion cross at the guess", "from the crossing", "`start` contains"],
     );
     Model::from_json(&massive(rods("0.1", "1", "0", "0.5"))).unwrap();
     // The longer rod only swings; where it turns back, nothing with mass moves.
@@ -341,7 +341,7 @@ fn starts_out_of_reach() {
         &text,
         &[
             "crank.start_angle = 7 rad cannot be reached",
-            "where 0.7168146928 rad is the same position: write this value",
+            "0.7168146928 rad is the same position: write this value",
         ],
     );
     // A crank that turns fully round may start in any turn.

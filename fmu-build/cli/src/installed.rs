@@ -83,6 +83,8 @@ pub fn command() -> Command {
     }
     // The mechanisms of the gallery are in the source.
     command = command.mut_subcommand("demo", |task| task.mut_arg("gallery", |argument| argument.hide(true)));
+    // A static library is built from the source.
+    command = command.mut_subcommand("package", |task| task.mut_arg("statics", |argument| argument.hide(true)));
     command.mut_subcommand("package", |task| task.about("Pack mechanisms as FMUs: <Name>.fmu and <Name>.fmi3.fmu"))
 }
 

@@ -43,8 +43,8 @@ pub struct Package {
     /// when this option is used for the first time
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs; can be given
-    /// several times
+    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs; can
+    /// be given several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
     /// Do not pack documentation/animation.html, the animation of the default experiment
@@ -77,10 +77,10 @@ pub enum Platform {
     /// Linux on ARM with 64 bits; the name in FMI 2.0 is aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
-    /// macOS on Intel, in FMI 2.0 darwin64; zig links it
+    /// macOS on Intel, in FMI 2.0 darwin64
     #[value(name = "x86_64-darwin")]
     X86Mac,
-    /// macOS on ARM, in FMI 2.0 darwin64, in one file with x86_64-darwin if both are given; zig links it
+    /// macOS on ARM, in FMI 2.0 darwin64, in one file with x86_64-darwin if both are given
     #[value(name = "aarch64-darwin")]
     ArmMac,
 }

@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(row("crank.angle").dependencies, "no input");
         let demanded = "drive.demanded_acceleration";
         assert!(row("drive.required_force").dependencies.contains("every input"), "{:?}", row("drive.required_force"));
-        assert_eq!(row("crank.acceleration").dependencies, format!("every input but {demanded}"));
+        assert_eq!(row("crank.acceleration").dependencies, format!("every input except {demanded}"));
         assert_eq!((row("drive.torque").start.as_str(), row("drive.torque").unit.as_str()), ("0.5", "N.m"));
     }
 }

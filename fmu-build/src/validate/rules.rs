@@ -138,7 +138,7 @@ impl Rules {
         let mut broken: Vec<String> = Vec::new();
         let is_real = v.kind == "Real" || v.kind.starts_with("Float");
         if variability == "continuous" && !is_real && causality != "independent" {
-            broken.push(format!("its kind {} cannot be continuous", v.kind));
+            broken.push(format!("a variable of type {} cannot have the variability continuous", v.kind));
         }
         let legal: &[&str] = match causality {
             "parameter" | "calculatedParameter" | "structuralParameter" => &["fixed", "tunable"],
@@ -370,7 +370,11 @@ mod tests {
                 "variability=\"continuous\"",
                 "p: causality parameter with variability continuous",
             ),
-            ("variability=\"discrete\"", "variability=\"continuous\"", "b: its kind Enumeration cannot be continuous"),
+            (
+                "variability=\"discrete\"",
+                "variability=\"continuous\"",
+                "b: a variable of type Enumeration cannot have the variability continuous",
+            ),
             (" start=\"1\"", "", "p: has no start value"),
             ("<Real derivative=\"2\"/>", "<Real derivative=\"2\" start=\"1\"/>", "y: has a start value"),
             ("max=\"2\"", "max=\"-2\"", "p: max -2 is below min 0"),

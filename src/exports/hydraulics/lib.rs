@@ -8,5 +8,5 @@ use linkage_fmu::component::{HYDRAULIC_ACTUATOR, HYDRAULIC_SYSTEM, ModelKind};
 pub use linkage_fmu::{fmi2, fmi3};
 
 const KINDS: &[ModelKind] = &[HYDRAULIC_ACTUATOR, HYDRAULIC_SYSTEM];
-linkage_fmu::fmi2_instantiation!(KINDS, unsafe(no_mangle));
-linkage_fmu::fmi3_instantiation!(KINDS, unsafe(no_mangle));
+fmi2::instantiation!(KINDS, unsafe(no_mangle));
+fmi3::instantiation!(KINDS, unsafe(no_mangle));

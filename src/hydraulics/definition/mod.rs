@@ -15,6 +15,9 @@ use crate::variables::Unit;
 pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 pub use sections::*;
 
+/// Name of the definition file of a hydraulic actuator.
+pub const FILE: &str = "hydraulics.json";
+
 /// The elements of a definition for its schema and reference, next to those of the circuit: the whole first.
 pub const ELEMENTS: [Element; 6] = [
     Element::of::<HydraulicActuator>(""),

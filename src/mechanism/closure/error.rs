@@ -94,8 +94,8 @@ impl fmt::Display for AssemblyError {
             ),
             Self::Crossing => write!(
                 f,
-                "two branches of motion cross at the guess: guess a position on the intended branch, away from the \
-                 crossing (the key start can still give the position of the crossing)"
+                "two branches of motion cross at the guess: change `guess` to a position on the intended branch, away \
+                 from the crossing; the run may still start at the crossing, if `start` contains this position"
             ),
         }
     }

@@ -11,7 +11,7 @@ keys! {
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
         /// Prismatic joint whose position states the start.
         joint: Option<String> => element();
-        /// Position of the joint in `joint` at the start [m].
+        /// Start position of the prismatic joint that the key `joint` names [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Speed of the stated body or joint at the start [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");

@@ -48,8 +48,8 @@ keys! {
             Range::Coordinate).brief();
         /// Start value of the input `<name>.command` [1]. Only with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
-        /// Screw between a motor and the line of the drive. The input is then the motor torque. Not in a revolute
-        /// joint.
+        /// Screw that turns the rotation of a motor into the stroke of the drive. The input is then the motor torque.
+        /// Not in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive can have a
         /// circuit. A drive in a revolute joint cannot have a circuit.

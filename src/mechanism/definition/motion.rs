@@ -136,8 +136,8 @@ impl Mechanism {
             faults.keep::<()>(refused(&key, message));
         }
         if self.start.equilibrium && motion.enabled {
-            let message = "with a prescribed motion every position is an equilibrium: give a start position, or write \
-                           \"enabled\": false";
+            let message = "`start` cannot be `equilibrium` with a prescribed motion, as every position is an \
+                           equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
             faults.keep::<()>(refused(&key, message));
         }
         motion.check(&key, faults);

@@ -193,7 +193,7 @@ impl Model {
             Ok(forces) if forces.acceleration.is_finite() => Ok([speed, forces.acceleration]),
             other => {
                 let why = self.reason(other.map(|forces| forces.acceleration)).unwrap_or_default();
-                Err(NoValue::AtState(format!("the derivatives have no value: {why}")))
+                Err(NoValue::AtState(format!("the derivatives of the continuous states cannot be computed: {why}")))
             }
         }
     }

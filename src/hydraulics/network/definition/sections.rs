@@ -245,8 +245,8 @@ keys! {
         ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: factor of the pilot pressure \
             in the sum of load pressure and pilot pressure, which opens the valve");
         /// Sum p_to + ratio * p_pilot at which the valve is half open [Pa], > 0.
-        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Load pressure plus pilot ratio times \
-            pilot pressure, at which @ is half open");
+        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Opening pressure of @: load pressure \
+            plus pilot ratio times pilot pressure, at which the valve is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
