@@ -38,7 +38,9 @@ fn example(page: &str) -> String {
 fn the_committed_pictures_are_those_of_the_examples() {
     let mut count = 0;
     for path in fs::read_dir(folder()).unwrap().map(|entry| entry.unwrap().path()) {
-        let Some(page) = fs::read_to_string(&path).ok().filter(|page| page.contains("](../pictures/")) else { continue };
+        let Some(page) = fs::read_to_string(&path).ok().filter(|page| page.contains("](../pictures/")) else {
+            continue;
+        };
         let text = example(&page);
         let component = Component::from_definition("mechanism.json", &text).unwrap();
         let picture = Picture::new(&component, &text).unwrap();

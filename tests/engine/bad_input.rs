@@ -339,10 +339,7 @@ fn starts_out_of_reach() {
         around.replace(r#""limit": "upper", "angle": 0.8"#, r#""limit": "upper", "enabled": false, "angle": 0.8"#);
     check(
         &text,
-        &[
-            "crank.start_angle = 7 rad cannot be reached",
-            "0.7168146928 rad is the same position: write this value",
-        ],
+        &["crank.start_angle = 7 rad cannot be reached", "0.7168146928 rad is the same position: write this value"],
     );
     // A crank that turns fully round may start in any turn.
     Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
