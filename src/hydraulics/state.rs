@@ -178,9 +178,11 @@ impl State {
     }
 
     /// How far beyond the ends of the cylinder a mechanism may be [m] that the actuator stops there by its force: up to
-    /// the way of the last step. Without the mass of what it moves the actuator stops nothing.
+    /// the way of the last step, of the piston or at the speed that the mechanism had. Without the mass of what it
+    /// moves the actuator stops nothing.
     pub fn overrun(&self, setting: &Setting<'_>) -> f64 {
-        let way = self.arrival.map_or(0.0, |[_, way]| way);
+        let at_speed = self.last.map_or(0.0, |last| (last.start_speed * last.step).abs());
+        let way = self.arrival.map_or(0.0, |[_, way]| way).max(at_speed);
         if setting.inputs.get(Input::Mass) > 0.0 { OVERRUN + way } else { SLACK }
     }
 

@@ -79,3 +79,18 @@ fn steps_may_change_at_an_end() {
         assert!((own_end / end - 1.0).abs() < 1e-6, "{host:?}: {own_end} N is not {end} N");
     }
 }
+
+/// A mean force that is held stops the mechanism one step late: it is then past the end by less than its way in this
+/// step, wherever in the step the piston came to the end.
+#[test]
+fn a_fast_mechanism_may_be_past_an_end_by_its_way_in_a_step() {
+    for k in 0..20 {
+        let mut scene = extension();
+        scene.start.push(Set::Circuit("cylinder.stroke", 0.3 + 1e-4 * f64::from(k)));
+        scene.start.push(Set::Circuit("cushion_b.length", 0.0));
+        scene.start.push(Set::Circuit("restrictor_a.rated_flow", 0.0));
+        scene.start.push(Set::Circuit("restrictor_b.rated_flow", 0.0));
+        scene.start.push(Set::Circuit("valve.rated_flow", 3e-4));
+        pair(&Scene { end: 4.0, sample: 4.0, ..scene }, Host::Held, &|_| 2e-2, true);
+    }
+}
