@@ -3,7 +3,7 @@
 //! In: names and contents. Out: entries in a fixed order, deflated or stored, `modelDescription.xml` first, with fixed
 //! times and permissions, without entries for directories (FMI 2.0.5, 2.3).
 
-use crate::{binary, files, names};
+use crate::{files, names};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::TABLES;
 use std::io::{Cursor, Write};
@@ -13,12 +13,14 @@ use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// Name of the file that describes the FMU.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
+/// Folder of the libraries.
+pub const BINARIES: &str = "binaries";
 /// Read and write for the owner, read for all.
 const PERMISSIONS: u32 = 0o644;
 
 /// What is stored as it is: unpacking megabytes takes an importer longer than the run of a mechanism.
 fn is_stored(name: &str) -> bool {
-    (name.starts_with(binary::FOLDER) && !name.ends_with(".a")) || name.ends_with(TABLES)
+    (name.starts_with(BINARIES) && !name.ends_with(".a")) || name.ends_with(TABLES)
 }
 
 /// One file of an FMU.

@@ -5,9 +5,9 @@
 
 mod universal;
 
-use crate::archive::Entry;
+use crate::archive::{BINARIES, Entry};
 use crate::files;
-use crate::library::SharedLibrary;
+use crate::library::served::SharedLibrary;
 use crate::version::Version;
 use anyhow::{Context, Result, bail};
 use fmu_cli::Library;
@@ -15,8 +15,6 @@ use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 
-/// Folder of the libraries in an FMU.
-pub const FOLDER: &str = "binaries";
 /// A function that every library of an FMU has.
 const FUNCTION: &str = "fmi2Instantiate";
 /// A function that a library has which also serves FMI 3.0.
@@ -192,7 +190,7 @@ fn platform(name: &str) -> Option<&'static Platform> {
 
 /// Path in an FMU of the library for the platform of this name; None if FMI has no such platform.
 pub fn path(name: &str, model_identifier: &str) -> Option<String> {
-    Some(format!("{FOLDER}/{name}/{model_identifier}.{}", platform(name)?.extension))
+    Some(format!("{BINARIES}/{name}/{model_identifier}.{}", platform(name)?.extension))
 }
 
 /// Whether this is a library of FMI 2.0 for the platform of this name.

@@ -9,7 +9,7 @@ mod spans;
 mod syntax;
 mod units;
 
-use crate::source::Definition;
+use crate::fmu::Definition;
 use crate::workspace::Workspace;
 use anyhow::Result;
 pub use faults::Located;

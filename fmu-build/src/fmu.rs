@@ -2,7 +2,6 @@
 //!
 //! In: its path. Out: the names of its entries, their contents, the definition in it. It must not know XML.
 
-use crate::source::Definition;
 use crate::{files, headers};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
@@ -23,6 +22,17 @@ pub struct Fmu {
     /// What is wrong with the archive's headers.
     faults: Vec<String>,
     archive: ZipArchive<Cursor<Vec<u8>>>,
+}
+
+/// The text of a definition, wherever it is.
+#[derive(Clone, Debug)]
+pub struct Definition {
+    /// Where the definition is, as messages name it.
+    pub shown: String,
+    /// Name of the definition file of its kind of model.
+    pub kind: &'static str,
+    /// Its text.
+    pub text: String,
 }
 
 /// Whether a path names an FMU.

@@ -5,9 +5,8 @@
 
 use crate::archive::MODEL_DESCRIPTION;
 use crate::binary;
-use crate::fmu::{self, Fmu};
+use crate::fmu::{self, Definition, Fmu};
 use crate::needs::Needs;
-use crate::source::Definition;
 use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
 use crate::xml::fmi2;

@@ -1,43 +1,19 @@
 //! The shared libraries of the FMUs: one for mechanisms, one for hydraulic models.
 
+pub mod served;
 pub mod sources;
 
 use crate::binary;
 use crate::command;
-use crate::workspace::{MECHANISM, Workspace};
+use crate::workspace::Workspace;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
-use std::env::consts::{ARCH, DLL_EXTENSION, OS};
+use served::SharedLibrary;
+use std::env::consts::DLL_EXTENSION;
 use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Stdio;
-
-/// A shared library, by the models that it serves. A library has the code of no other models.
-#[derive(Debug, PartialEq)]
-pub struct SharedLibrary {
-    /// Cargo's name for its package.
-    pub package: &'static str,
-    /// Name of which that of the file follows.
-    pub name: &'static str,
-    /// Name of its file in an installation, without extension.
-    pub installed: &'static str,
-}
-
-/// The library of mechanisms, `src/exports`.
-pub const MECHANISMS: SharedLibrary =
-    SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
-/// The library of hydraulic actuators and systems, `src/exports/hydraulics`.
-pub const HYDRAULICS: SharedLibrary = SharedLibrary {
-    package: "linkage-fmu-exports-hydraulics",
-    name: "linkage_fmu_exports_hydraulics",
-    installed: "linkage_fmu_hydraulics",
-};
-
-/// The library that serves the models of this definition file.
-pub fn of(definition_file: &str) -> &'static SharedLibrary {
-    if definition_file == MECHANISM { &MECHANISMS } else { &HYDRAULICS }
-}
 
 /// The package of the program that runs now. Built together with it, the library has the engine that this program has
 /// been built with; by itself it might ask for other features of the dependencies, and all would be compiled again.
@@ -56,25 +32,6 @@ pub struct Target {
     pub arguments: Vec<&'static str>,
     /// Environment variables for Cargo.
     pub variables: Vec<(String, OsString)>,
-}
-
-/// This platform's name, after FMI 2.0.5, 2.3; on ARM too it is the one that importers there look for.
-///
-/// # Errors
-/// FMI 2.0 has no name for this operating system.
-pub fn platform() -> Result<&'static str> {
-    Ok(match OS {
-        "linux" => "linux64",
-        "windows" => "win64",
-        "macos" => "darwin64",
-        other => bail!("{other}: FMI 2.0 has no platform for this system; build on Linux, Windows or macOS"),
-    })
-}
-
-/// This platform's name, after FMI 3.0.2, 2.5.1.4: architecture and system.
-pub fn tuple() -> String {
-    let system = if OS == "macos" { "darwin" } else { OS };
-    format!("{ARCH}-{system}")
 }
 
 /// Build a library in release and read it: with `target`, a triple of Rust, for another machine, for which Cargo gets
@@ -126,6 +83,7 @@ pub fn artifact(messages: &str, name: &str, extension: &str) -> Option<PathBuf> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use served::MECHANISMS;
 
     #[test]
     fn the_library_is_found_among_cargos_messages() {

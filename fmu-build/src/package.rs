@@ -7,13 +7,13 @@ use crate::archive::{self, Entry, MODEL_DESCRIPTION};
 use crate::binary::Binary;
 use crate::check::Checked;
 use crate::documentation::{Extent, RESULTS, Subject};
-use crate::library::SharedLibrary;
+use crate::library::served::{self, SharedLibrary};
 use crate::source::{self, Companions, Source};
 use crate::static_library::{self, StaticLibrary};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::xml::{fmi2, fmi3, terminals};
-use crate::{check, files, library, licenses, platform, schema, ssp};
+use crate::{check, files, licenses, platform, schema, ssp};
 use anyhow::{Context, Result, bail};
 pub use fmu_cli::Package as Arguments;
 use fmu_cli::{Fmi, Naming};
@@ -97,7 +97,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         bail!("nothing was packed: {}", refused.join("\n"));
     }
     let mut needed: Vec<&'static SharedLibrary> = Vec::new();
-    for library in prepared.iter().map(|fmu| library::of(fmu.component.definition_file())) {
+    for library in prepared.iter().map(|fmu| served::of(fmu.component.definition_file())) {
         if !needed.contains(&library) {
             needed.push(library);
         }
@@ -251,7 +251,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
         let mut entries = entries.clone();
         entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);
         let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
-        for binary in common.binaries.iter().filter(|binary| binary.serves(library::of(file))) {
+        for binary in common.binaries.iter().filter(|binary| binary.serves(served::of(file))) {
             let libraries = binary.entries(version, &fmu.name);
             if libraries.is_empty() {
                 let (file, platform) = (path.display(), binary.platform());
@@ -259,7 +259,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
             }
             entries.extend(libraries);
         }
-        let statics: Vec<_> = common.statics.iter().filter(|other| other.library == library::of(file)).collect();
+        let statics: Vec<_> = common.statics.iter().filter(|other| other.library == served::of(file)).collect();
         for library in &statics {
             entries.push(library.entry(version, &fmu.name)?);
         }

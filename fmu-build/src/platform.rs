@@ -4,13 +4,13 @@
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
 use crate::binary::{ARM_LINUX, Binary, COMPATIBLE, MAC};
-use crate::library::{self, SharedLibrary, Target, sources};
+use crate::library::served::SharedLibrary;
+use crate::library::{self, Target, sources};
 use crate::needs::{self, Needs};
-use crate::package::Arguments;
 use crate::workspace::Workspace;
-use crate::{command, files, prebuilt};
+use crate::{command, files, prebuilt, version};
 use anyhow::{Context, Result, bail};
-use fmu_cli::Platform;
+use fmu_cli::{Package as Arguments, Platform};
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -108,7 +108,7 @@ fn wanted(arguments: &Arguments) -> Vec<&'static Toolchain> {
 pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
     let wanted = wanted(arguments);
     if wanted.is_empty() {
-        return Ok(vec![library::platform()?]);
+        return Ok(vec![version::platform()?]);
     }
     let mut folders: Vec<_> = wanted.iter().map(|toolchain| toolchain.folder).collect();
     // One file of macOS holds the libraries of both processors.
@@ -151,7 +151,7 @@ pub fn build(
 ) -> Result<Vec<Binary>> {
     let mut wanted = wanted(arguments);
     if wanted.is_empty() {
-        match (arguments.glibc.as_deref(), [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple())) {
+        match (arguments.glibc.as_deref(), [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == version::tuple())) {
             (None, _) => return libraries.iter().map(|library| own(workspace, library)).collect(),
             (Some(_), Some(own)) => wanted.push(own),
             (Some(_), None) => {}
@@ -211,15 +211,15 @@ pub fn build(
 fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary> {
     let content = match workspace.installation() {
         Some(root) => {
-            let folder = if library::tuple() == ARM.tuple { ARM.folder } else { library::platform()? };
+            let folder = if version::tuple() == ARM.tuple { ARM.folder } else { version::platform()? };
             files::read(&prebuilt::path(root, library, folder)?, u64::MAX)?
         }
         None => library::build(workspace, library, None)?,
     };
-    if library::tuple() == ARM.tuple {
+    if version::tuple() == ARM.tuple {
         return Ok(Binary::new(ARM.folder, content, ARM.triple)?.of(library).compatible());
     }
-    Ok(Binary::new(library::platform()?, content, "this machine's library")?.of(library))
+    Ok(Binary::new(version::platform()?, content, "this machine's library")?.of(library))
 }
 
 /// How the library for a platform is built; None for this machine's own.
@@ -229,7 +229,7 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
 fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> Result<Option<Target>> {
     let &Toolchain { triple, extension, .. } = toolchain;
     let glibc = glibc.filter(|_| toolchain.is_linux());
-    if glibc.is_none() && toolchain.tuple == library::tuple() {
+    if glibc.is_none() && toolchain.tuple == version::tuple() {
         return Ok(None);
     }
     let (subcommand, linked) = match toolchain.linker.filter(|_| glibc.is_none()) {
@@ -269,14 +269,14 @@ pub fn path_with_zig(workspace: &Workspace) -> Result<OsString> {
 /// # Errors
 /// This machine is none of those that libraries for Linux are built for.
 pub fn own_triple() -> Result<&'static str> {
-    let own = [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == library::tuple());
+    let own = [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == version::tuple());
     own.map(|own| own.triple)
-        .with_context(|| format!("--glibc applies to Linux, but this machine is {}", library::tuple()))
+        .with_context(|| format!("--glibc applies to Linux, but this machine is {}", version::tuple()))
 }
 
 /// This machine as a platform whose library has a folder of its own in FMI 2.0, if it has another one by default.
 pub fn own_by_name() -> Option<Platform> {
-    (library::tuple() == ARM.tuple).then_some(Platform::ArmLinux)
+    (version::tuple() == ARM.tuple).then_some(Platform::ArmLinux)
 }
 
 /// Whether a library that was built for other machines will find there what it needs.
@@ -358,6 +358,7 @@ fn linker(triple: &str, (linker, package): (&str, &str)) -> Result<(String, OsSt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library::served;
 
     fn asking(platforms: &[Platform], compatible: bool) -> Arguments {
         Arguments { platforms: platforms.to_vec(), compatible, ..Default::default() }
@@ -366,7 +367,7 @@ mod tests {
     #[test]
     fn each_platform_has_its_folder_once() {
         use Platform::{ArmLinux, ArmMac, X86Linux, X86Mac, X86Windows};
-        assert_eq!(folders(&asking(&[], false)).unwrap(), [library::platform().unwrap()]);
+        assert_eq!(folders(&asking(&[], false)).unwrap(), [version::platform().unwrap()]);
         let all = asking(&[ArmLinux, X86Windows, X86Linux, X86Windows], false);
         assert_eq!(folders(&all).unwrap(), ["aarch64-linux", "win64", "linux64"]);
         assert_eq!(folders(&asking(&[X86Windows, ArmLinux], true)).unwrap(), ["win64", "linux64"]);
@@ -388,7 +389,7 @@ mod tests {
     #[test]
     fn an_old_glibc_for_windows_alone_is_refused() {
         let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
-        let message = build(&Workspace::locate(), &arguments, &[&library::MECHANISMS]).unwrap_err().to_string();
+        let message = build(&Workspace::locate(), &arguments, &[&served::MECHANISMS]).unwrap_err().to_string();
         assert!(message.contains("--glibc 2.17 applies to libraries for Linux"), "{message}");
     }
 

@@ -2,8 +2,9 @@
 //!
 //! In: a platform's folder. Out: the library's file, or which there are instead. `dist` writes them.
 
+use crate::archive::BINARIES;
 use crate::binary;
-use crate::library::SharedLibrary;
+use crate::library::served::SharedLibrary;
 use anyhow::{Result, bail};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ pub fn path(root: &Path, library: &SharedLibrary, folder: &str) -> Result<PathBu
     if path.is_file() {
         return Ok(path);
     }
-    let entries = fs::read_dir(root.join(binary::FOLDER)).into_iter().flatten().flatten();
+    let entries = fs::read_dir(root.join(BINARIES)).into_iter().flatten().flatten();
     let mut others: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     others.sort();
     bail!(
@@ -30,7 +31,7 @@ pub fn path(root: &Path, library: &SharedLibrary, folder: &str) -> Result<PathBu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::library::MECHANISMS;
+    use crate::library::served::MECHANISMS;
 
     #[test]
     fn a_library_that_is_not_there_is_named_with_those_that_are() {

@@ -3,7 +3,7 @@
 //! In: a path. Out: the definition's kind and text, and the files that accompany it in the FMU.
 
 use crate::archive::{Entry, MODEL_DESCRIPTION};
-use crate::fmu::{self, Fmu, RESOURCES};
+use crate::fmu::{self, Definition, Fmu, RESOURCES};
 use crate::workspace::Workspace;
 use crate::{files, names, shared};
 use anyhow::{Context, Result, bail};
@@ -163,17 +163,6 @@ impl Source {
         }
         Ok(all)
     }
-}
-
-/// The text of a definition, wherever it is.
-#[derive(Clone, Debug)]
-pub struct Definition {
-    /// Where the definition is, as messages name it.
-    pub shown: String,
-    /// Name of the definition file of its kind of model.
-    pub kind: &'static str,
-    /// Its text.
-    pub text: String,
 }
 
 impl Definition {

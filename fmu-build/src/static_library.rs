@@ -4,9 +4,9 @@
 //! (FMI 2.0.5, 2.1.2; FMI 3.0.2, 2.5.1.4), and `documentation/staticLinking.txt`. All other names are local to the
 //! archive, so that a host can link any number of archives.
 
-use crate::archive::Entry;
-use crate::binary::FOLDER;
-use crate::library::{SharedLibrary, sources};
+use crate::archive::{BINARIES, Entry};
+use crate::library::served::SharedLibrary;
+use crate::library::sources;
 use crate::version::Version;
 use crate::workspace::Workspace;
 use crate::{command, files, library, platform};
@@ -98,9 +98,9 @@ impl StaticLibrary {
     fn path(&self, version: Version, model: &str) -> String {
         let [processor, system, interface] = &self.parts;
         match (version, processor.as_str()) {
-            (Version::Two, "x86_64") => format!("{FOLDER}/linux64/{interface}/{model}.a"),
-            (Version::Two, _) => format!("{FOLDER}/{processor}-{system}/{interface}/{model}.a"),
-            (Version::Three, _) => format!("{FOLDER}/{processor}-{system}-{interface}/{model}.a"),
+            (Version::Two, "x86_64") => format!("{BINARIES}/linux64/{interface}/{model}.a"),
+            (Version::Two, _) => format!("{BINARIES}/{processor}-{system}/{interface}/{model}.a"),
+            (Version::Three, _) => format!("{BINARIES}/{processor}-{system}-{interface}/{model}.a"),
         }
     }
 
@@ -186,7 +186,7 @@ fn functions(archive: &[u8]) -> Option<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::library::MECHANISMS;
+    use crate::library::served::MECHANISMS;
 
     #[test]
     fn functions_stand_in_the_index_of_an_archive() {

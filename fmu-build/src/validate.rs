@@ -6,12 +6,11 @@
 
 mod rules;
 
-use crate::archive::MODEL_DESCRIPTION;
+use crate::archive::{BINARIES, MODEL_DESCRIPTION};
 use crate::binary::{ARM_LINUX, COMPATIBLE};
 use crate::check;
-use crate::fmu::{self, Fmu};
+use crate::fmu::{self, Definition, Fmu};
 use crate::needs::Needs;
-use crate::source::Definition;
 use crate::version::Version;
 use crate::workspace::Workspace;
 use crate::xml::description::{Described, Description};
@@ -144,8 +143,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
         found.errors.push(format!("{shown}: contains no library, so no simulation tool can load this FMU"));
     }
-    let is_archive =
-        |name: &&String| name.starts_with(binary::FOLDER) && [".a", ".lib"].iter().any(|e| name.ends_with(e));
+    let is_archive = |name: &&String| name.starts_with(BINARIES) && [".a", ".lib"].iter().any(|e| name.ends_with(e));
     let pages = [static_library::PAGE.to_owned(), static_library::PAGE.replace(".txt", ".html")];
     if let Some(archive) = fmu.names().iter().find(is_archive)
         && !pages.iter().any(|page| fmu.names().contains(page))
@@ -153,7 +151,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
         found.errors.push(format!("{shown}: contains {archive}, but no {} about how to link", static_library::PAGE));
     }
     for platform in &platforms {
-        let within = format!("{}/{platform}/", binary::FOLDER);
+        let within = format!("{}/{platform}/", BINARIES);
         if fmu.names().iter().filter(|name| name.starts_with(&within)).all(|name| is_archive(&name)) {
             continue;
         }

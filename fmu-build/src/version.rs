@@ -1,9 +1,9 @@
 //! The versions of FMI that an FMU can be of, and what differs between them for the packer.
-use crate::library;
 use crate::xml::{fmi2, fmi3};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use fmu_cli::Naming;
 use linkage_fmu::component::Component;
+use std::env::consts::{ARCH, OS};
 
 /// A version of FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,8 +45,27 @@ impl Version {
     /// The version has no name for this operating system.
     pub fn platform(self) -> Result<String> {
         match self {
-            Self::Two => library::platform().map(str::to_owned),
-            Self::Three => Ok(library::tuple()),
+            Self::Two => platform().map(str::to_owned),
+            Self::Three => Ok(tuple()),
         }
     }
+}
+
+/// This platform's name, after FMI 2.0.5, 2.3; on ARM too it is the one that importers there look for.
+///
+/// # Errors
+/// FMI 2.0 has no name for this operating system.
+pub fn platform() -> Result<&'static str> {
+    Ok(match OS {
+        "linux" => "linux64",
+        "windows" => "win64",
+        "macos" => "darwin64",
+        other => bail!("{other}: FMI 2.0 has no platform for this system; build on Linux, Windows or macOS"),
+    })
+}
+
+/// This platform's name, after FMI 3.0.2, 2.5.1.4: architecture and system.
+pub fn tuple() -> String {
+    let system = if OS == "macos" { "darwin" } else { OS };
+    format!("{ARCH}-{system}")
 }

@@ -9,7 +9,7 @@ mod series;
 
 use crate::check::{self, Checked};
 use crate::files;
-use crate::source::Definition;
+use crate::fmu::Definition;
 use crate::workspace::{MECHANISM, Workspace};
 use anyhow::{Context, Result, bail};
 pub use data::{Data, Status, Wanted};

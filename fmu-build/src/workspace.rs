@@ -1,7 +1,7 @@
 //! Where things are. The only part that knows the layout of the repository, and that of an installation, which has the
 //! parts of the repository that tasks read in the same places, with libraries that are built.
 
-use crate::binary;
+use crate::archive::BINARIES;
 use anyhow::{Context, Result, bail};
 use fmu_cli::{Task, installed};
 use linkage_fmu::component::Component;
@@ -48,7 +48,7 @@ impl Workspace {
 
     fn installed_in(environment: &Path) -> Result<Self> {
         let root = environment.join(INSTALLED);
-        if !root.join(binary::FOLDER).is_dir() {
+        if !root.join(BINARIES).is_dir() {
             bail!("{}: the files of the program are missing; install the wheel again with pip", root.display());
         }
         Ok(Self { root, is_installed: true })

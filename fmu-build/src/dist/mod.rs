@@ -8,11 +8,11 @@ mod test;
 
 use crate::binary::Binary;
 use crate::fmu::Fmu;
-use crate::library::sources;
+use crate::library::{served, sources};
 use crate::needs::{self, Needs};
 use crate::version::Version;
 use crate::workspace::{INSTALLED, Workspace};
-use crate::{command, files, library, package, platform};
+use crate::{command, files, package, platform};
 use anyhow::{Context, Result, bail, ensure};
 pub use fmu_cli::Dist as Arguments;
 use std::fs;
@@ -35,7 +35,7 @@ const PROMISE: &str = "manylinux_2_";
 /// of it fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let packing = packing(arguments);
-    let binaries = package::libraries(workspace, &packing, &[&library::MECHANISMS, &library::HYDRAULICS])?;
+    let binaries = package::libraries(workspace, &packing, &[&served::MECHANISMS, &served::HYDRAULICS])?;
     let stage = workspace.target("wheel");
     if stage.is_dir() {
         fs::remove_dir_all(&stage).with_context(|| format!("{}: cannot be removed", stage.display()))?;
@@ -89,7 +89,7 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     for part in PARTS {
         files::copy_all(&workspace.root().join(part), &root.join(part))?;
     }
-    for library in [&library::MECHANISMS, &library::HYDRAULICS] {
+    for library in [&served::MECHANISMS, &served::HYDRAULICS] {
         let binaries = binaries.iter().filter(|binary| binary.serves(library));
         for entry in binaries.flat_map(|binary| binary.entries(Version::Two, library.installed)) {
             files::replace(&root.join(&entry.name), &entry.content)?;

@@ -2,8 +2,8 @@
 //!
 //! In: rows. Out: lines with the column `time` first; every number in the fewest digits that give it back.
 
+use super::column::Column;
 use super::file::Format;
-use super::table::Column;
 use anyhow::Result;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

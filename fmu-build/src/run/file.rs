@@ -3,7 +3,7 @@
 //! In: a path, a format, and blocks of rows. Out: the file, which takes its place at the end, whole. It
 //! must not know what the values mean.
 
-use super::table::Column;
+use super::column::Column;
 use crate::files::{Replacement, unwritten};
 use anyhow::{Context, Result, anyhow};
 use std::fs::File;

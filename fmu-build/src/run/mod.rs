@@ -4,6 +4,7 @@
 //! that FMPy makes, so that both have the same bits. It must not know who watches it.
 //! What is done for each row is inline: this crate is not optimised, the studies are.
 
+pub mod column;
 pub mod csv;
 pub mod file;
 mod missing;
@@ -12,6 +13,7 @@ pub mod table;
 pub mod thinned;
 
 use anyhow::{Context, Result, bail};
+use column::columns;
 use csv::Csv;
 use file::Writer;
 use linkage_fmu::component::{Component, Stepped};
@@ -19,7 +21,7 @@ use linkage_fmu::format::Experiment;
 use linkage_fmu::numerics::decimal::Decimal;
 use signals::{Signals, is_close};
 use std::path::Path;
-use table::{Table, columns};
+use table::Table;
 
 /// Steps between two looks of who watches.
 const STEPS_PER_LOOK: u64 = 1024;

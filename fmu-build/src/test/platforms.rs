@@ -8,7 +8,7 @@ use crate::fmu::Fmu;
 use crate::needs::Needs;
 use crate::workspace::Workspace;
 use crate::xml::description::Description;
-use crate::{binary, command, files, info, library, package, platform};
+use crate::{binary, command, files, info, package, platform, version};
 use anyhow::{Context, Result, bail};
 use fmu_cli::{Library, Platform};
 use std::ffi::OsString;
@@ -99,7 +99,7 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
     let fmus: Vec<PathBuf> = packed.into_iter().filter(|path| path.extension().is_some_and(|e| e == "fmu")).collect();
     let mut unpacked = fmus.iter().map(|path| Unpacked::new(path, &out)).collect::<Result<Vec<_>>>()?;
     unpacked.sort_by(|a, b| a.identifier.cmp(&b.identifier));
-    let own = library::platform()?;
+    let own = version::platform()?;
     let own = MACHINES.iter().find(|m| m.platform == own).context("the platforms can be tested on Linux only")?;
     let own = &Machine { compiler: "cc", launcher: &[], ..*own };
     let host = own.host(workspace)?;

@@ -3,8 +3,9 @@
 //! In: the repository. Out: a line; an error if a copy of the repository in another folder gives other bytes.
 
 use crate::binary;
+use crate::library::served;
 use crate::workspace::Workspace;
-use crate::{command, files, library};
+use crate::{command, files};
 use anyhow::{Context, Result, bail};
 use std::env::consts::DLL_EXTENSION;
 use std::fs;
@@ -49,10 +50,10 @@ fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
     // Of the program that runs now, Cargo tells its children where it lies.
     cargo.current_dir(root).env_remove("CARGO_MANIFEST_DIR").env("CARGO_TARGET_DIR", target);
-    cargo.args(["build", "--release", "--quiet", "--package", library::MECHANISMS.package, "--lib"]);
+    cargo.args(["build", "--release", "--quiet", "--package", served::MECHANISMS.package, "--lib"]);
     command::run(&mut cargo, "cargo build")?;
     let prefix = if cfg!(windows) { "" } else { "lib" };
-    let path: PathBuf = target.join("release").join(format!("{prefix}{}.{DLL_EXTENSION}", library::MECHANISMS.name));
+    let path: PathBuf = target.join("release").join(format!("{prefix}{}.{DLL_EXTENSION}", served::MECHANISMS.name));
     fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
 }
 

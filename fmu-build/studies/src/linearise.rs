@@ -7,8 +7,8 @@
 use crate::simulate::plot::{self, Picture};
 use anyhow::{Context, Result, bail};
 use fmu_build::files;
+use fmu_build::fmu::Definition;
 use fmu_build::run::csv::decimal;
-use fmu_build::source::Definition;
 use fmu_build::start_values::{self, find};
 use fmu_build::workspace::Workspace;
 pub use fmu_cli::Linearise as Arguments;

@@ -2,7 +2,7 @@
 //!
 //! In: the elements of a file. Out: notes. It must not know what is taken.
 
-use super::robot::at;
+use super::elements::at;
 use roxmltree::Node;
 
 /// Drives of MJCF, which may have defaults.

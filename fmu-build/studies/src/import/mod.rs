@@ -4,6 +4,7 @@
 //! text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
 
 mod defaults;
+mod elements;
 mod left_out;
 mod planar;
 mod plus;

@@ -2,8 +2,8 @@
 
 use crate::parquet_file::{Table, VALUES, Values};
 use anyhow::Result;
+use fmu_build::run::column::Column;
 use fmu_build::run::file::Format;
-use fmu_build::run::table::Column;
 use std::fs::File;
 
 /// The file.

@@ -1,7 +1,7 @@
 //! The results of a study as CSV, every number in the fewest digits that give it back.
 
 use super::chunk::Remark;
-use super::results::{Column, Content, Format, OWN};
+use super::table::{Column, Content, Format, OWN};
 use anyhow::Result;
 use fmu_build::run::csv::decimal;
 use std::fs::File;

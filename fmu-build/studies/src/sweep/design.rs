@@ -4,51 +4,21 @@
 //! point of the file is combined with every point of the grid, and these with every sample; runs are in this order, and
 //! of the grid the factor stated last changes first. It must not know how a run is made.
 
-use super::definition::{self, Definition, Normal, Setting};
+use super::definition::{self, Definition, Normal};
+use super::factor::{Factor, Source, coded, variable};
 use super::points::Points;
 use super::unit_cube::{UnitCube, each, most_dimensions};
 use anyhow::{Context, Result, bail};
-use fmu_build::start_values::{find, most_together, set_reals};
+use fmu_build::start_values::{most_together, set_reals};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
-use linkage_fmu::variables::{Causality, Kind, Reference, Unit};
+use linkage_fmu::variables::{Causality, Kind, Reference};
 use statrs::distribution::ContinuousCDF;
 use statrs::statistics::Distribution;
 use std::path::Path;
 
 /// Most runs of a study: their numbers are exact as doubles.
 const MOST_RUNS: u64 = 1 << 53;
-
-/// Where the values of a factor come from.
-#[derive(Clone, Debug)]
-enum Source {
-    /// A list.
-    List(Vec<f64>),
-    /// Equally spaced values: first, last, number.
-    Range(f64, f64, u64),
-    /// A uniform distribution between two ends, sampled along this dimension.
-    Uniform([f64; 2], usize),
-    /// A normal distribution, sampled along this dimension.
-    Normal(statrs::distribution::Normal, usize),
-    /// A column of the file of points, by its index.
-    Column(usize),
-}
-
-/// A variable that differs from run to run.
-#[derive(Clone, Debug)]
-pub struct Factor {
-    /// Its name.
-    pub name: String,
-    /// Its reference.
-    pub reference: Reference,
-    /// Its kind: Real, Boolean or String.
-    pub kind: Kind,
-    /// Its unit.
-    pub unit: Option<Unit>,
-    /// The texts of a String, which stand for their indices.
-    pub texts: Vec<String>,
-    source: Source,
-}
 
 /// Factors of one kind that are set in one call.
 #[derive(Clone, Debug)]
@@ -335,60 +305,4 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         bail!("factors: an optimisation needs at least one factor with bounds");
     }
     Ok(all)
-}
-
-/// A factor without values yet.
-///
-/// # Errors
-/// No parameter or input has this name.
-pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
-    let reference = settable(key, name, "a factor must be a parameter or an input", model)?;
-    let variable = &model.interface().list()[reference as usize];
-    let (kind, unit, source) = (variable.kind, variable.unit, Source::List(Vec::new()));
-    Ok(Factor { name: name.to_owned(), reference, kind, unit, texts: Vec::new(), source })
-}
-
-/// The parameter or input of this name.
-///
-/// # Errors
-/// There is none; with `remedy` for what is never set. What follows from other parameters is refused with their names.
-pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Result<Reference> {
-    let reference = find(model.interface(), name).with_context(|| key.to_owned())?;
-    let causality = model.interface().list()[reference as usize].causality;
-    match causality {
-        Causality::Parameter | Causality::Input => Ok(reference),
-        Causality::CalculatedParameter => {
-            model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
-            bail!("{key}: {name} is calculated; {remedy}")
-        }
-        _ => bail!("{key}: {name} is a variable of causality {}; {remedy}", causality.word().to_lowercase()),
-    }
-}
-
-/// A value as a number; a text that is new is added to those of the factor.
-///
-/// # Errors
-/// The value is of another kind than the variable.
-pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
-    match (factor.kind, value) {
-        (Kind::Real, Setting::Real(value)) => Ok(*value),
-        (Kind::Boolean, Setting::Boolean(value)) => Ok(f64::from(u8::from(*value))),
-        (Kind::Enumeration, Setting::Text(text)) => {
-            let known = factor.texts.iter().position(|known| known == text);
-            Ok(known.unwrap_or_else(|| {
-                factor.texts.push(text.clone());
-                factor.texts.len() - 1
-            }) as f64)
-        }
-        (kind, value) => bail!("{} is a {}, but {} is not", factor.name, kind.word(), shown(value)),
-    }
-}
-
-/// A value as JSON has it.
-pub fn shown(value: &Setting) -> String {
-    match value {
-        Setting::Real(value) => value.to_string(),
-        Setting::Boolean(value) => value.to_string(),
-        Setting::Text(text) => format!("\"{}\"", text.escape_debug()),
-    }
 }

@@ -10,6 +10,7 @@ mod csv;
 mod definition;
 mod design;
 mod extent;
+mod factor;
 mod joe_kuo;
 mod journal;
 pub mod optimise;
@@ -22,6 +23,7 @@ mod responses;
 mod results;
 mod run;
 mod scenario;
+mod table;
 mod unit_cube;
 
 use crate::progress::stop_wish;
@@ -31,9 +33,10 @@ use bar::Bar;
 use chunk::Cut;
 use cluster::Workers;
 use definition::Definition;
-use design::{Design, Factor};
+use design::Design;
+use factor::Factor;
 use fmu_build::files;
-use fmu_build::source;
+use fmu_build::fmu;
 use fmu_build::workspace::Workspace;
 pub use fmu_cli::Sweep as Arguments;
 use journal::Journal;
@@ -72,7 +75,7 @@ struct Study {
     task: Task,
     design: Design,
     cut: Cut,
-    model: source::Definition,
+    model: fmu::Definition,
     /// Where the mechanism is.
     path: PathBuf,
     identity: u128,
@@ -226,7 +229,7 @@ struct Stated {
     folder: PathBuf,
     /// Where the mechanism is.
     mechanism: PathBuf,
-    model: source::Definition,
+    model: fmu::Definition,
     component: Component,
 }
 
@@ -236,7 +239,7 @@ impl Stated {
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
         let shown = path.display();
         let mechanism = folder.join(&definition.mechanism);
-        let model = source::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
+        let model = fmu::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
         let component = Component::from_definition(model.kind, &model.text).with_context(|| {
             format!("{shown}: mechanism: {}; `{} check` prints the details", model.shown, workspace.program())
         })?;

@@ -4,7 +4,7 @@
 //! run is made.
 
 use super::definition::{Definition, Method};
-use super::results::{Column, Content};
+use super::table::{Column, Content};
 use anyhow::Result;
 use fmu_build::command;
 use fmu_build::workspace::Workspace;

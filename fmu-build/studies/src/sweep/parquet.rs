@@ -1,7 +1,7 @@
 //! The results of a study as Apache Parquet: the number of the run, the columns, whether it failed, the remark.
 
 use super::chunk::Remark;
-use super::results::{Column, Content, Format, OWN};
+use super::table::{Column, Content, Format, OWN};
 use crate::parquet_file::{Table, VALUES, Values};
 use anyhow::Result;
 use std::fs::File;

@@ -5,7 +5,7 @@
 //! NaN, which no model takes.
 
 use super::definition::Setting;
-use super::design::{Factor, coded, variable};
+use super::factor::{Factor, coded, variable};
 use anyhow::{Context, Result, bail};
 use fmu_build::csv_file;
 use fmu_build::start_values::truth;

@@ -7,54 +7,11 @@ use super::csv::Csv;
 use super::journal::Journal;
 use super::parquet::Parquet;
 use super::run::Task;
+use super::table::{Column, Content, Format, OWN};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::variables::Kind;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-
-/// What a column holds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Content {
-    /// Numbers.
-    Number,
-    /// Truth values, 1 for true.
-    Truth,
-    /// Texts, each told by its index.
-    Text(Vec<String>),
-}
-
-/// A column of numbers, truth values or texts.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Column {
-    /// Its name.
-    pub name: String,
-    /// What it holds.
-    pub content: Content,
-    /// Its unit; empty where it has none.
-    pub unit: String,
-}
-
-/// A format of tables. A row has the number of the run, the values of the columns, whether it failed, and a remark.
-pub trait Format: Sized {
-    /// Begin the file; `seed`: of the samples.
-    ///
-    /// # Errors
-    /// It cannot be written.
-    fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self>;
-    /// Add a row.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()>;
-    /// End the file.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    fn end(self) -> Result<()>;
-}
-
-/// Names of the columns that every table has: number of the run, whether it failed, remark.
-pub const OWN: [&str; 3] = ["run", "failed", "message"];
 
 /// The columns between the number of the run and whether it failed: factors and responses.
 ///

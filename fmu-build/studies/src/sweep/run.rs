@@ -3,7 +3,8 @@
 //! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then
 //! ready for the next run. Every run begins with an initialisation, so that none depends on those before it.
 
-use super::design::{Call, Factor};
+use super::design::Call;
+use super::factor::Factor;
 use super::responses::{Measure, Progress, Responses};
 use super::scenario::{Event, Scenario, Set, Step};
 use anyhow::{Context, Result, bail};

@@ -5,7 +5,7 @@
 //! that a response names.
 
 use super::definition::{Definition, Input, Setting};
-use super::design::{settable, shown};
+use super::factor::{settable, shown};
 use anyhow::{Context, Result, bail};
 use fmu_build::run::signals::{self, Signals, is_close};
 use fmu_build::start_values::{find, most_together};
