@@ -3,8 +3,9 @@
 //! In: value references, seeds, orders. Out: derivatives, or a refusal that leaves the instance unchanged. It must not
 //! know pointers to instances, nor how a derivative is found.
 
+use super::access::of_kind;
 use super::instance::Instance;
-use super::phase::{Phase, of_kind};
+use super::phase::Phase;
 use super::refusal::Refusal;
 use crate::component::Component;
 use crate::numerics::decimal::Decimal;

@@ -1,4 +1,4 @@
-//! Event mode of an instance: what the host makes use of, and the way from step mode or continuous-time mode to event
+//! Event mode of an instance: the way from step mode or continuous-time mode to event
 //! mode and back.
 //!
 //! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know
@@ -7,32 +7,6 @@
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::Refusal;
-use super::saved::Saved;
-
-/// What a host makes use of, as it says when it makes an instance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Usage {
-    /// Event mode between steps.
-    pub event_mode: bool,
-    /// Steps that end at an event, or where the host asks for it.
-    pub early_return: bool,
-    /// A callback after each internal step.
-    pub intermediate_update: bool,
-    /// Derivatives for its own solver, instead of steps.
-    pub model_exchange: bool,
-}
-
-impl Usage {
-    /// Whether an instance of this usage can be in a phase.
-    pub(super) fn has(self, phase: Phase) -> bool {
-        match phase {
-            Phase::Event => self.event_mode,
-            Phase::Continuous => self.model_exchange,
-            Phase::Step | Phase::Failed | Phase::Interrupted => !self.model_exchange,
-            _ => true,
-        }
-    }
-}
 
 impl Instance {
     /// Enter event mode from step mode or continuous-time mode.
@@ -80,15 +54,4 @@ impl Instance {
             self.clock.time
         ))
     }
-}
-
-/// The refusal of a state from a phase that this instance does not have.
-#[cold]
-pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
-    Refusal::error(format!(
-        "the state was saved in the phase '{}'{}, which this instance does not have; restore the state into an \
-         instance with the same settings",
-        saved.phase.name(),
-        if saved.awaits_event { " with an unhandled event" } else { "" }
-    ))
 }

@@ -3,11 +3,11 @@
 //! In: checked slices and plain numbers, in their phases. Out: values, or a refusal that leaves the instance unchanged.
 //! It must not know what a state is.
 
-use super::event_mode::Usage;
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::Refusal;
 use super::resources::Loaded;
+use super::usage::Usage;
 use crate::numerics::decimal::Decimal;
 use std::mem::MaybeUninit;
 

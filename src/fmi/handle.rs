@@ -5,12 +5,12 @@
 //! logger. It must not know which function of which version is called, but for its name and legal phases.
 #![allow(unsafe_code)]
 
-use super::event_mode::Usage;
 use super::instance::Instance;
 use super::logger::Logger;
 use super::phase::{Function, Phase};
 use super::refusal::{Refusal, Verdict};
 use super::resources::Loaded;
+use super::usage::Usage;
 use super::version::Version;
 use std::any::Any;
 use std::cell::UnsafeCell;

@@ -4,12 +4,11 @@
 //! pointers to instances, nor the names and C types of a version.
 
 use super::clock::Clock;
-use super::event_mode::{Usage, no_such_phase};
 use super::logger::Logger;
 use super::phase::Phase;
 use super::refusal::Refusal;
 use super::saved::Saved;
-use super::vectors;
+use super::usage::{Usage, no_such_phase};
 use super::version::Version;
 use crate::component::{Component, Paused, Pauses};
 use crate::numerics::decimal::Decimal;
@@ -63,7 +62,7 @@ impl Instance {
             set_up: false,
             tolerance: None,
             clock: Clock::default(),
-            vectors: vectors::of(&component, version.has_vectors()),
+            vectors: if version.has_vectors() { component.vectors() } else { Vec::new() },
             component,
             update: None,
             scalars: Vec::new(),

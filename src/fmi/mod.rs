@@ -7,6 +7,7 @@
 //! types, the status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls go through
 //! [`handle::call`] to an [`instance::Instance`].
 
+pub(crate) mod access;
 pub(crate) mod array;
 pub(crate) mod clock;
 mod derivatives;
@@ -22,6 +23,7 @@ pub(crate) mod resources;
 pub(crate) mod saved;
 pub(crate) mod state_handle;
 pub(crate) mod undefined;
+pub(crate) mod usage;
 mod values;
 pub(crate) mod vectors;
 pub(crate) mod version;

@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn a_state_of_another_version_is_refused_by_every_function() {
         let component = Component::from_definition("mechanism.json", GEAR).unwrap();
-        let usage = crate::fmi::event_mode::Usage::default();
+        let usage = crate::fmi::usage::Usage::default();
         let version = crate::fmi::version::Version::of_scalars(crate::variables::Kind::word);
         let mut instance = Instance::new(version, Logger::new(None, false), component, usage);
         let mut other = [word("0.0.0-other", &LAYOUT), 1, 2, 3];

@@ -3,8 +3,8 @@
 //! In: value references, checked slices. Out: values, or a refusal that leaves the instance unchanged. It must not know
 //! pointers to instances, nor how a value is found.
 
+use super::access::{Way, may_get, may_get_all, may_set};
 use super::instance::Instance;
-use super::phase::{Way, may_get, may_get_all, may_set};
 use super::refusal::Refusal;
 use super::undefined::Undefined;
 use crate::component::{Component, Refused};

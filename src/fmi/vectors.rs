@@ -5,7 +5,6 @@
 //! know how a value is found.
 use super::instance::Instance;
 use super::refusal::Refusal;
-use crate::component::Component;
 use crate::variables::{Kind, Reference, Vector};
 use std::mem::{MaybeUninit, take};
 
@@ -167,11 +166,6 @@ impl Instance {
         }
         Ok(all)
     }
-}
-
-/// The vectors of a component, in a version that has them.
-pub fn of(component: &Component, has_vectors: bool) -> Vec<Vector> {
-    if has_vectors { component.vectors() } else { Vec::new() }
 }
 
 /// The refusal of arrays that do not fit the variables.

@@ -7,15 +7,15 @@ use super::types::{
     LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, PENDING_STATUS, Real, Status, TERMINATED, Text, ValueReference,
 };
 use crate::component::ModelKind;
+use crate::fmi::access::none_of_type;
 use crate::fmi::array::{input, output, text};
-use crate::fmi::event_mode::Usage;
 use crate::fmi::exchange::served;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED,
-    none_of_type,
 };
 use crate::fmi::refusal::Refusal;
+use crate::fmi::usage::Usage;
 use crate::fmi::{exported, handle, resources, state_handle};
 use std::ffi::{CStr, c_int};
 

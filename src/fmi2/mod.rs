@@ -54,7 +54,7 @@ mod tests {
     fn a_lost_instance_frees_its_states() {
         use super::types::Status;
         use crate::component::Component;
-        use crate::fmi::{event_mode::Usage, handle, logger::Logger, refusal::Verdict};
+        use crate::fmi::{handle, logger::Logger, refusal::Verdict, usage::Usage};
         use crate::mechanism::GEAR;
         let load = || Ok(Component::from_definition("mechanism.json", GEAR)?.into());
         let c = handle::instantiate(

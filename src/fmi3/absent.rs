@@ -7,11 +7,12 @@ use super::types::{
     Binary, Boolean, Clock, Enumeration, Environment, FALSE, Instance as Component, LogMessage, Status, Text,
     ValueReference,
 };
+use crate::fmi::access::none_of_type;
 use crate::fmi::array::{input, output, text};
-use crate::fmi::event_mode::Usage;
 use crate::fmi::logger::Logger;
-use crate::fmi::phase::{ALIVE, Function, SETTABLE, none_of_type};
+use crate::fmi::phase::{ALIVE, Function, SETTABLE};
 use crate::fmi::refusal::Refusal;
+use crate::fmi::usage::Usage;
 use crate::fmi::{exported, handle};
 use std::ffi::c_void;
 

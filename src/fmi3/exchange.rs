@@ -6,10 +6,10 @@ use super::functions::sink;
 use super::types::{Boolean, Environment, FALSE, Instance as Component, LogMessage, Status, Text};
 use crate::component::ModelKind;
 use crate::fmi::array::{input, output, text};
-use crate::fmi::event_mode::Usage;
 use crate::fmi::exchange::served;
 use crate::fmi::logger::Logger;
 use crate::fmi::phase::{ALIVE, Function};
+use crate::fmi::usage::Usage;
 use crate::fmi::{exported_exchange, handle, resources};
 
 /// New instance for model exchange, `fmi3InstantiateModelExchange`, of one of the kinds of models that the library

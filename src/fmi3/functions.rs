@@ -8,15 +8,16 @@ use super::types::{
     LogMessage, Status, Text, ValueReference,
 };
 use crate::component::ModelKind;
+use crate::fmi::access::none_of_type;
 use crate::fmi::array::{input, output, text};
-use crate::fmi::event_mode::Usage;
 use crate::fmi::instance::Instance;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, INTERMEDIATE, Phase, SETTABLE,
-    STEP, STEPPED, none_of_type,
+    STEP, STEPPED,
 };
 use crate::fmi::refusal::Refusal;
+use crate::fmi::usage::Usage;
 use crate::fmi::vectors::wrong_number;
 use crate::fmi::{exported, handle, resources, state_handle};
 

@@ -3,6 +3,7 @@
 //! A count is the difference of two runs of this program that differ in the number of repetitions only, so that neither
 //! set-up nor the program's start is in it.
 
+use crate::callgrind::difference;
 use crate::gear::Gear;
 use crate::measure::{self, Pages, heading};
 use crate::scene::{After, DEFAULT, PRESCRIBED, SCENES, SPAN, Scene};
@@ -97,24 +98,6 @@ fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
     let words =
         |repetitions| [REPEAT, scene, reads].map(str::to_owned).into_iter().chain([steps.to_string(), repetitions]);
     difference(|repetitions| words(repetitions).collect(), FEW, FEW + further)
-}
-
-/// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` of them, whose
-/// arguments `words` gives.
-pub fn difference(words: impl Fn(String) -> Vec<String>, few: u32, more: u32) -> Result<f64, String> {
-    let difference = counted(&words(more.to_string()))?.checked_sub(counted(&words(few.to_string()))?);
-    let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;
-    Ok(difference as f64 / f64::from(more - few))
-}
-
-fn counted(words: &[String]) -> Result<u64, String> {
-    let program = std::env::current_exe().map_err(|e| e.to_string())?;
-    let mut valgrind = Command::new("valgrind");
-    valgrind.args(["--tool=callgrind", "--callgrind-out-file=/dev/null"]).arg(program).args(words);
-    let output = valgrind.output().map_err(|e| format!("valgrind: {e}"))?;
-    let report = String::from_utf8_lossy(&output.stderr);
-    let count = report.lines().find_map(|line| line.split_once("Collected :")?.1.trim().parse().ok());
-    count.filter(|_| output.status.success()).ok_or_else(|| format!("valgrind, {}: {report}", words.join(" ")))
 }
 
 /// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.

@@ -9,6 +9,7 @@ macro_rules! example {
 pub mod attack;
 mod benchmarks;
 mod bodies;
+mod callgrind;
 pub mod cosim;
 mod designs;
 pub mod extrapolation;

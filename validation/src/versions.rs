@@ -3,8 +3,8 @@
 //! In: the landing gear. Out: for each call of the table its count in each version. An instance of each version is
 //! driven through the same calls.
 
+use crate::callgrind::difference;
 use crate::host::{Host, OK};
-use crate::instructions::difference;
 use crate::measure::{self, heading};
 use crate::scene::SPAN;
 use linkage_fmu::fmi2::host::{Description, State};

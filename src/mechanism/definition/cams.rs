@@ -1,6 +1,7 @@
 //! Disc cams: motion law of the follower, with the checks that need no geometry.
 use super::couplings::Coupling;
 use super::interpolation::Interpolation;
+use super::refusal::refused;
 use crate::format::{DefinitionError, Key, Range, either, keys, number, words};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::periodic::{Periodic, Segment};
@@ -59,10 +60,6 @@ impl CamLaw {
             Self::Polynomial4567 => Some(Rise::Polynomial4567),
         }
     }
-}
-
-fn refused<T>(key: String, message: impl std::fmt::Display) -> Result<T, DefinitionError> {
-    Err(DefinitionError::key(key, message))
 }
 
 impl Coupling {

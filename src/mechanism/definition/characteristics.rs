@@ -6,7 +6,7 @@
 use super::contact::Stop;
 use super::loads::{Actuator, Spring};
 use super::mechanism::Mechanism;
-use super::validate::{Check, refused};
+use super::refusal::{Check, refused};
 use crate::format::Range;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;

@@ -16,6 +16,7 @@ mod loads;
 mod mechanism;
 mod motion;
 mod named_parameter;
+mod refusal;
 mod validate;
 mod warnings;
 

@@ -10,16 +10,10 @@ use super::contact::Stop;
 use super::experiment::Solver;
 use super::loads::Surface;
 use super::mechanism::{GROUND, Mechanism};
+use super::refusal::{Check, refused};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
-use std::fmt;
-
-pub(super) type Check = Result<(), DefinitionError>;
-
-pub(super) fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
-    Err(DefinitionError::key(key, message))
-}
 
 impl Mechanism {
     /// All faults of what was read that show without geometry.

@@ -1,6 +1,7 @@
 //! Collects the variables, each with its quantity and dependencies.
 use super::MOST_DEPENDENCIES;
-use super::needs::{Cause, Needs, placed};
+use super::causes::Cause;
+use super::needs::{Needs, placed};
 use super::source::Source;
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, OneElement, Output, Quantity, ReactionPart, SmallMotion};

@@ -5,6 +5,7 @@
 //! terminals. It must not know how a quantity is computed.
 mod bodies;
 mod builder;
+mod causes;
 mod couplings;
 mod drives;
 mod exchange;
@@ -23,7 +24,7 @@ use crate::mechanism::quantity::Quantity;
 use crate::variables::Causality::{CalculatedParameter, Parameter};
 use crate::variables::{Reference, Variables};
 use builder::Builder;
-use needs::{Cause, causes};
+use causes::{Cause, causes};
 use parameters::Known;
 use source::Source;
 pub use terminals::terminals;

@@ -3,7 +3,6 @@
 //! In: a formulation of the motion. Out: values of outputs and their exact derivatives. It must not know references or
 //! FMI.
 mod cache;
-mod driven;
 mod evaluator;
 mod hydraulic;
 mod one_element;

@@ -2,6 +2,8 @@
 //!
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
+mod driven;
+
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -10,13 +12,13 @@ use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::state::{Reached, Start, State, state_loads_under};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
-use crate::mechanism::outputs::driven::Driven;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::become_same;
 use crate::numerics::dual::Dual;
+use driven::Driven;
 
 /// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@
 use super::answers::May::{BeRefused, Either, Succeed};
 use super::answers::odd;
 use super::player::Phase::{Continuous, Ended, Event, Initialization, Step};
-use super::player::{Answer, FRESH, Phase, Player, Use};
+use super::player::{Answer, Phase, Player, RESET, Use};
 use super::probe::Probe;
 use super::random::Random;
 use crate::host::{Host, WARNING, model};
@@ -21,12 +21,6 @@ const UNITS: [&str; 6] = ["NaN Pa", "NaN N", "NaN kg", "NaN J", "NaN m", "NaN ra
 
 /// A kind of call: how often it is made of an FMU of FMI 2.0, of FMI 3.0, and by model exchange.
 type Row = ([u32; 3], fn(&mut Player, &mut Random) -> Answer);
-
-/// Of what the version does not have, an instance is reset in its place.
-pub const RESET: fn(&mut Player, &mut Random) -> Answer = |p, _| {
-    p.now = FRESH;
-    ("reset", Succeed, p.host.reset())
-};
 
 const ROWS: [Row; 27] = [
     ([4, 0, 4], Player::set_up),

@@ -3,7 +3,6 @@
 //! In: models, random numbers. Out: for each call what the phase allows it to be answered with, and the answer. What is
 //! allowed follows from the standards alone.
 use super::answers::{Fault, May, changed, count, odd, silent, size, update};
-use super::calls::RESET;
 use super::random::Random;
 use crate::host::{DISCARD, Host, Model, OK, WARNING, model};
 use May::Either;
@@ -47,6 +46,12 @@ pub struct Now {
 }
 
 pub const FRESH: Now = Now { phase: Instantiated, time: 0.0, awaits: false };
+
+/// Of what the version does not have, an instance is reset in its place.
+pub const RESET: fn(&mut Player, &mut Random) -> Answer = |p, _| {
+    p.now = FRESH;
+    ("reset", May::Succeed, p.host.reset())
+};
 
 /// An instance, and what is known of it.
 pub struct Player {

@@ -4,11 +4,11 @@
 //! Inputs that are set at a communication point take effect in the state with the next step. Outputs show it at once,
 //! by a copy of the state, so that reading them changes nothing. In: a state, inputs. Out: the copy, the size of the
 //! drive's load with its derivatives. It must not know any law.
+use super::ReducedMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::Prescribed;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::evaluator::OutputError;
-use crate::mechanism::outputs::reduced_motion::ReducedMotion;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::dual::Dual;
@@ -53,7 +53,7 @@ impl<N: Reading> View<'_, N> {
 impl ReducedMotion {
     /// The state or the inputs have changed.
     #[inline]
-    pub(super) fn unsettle(&mut self) {
+    pub(in crate::mechanism::outputs) fn unsettle(&mut self) {
         if let Some(driven) = &mut self.driven {
             driven.is_settled = false;
         }
@@ -68,7 +68,7 @@ impl ReducedMotion {
     }
 
     /// Find the state under the present inputs, and the force of the drive.
-    pub(super) fn settle(&mut self, reduced: &Reduced, inputs: &Inputs) {
+    pub(in crate::mechanism::outputs) fn settle(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let (Some(driven), Some(drive)) = (&mut self.driven, &reduced.loading().motion) else { return };
         if driven.is_settled {
             return;
@@ -114,7 +114,7 @@ impl ReducedMotion {
     }
 
     /// Complete the direction of derivatives, in time or along inputs, by what a prescribed motion makes of it.
-    pub(super) fn drive_along(&mut self, reduced: &Reduced, inputs: &Inputs, in_time: bool) {
+    pub(in crate::mechanism::outputs) fn drive_along(&mut self, reduced: &Reduced, inputs: &Inputs, in_time: bool) {
         let demand = self.driven.as_ref().and_then(|driven| driven.demand);
         let (Some([acceleration, jerk]), Some(drive)) = (demand, &reduced.loading().motion) else { return };
         let state = self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state);
