@@ -12,6 +12,13 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::{Kind, Reference};
 use std::mem::MaybeUninit;
 
+/// Why a directional derivative is NaN. The rate in time may be a number in this state where the partial derivative is
+/// none.
+fn why_undefined(component: &mut Component, unknown: Reference) -> Option<String> {
+    let reason = component.undefined_derivative(unknown);
+    reason.or_else(|| Some("the partial derivative is not finite in this state".to_owned()))
+}
+
 impl Instance {
     /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives
     /// the component tells why.
@@ -43,7 +50,7 @@ impl Instance {
         self.component.directional_derivative(is_initial, unknowns, knowns, seeds, &mut report)?;
         match undefined[..] {
             [] => Ok(()),
-            _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
+            _ => self.warn(&undefined, "derivative", why_undefined),
         }
     }
 
@@ -83,7 +90,7 @@ impl Instance {
                      is NaN; use smaller seeds"
                 )))
             }),
-            _ => self.warn(&undefined, "derivative", Component::undefined_derivative),
+            _ => self.warn(&undefined, "derivative", why_undefined),
         }
     }
 

@@ -8,7 +8,7 @@ const CASES: [(&str, u64); 12] = [
     ("coupled", 100),
     ("calls", 200),
     ("calls3", 250),
-    ("exchange", 100),
+    ("exchange", 1500),
     ("states", 600),
     ("definitions", 300),
     ("scenes", 60),
