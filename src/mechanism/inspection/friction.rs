@@ -8,7 +8,8 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
-use crate::mechanism::motion::state::{State, airspeed, state_loads_under};
+use crate::mechanism::motion::acting::{airspeed, state_loads_under};
+use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bracket::bisect;
 

@@ -1,8 +1,7 @@
 //! From the definition to the linkage: merged bodies, groups of one angle, spanning tree.
 //!
 //! In: a checked definition. Out: a linkage. It must not know positions.
-use super::rotor::{Rotor, Stroke};
-use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Linkage, Point};
+use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Linkage, Point, Rotor, Stroke};
 use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
 use crate::numerics::plane::{Vec2, turned};
 use std::fmt;

@@ -9,6 +9,7 @@ mod build;
 mod cam;
 mod contact;
 mod couple;
+mod coupled;
 mod coupling;
 mod law;
 mod loops;
@@ -26,8 +27,8 @@ pub use law::Law;
 pub use loops::Side;
 pub use motion::{Arms, Positions, Rates};
 pub use outline::Outline;
-pub use rotor::{Rotor, Stroke, Thrust};
-pub use structure::{Body, Branch, Freedom, GROUND, Joint, Linkage, Loop, Point};
+pub use rotor::Thrust;
+pub use structure::{Body, Branch, Freedom, GROUND, Joint, Linkage, Loop, Point, Rotor, Stroke};
 
 #[cfg(test)]
 mod tests;

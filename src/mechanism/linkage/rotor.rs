@@ -6,26 +6,8 @@
 //! A screw with the moment of inertia J and the lead h turns by 2 pi / h for each metre of its stroke s, so that its
 //! kinetic energy is m s_dot^2 / 2 with m = J (2 pi / h)^2.
 use super::motion::{Positions, Rates};
-use super::structure::{Linkage, Point};
+use super::structure::{Linkage, Point, Rotor, Stroke};
 use crate::numerics::plane::Vec2;
-
-/// A rotor.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rotor {
-    /// What moves it.
-    pub stroke: Stroke,
-    /// Mass that has its kinetic energy at the speed of the stroke [kg].
-    pub mass: f64,
-}
-
-/// A distance in the linkage.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stroke {
-    /// Between two points.
-    Between(Point, Point),
-    /// Position of a prismatic joint, by its index.
-    Joint(usize),
-}
 
 /// What a rotor takes from the linkage.
 pub struct Thrust {

@@ -1,6 +1,5 @@
 //! Bodies, joints, spanning tree and loops of a linkage.
 use super::coupling::Coupling;
-use super::rotor::Rotor;
 use crate::numerics::plane::Vec2;
 
 /// Index of the ground among the bodies.
@@ -115,6 +114,24 @@ pub(super) struct Frame {
     pub(super) origin: Vec2,
     /// Angle [rad].
     pub(super) angle: f64,
+}
+
+/// A rotor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rotor {
+    /// What moves it.
+    pub stroke: Stroke,
+    /// Mass that has its kinetic energy at the speed of the stroke [kg].
+    pub mass: f64,
+}
+
+/// A distance in the linkage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stroke {
+    /// Between two points.
+    Between(Point, Point),
+    /// Position of a prismatic joint, by its index.
+    Joint(usize),
 }
 
 /// A planar linkage.

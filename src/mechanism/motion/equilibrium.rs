@@ -3,9 +3,9 @@
 //! In: a reduced model, inputs, the travel between its stops. Out: the equilibria, stable or not, with stiffness and
 //! damping of small motions about them. Friction and the losses of drives hold a mechanism beside an equilibrium too;
 //! they move none. It must not know how a definition states the start.
+use super::acting::{airspeed, blows_under, state_loads};
 use super::contact::{Place, Travel};
 use super::samples::positions;
-use super::state::{airspeed, blows_under, state_loads};
 use super::travel::pressed_bumpers;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;

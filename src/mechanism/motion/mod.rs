@@ -1,4 +1,5 @@
 //! The motion in time: the state, its steps, the events in them.
+pub mod acting;
 pub mod advance;
 mod coasting;
 pub mod contact;

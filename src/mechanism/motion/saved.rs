@@ -2,8 +2,8 @@
 //!
 //! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
 //! outputs.
+use super::acting::{blows, state_loads};
 use super::memory::{CircuitMemory, CircuitState, Memory};
-use super::state::{blows, state_loads};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::hydraulic::border_of;
 use crate::mechanism::error::ModelError;

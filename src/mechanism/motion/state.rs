@@ -15,6 +15,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::acting::{blows_under, state_loads};
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::coasting::{Coasting, Path};
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
@@ -28,8 +29,6 @@ use arrival::{Arrival, Begin};
 pub use circuit::check_length;
 use circuit::{at_vacuum, rough_length};
 use inputs::{Before, engaged_locks};
-pub use inputs::{airspeed, state_loads_under};
-pub(super) use inputs::{blows, blows_under, state_loads};
 pub use start::Start;
 use std::ops::{Deref, DerefMut};
 

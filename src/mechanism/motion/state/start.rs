@@ -3,13 +3,14 @@
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
 use super::circuit::check_ports;
-use super::inputs::{Before, airspeed, blows_under, engaged_locks, state_loads};
+use super::inputs::{Before, engaged_locks};
 use super::{State, check_length, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
