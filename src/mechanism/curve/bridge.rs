@@ -6,10 +6,10 @@
 //! The curve is analytic through the crossing, but the loop equations amplify rounding by the inverse of a power of the
 //! distance from it. The bridge's polynomials therefore go through closed positions on both sides that keep away from
 //! the crossing and are found in twice the precision; between them they are the analytic continuation.
+use super::base::Base;
 use super::configuration;
-use super::crossings::Course;
+use super::course::Course;
 use super::extrapolation::Extrapolation;
-use super::panel::Base;
 use crate::mechanism::closure::Closure;
 use crate::numerics::chebyshev::{Series, polynomial, slopes_of};
 use crate::numerics::gapped::{GAP, Gapped};

@@ -2,7 +2,7 @@
 //!
 //! In: the panels of a traced curve. Out: the configuration at a sigma. It must not know how the panels were found.
 use super::configuration::{Configuration, Scratch};
-use super::near::Near;
+use super::misses::Near;
 use super::panel::Panel;
 use crate::mechanism::closure::{self, Closure};
 use crate::mechanism::linkage::Linkage;

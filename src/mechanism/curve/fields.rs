@@ -3,7 +3,7 @@
 //! In: a curve; or a record and the loop equations of the same linkage. Out: the record; or the curve. It must not know
 //! where records are kept.
 use super::evaluate::{Curve, Ends};
-use super::near::Near;
+use super::misses::Near;
 use super::panel::Panel;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::closure::Closure;

@@ -7,11 +7,10 @@
 //! panels that resolve the turn are as short as that, and the amplification of rounding, the inverse of the smallest
 //! singular value, peaks there.
 use super::evaluate::{Curve, Ends};
+use super::misses::Near;
 use super::singular::{Place, Singular};
 use crate::mechanism::closure::Closure;
-use crate::mechanism::linkage::{Linkage, Point};
-use crate::numerics::plane::Vec2;
-use std::sync::Arc;
+use crate::mechanism::linkage::Linkage;
 
 /// Largest miss that is reported, in sizes of the linkage.
 pub const REPORTED: f64 = 2e-3;
@@ -27,30 +26,6 @@ const WITHIN: f64 = 0.25;
 const BESIDE: f64 = 0.3;
 /// Largest distance of two places that are one.
 const SAME: f64 = 1e-2;
-
-/// A position where the motion turns off, as the lengths almost let branches cross there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NearMiss {
-    /// sigma on the curve.
-    pub sigma: f64,
-    /// Coordinates by name and in words.
-    pub position: String,
-    /// How much the loops lack of crossing, in sizes of the linkage.
-    pub miss: f64,
-}
-
-/// Near misses of a curve, and what was done about those that are small.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Near {
-    /// The linkage as it was drawn, where points of its joints were moved.
-    pub drawn: Option<Arc<Linkage>>,
-    /// Positions where branches cross with the moved points, with the misses of the drawn linkage.
-    pub snapped: Vec<(String, f64)>,
-    /// Points of the joints of the drawn linkage, with their moves [m].
-    pub moves: Vec<(Point, Vec2)>,
-    /// Misses too large to be put right.
-    pub misses: Vec<NearMiss>,
-}
 
 /// A position at which to look for a near miss.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 //!
 //! In: a closed position with its tangent, a width. Out: a panel, or the reason why the width is rejected. It must not
 //! know how far the curve is followed.
+use super::base::Base;
 use super::bridge::Bridge;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;
@@ -47,17 +48,6 @@ pub(super) struct Panel {
     pub bridged: bool,
     /// x at which branches cross; sought on a bridge only.
     pub crossing: Option<f64>,
-}
-
-/// Start of a panel.
-#[derive(Clone, Debug)]
-pub(super) struct Base {
-    /// sigma.
-    pub sigma: f64,
-    /// Coordinates.
-    pub q: Vec<f64>,
-    /// Unit tangent.
-    pub tangent: Vec<f64>,
 }
 
 /// Reason why a panel was rejected.

@@ -6,10 +6,10 @@
 //! asymptotes, so that panels there may be as long as their distance from the guess: some [`STRETCHES`] times a few
 //! panels reach as far as numbers tell positions apart. A stretch depends on the one before and on nothing else, so the
 //! panels are the same in whatever order they were needed.
+use super::base::Base;
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends};
-use super::near::Near;
-use super::panel::Base;
+use super::misses::Near;
 use super::trace::mirrored;
 use super::tracer::{Stop, Tracer};
 use super::travel::Travel;

@@ -1,10 +1,11 @@
 //! Tracing: in both directions from the guess, until the curve is closed or ends on both sides.
 //!
 //! In: a closed position, limits of travel. Out: the curve. It must not know loads.
+use super::base::Base;
 use super::error::CurveError;
 use super::evaluate::{Curve, Ends};
-use super::near::Near;
-use super::panel::{Base, Panel};
+use super::misses::Near;
+use super::panel::Panel;
 use super::tracer::{Stop, Tracer};
 use super::travel::Travel;
 use crate::mechanism::closure::Closure;

@@ -6,10 +6,11 @@
 mod bridging;
 mod knots;
 
+use super::base::Base;
 use super::bridge::Bridge;
 use super::error::CurveError;
 use super::kinetic::twice_kinetic;
-use super::panel::{Base, Panel, Rejection, Scratch, near_crossing};
+use super::panel::{Panel, Rejection, Scratch, near_crossing};
 use super::travel::Travel;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::linkage::Positions;

@@ -3,9 +3,10 @@
 //! In: the tracer before a position where branches seem to cross. Out: the bridge on which it goes on, how far the next
 //! panel may go; the panel at the end of a bridge. It must not know limits of travel.
 use super::Tracer;
+use crate::mechanism::curve::base::Base;
 use crate::mechanism::curve::bridge::{Bridge, crossing_ahead};
 use crate::mechanism::curve::error::CurveError;
-use crate::mechanism::curve::panel::{Base, Panel};
+use crate::mechanism::curve::panel::Panel;
 
 /// Half width of a bridge over a crossing, for three coordinates: good one, least one.
 const BRIDGES: [f64; 2] = [0.35, 0.01];

@@ -5,8 +5,9 @@
 //!
 //! Panels and tables end at knots, so that polynomials resolve what is analytic on either side.
 use super::Tracer;
+use crate::mechanism::curve::base::Base;
 use crate::mechanism::curve::evaluate::Curve;
-use crate::mechanism::curve::panel::{Base, Panel};
+use crate::mechanism::curve::panel::Panel;
 
 /// Distance from a knot at which a position counts as at it [rad]: second derivatives there differ by this times the
 /// third derivatives at most.
