@@ -10,3 +10,5 @@ mod interface;
 mod sizes;
 pub mod ssd;
 pub mod terminals;
+
+pub use sizes::quantity;

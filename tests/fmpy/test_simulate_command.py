@@ -90,10 +90,26 @@ def test_signals_and_start_values_have_the_bits_of_the_fmu(simulate: Command, fm
 
 def test_plots_are_pictures(simulate: Command, tmp_path: Path) -> None:
     mechanism = REPOSITORY / "modelDescription" / "FourBar"
-    for name, beginning in [("run.png", b"\x89PNG"), ("run.svg", b"<svg")]:
+    beginnings = {"run.png": b"\x89PNG", "run.svg": b"<?xml", "run.pdf": b"%PDF"}
+    for name, beginning in beginnings.items():
         done = simulate(mechanism, "--plot", name, "--output-variables", "crank.angle", "crank.speed")
         assert done.returncode == 0, done.stderr
         assert (tmp_path / name).read_bytes().startswith(beginning)
+    svg = (tmp_path / "run.svg").read_text(encoding="utf-8")
+    for text in ("FourBar", "crank.angle", "Angle [deg]", "[deg/s]", "time [s]"):
+        assert text in svg, text
+
+
+def test_a_plot_over_a_variable_records_it(simulate: Command, tmp_path: Path) -> None:
+    mechanism = REPOSITORY / "modelDescription" / "FourBar"
+    arguments = ["--plot", "run.svg", "--x", "crank.angle", "--output-file", "run.csv"]
+    done = simulate(mechanism, *arguments, "--output-variables", "rocker.angle")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "run.csv").read_text(encoding="utf-8").startswith('"time","rocker.angle","crank.angle"')
+    assert "crank.angle [deg]" in (tmp_path / "run.svg").read_text(encoding="utf-8")
+    done = simulate(mechanism, *arguments[:3], "crank.angel")
+    assert done.returncode == 1
+    assert "--x: " in done.stderr
 
 
 def test_parquet_has_the_bits_of_the_csv(simulate: Command, fmu: Path, tmp_path: Path) -> None:
@@ -155,7 +171,7 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--output-variables", "crank.angel"], "nearest names are crank.angle"),
         (["--input-file", "missing.csv"], "missing.csv"),
         (["--input-file", "wrong.csv"], "line 3: the time decreases to 0 s"),
-        (["--plot", "run.bmp"], "must end in .png or .svg"),
+        (["--plot", "run.bmp"], "must end in .png, .svg or .pdf"),
         (["--output-file", "no/such/folder.csv"], "does not exist; create it first"),
         (["--output-file", "run.xlsx"], "must end in .csv or .parquet"),
         (["--gif", "run.mp4"], "must end in .gif"),

@@ -172,9 +172,12 @@ pub struct Simulate {
     /// File for the recorded variables: CSV, or Parquet if the name ends in .parquet. The first column is `time` [s]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
-    /// Plot of the recorded variables over time: .png or .svg file
+    /// Plot of the recorded variables: .png, .svg or .pdf file. Needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// Variable along the horizontal axis of the plot; it is recorded too [default: time]
+    #[arg(long, value_name = "VARIABLE", requires = "plot")]
+    pub x: Option<String>,
     /// Film of the moving mechanism: .gif file
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
@@ -278,7 +281,8 @@ pub struct Linearise {
     /// CSV file for the values along the travel [default: standard output]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
-    /// Plot of eigenfrequency [Hz], damping ratio and eigenvalues over the coordinate: .png or .svg file
+    /// Plot of eigenfrequency [Hz], damping ratio and eigenvalues over the coordinate: .png, .svg or .pdf
+    /// file. Needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 }

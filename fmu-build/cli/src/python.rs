@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::{env, fs};
+use std::{env, fs, io};
 
 /// Environment variable that names another interpreter of Python.
 const INTERPRETER: &str = "PYTHON";
@@ -79,6 +79,14 @@ fn announcement(folder: &Path, pinned: &str) -> String {
     format!("creating the Python environment {}: {size}about half a minute, only once{instead}", folder.display())
 }
 
+/// The file beside a folder that one process at a time has; others wait for it. It is free when this is dropped.
+fn locked(folder: &Path) -> io::Result<fs::File> {
+    fs::create_dir_all(folder.parent().unwrap_or(folder))?;
+    let file = fs::File::create(folder.with_extension("lock"))?;
+    file.lock()?;
+    Ok(file)
+}
+
 /// Interpreter of an environment with these requirements, ready to use: that in which this program is installed, if it
 /// has their extra; else the one in `folder`, which is made if it is not there.
 ///
@@ -97,7 +105,13 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
         return Ok(beside);
     }
     let stamp = folder.join(STAMP);
-    if python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted) {
+    let is_ready = || python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted);
+    if is_ready() {
+        return Ok(python);
+    }
+    // Another process may be making it: the first to come makes it, the others wait.
+    let _lock = locked(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
+    if is_ready() {
         return Ok(python);
     }
     println!("{}", announcement(folder, &pinned));
@@ -115,7 +129,7 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     }
     pip.arg("--requirement").arg(requirements);
     run(&mut pip, "pip install")?;
-    fs::write(&stamp, wanted).with_context(|| format!("{}: cannot be written", stamp.display()))?;
+    fs::write(&stamp, &wanted).with_context(|| format!("{}: cannot be written", stamp.display()))?;
     Ok(python)
 }
 

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+from html import escape
+
 import numpy as np
 from bokeh.embed import file_html
 from bokeh.layouts import column, gridplot
 from bokeh.layouts import row as side_by_side
-from bokeh.models import ColorBar, ColumnDataSource, Div, HoverTool, LinearColorMapper, TabPanel, Tabs, Whisker
+from bokeh.models import (
+    BasicTicker,
+    ColorBar,
+    ColumnDataSource,
+    Div,
+    HoverTool,
+    LinearColorMapper,
+    TabPanel,
+    Tabs,
+    Whisker,
+)
 from bokeh.models.ui import UIElement
 from bokeh.plotting import figure
 from bokeh.resources import INLINE
@@ -45,7 +57,7 @@ def html(results: Results) -> str:
     ]
     tabs = Tabs(tabs=[TabPanel(child=child, title=title) for title, child in panels if child is not None])
     name = results.plan["name"]
-    text = f"{results.runs} runs, {results.failed} failed. Units are SI."
+    text = f"<b>{escape(name)}</b>: {results.runs} runs, {results.failed} failed"
     head = Div(text=text, styles={"font-family": "system-ui, sans-serif", "font-size": "14px"})
     tabs.sizing_mode = "stretch_width"
     whole = column(head, tabs, sizing_mode="stretch_width")
@@ -68,6 +80,8 @@ def plot(x: str, y: str, width: int = 300, height: int = 240, tools: str = TOOLS
     """An empty plot with names."""
     own = figure(width=width, height=height, tools=tools, x_axis_label=x, y_axis_label=y)
     own.toolbar.autohide = True
+    for axis in (*own.xaxis, *own.yaxis):
+        axis.ticker = BasicTicker(desired_num_ticks=3 if width < NARROW else 5)
     return own
 
 
@@ -75,12 +89,12 @@ def main_effects(results: Results) -> UIElement | None:
     """Mean of each response over each factor, with the standard deviation of the runs there."""
     if not results.factors:
         return None
-    rows = []
+    rows: list[UIElement] = []
     for response in results.responses:
         row, shared = [], None
         for factor in results.factors:
             effect = results.effect(factor, response)
-            own = plot(factor, response)
+            own = plot(results.labels[factor], results.labels[response])
             if shared is not None:
                 own.y_range = shared
             shared = own.y_range
@@ -90,11 +104,15 @@ def main_effects(results: Results) -> UIElement | None:
             own.varea("x", "low", "high", source=source, fill_color=BLUE, fill_alpha=0.18)
             own.line("x", "mean", source=source, line_color=BLUE, line_width=2)
             points = own.scatter("x", "mean", source=source, color=BLUE, size=5)
-            tips = [(factor, "@x{0.000000}"), ("mean", "@mean{0.000000}"), ("deviation", "@s{0.000000}")]
+            tips = [
+                (results.labels[factor], "@x{0.000000}"),
+                ("mean", "@mean{0.000000}"),
+                ("deviation", "@s{0.000000}"),
+            ]
             own.add_tools(HoverTool(renderers=[points], tooltips=tips))
             row.append(own)
-        rows.append(row)
-    return matrix(rows)
+        rows.append(wrapped(row))
+    return column(*rows, sizing_mode="stretch_width")
 
 
 def scatter_matrix(results: Results) -> UIElement | None:
@@ -114,11 +132,14 @@ def scatter_matrix(results: Results) -> UIElement | None:
     for i, y in enumerate(names):
         row = []
         for j, x in enumerate(names[:i]):
-            own = plot(x, y, 190, 170, "box_select,lasso_select,box_zoom,wheel_zoom,reset")
+            own = plot(
+                results.labels[x], results.labels[y], 190, 170, "box_select,lasso_select,box_zoom,wheel_zoom,reset"
+            )
             points = own.scatter(f"c{j}", f"c{i}", source=source, size=3, color=BLUE, alpha=0.5)
             points.nonselection_glyph.fill_color = GREY
             points.nonselection_glyph.line_color = GREY
-            own.add_tools(HoverTool(tooltips=[("run", "@run")] + [(n, f"@c{k}") for k, n in enumerate(names)]))
+            tips = [(results.labels[name], f"@c{k}") for k, name in enumerate(names)]
+            own.add_tools(HoverTool(tooltips=[("run", "@run"), *tips]))
             row.append(own)
         if row:
             rows.append(row)
@@ -131,14 +152,15 @@ def distributions(results: Results) -> UIElement:
     for name, values in results.responses.items():
         values = values[np.isfinite(values)]
         heights, edges = np.histogram(values, bins=bins(values))
-        own = plot(name, "runs", 420, 300)
+        label = results.labels[name]
+        own = plot(label, "runs", 420, 300)
         source = ColumnDataSource({"n": heights, "left": edges[:-1], "right": edges[1:]})
         bars = own.quad(
             left="left", right="right", top="n", bottom=0, source=source, fill_color=BLUE, line_color="white"
         )
-        own.add_tools(HoverTool(renderers=[bars], tooltips=[(name, "@left to @right"), ("runs", "@n")]))
+        own.add_tools(HoverTool(renderers=[bars], tooltips=[(label, "@left to @right"), ("runs", "@n")]))
         own.vspan(np.quantile(values, (0.01, 0.5, 0.99)), line_color=ORANGE, line_width=2)
-        own.title.text = f"mean {values.mean():.6g}, deviation {values.std():.3g}; lines: 1 %, 50 %, 99 %"
+        own.title.text = f"mean {values.mean():.6g}, deviation {values.std():.3g}\nlines: 1 %, 50 %, 99 %"
         own.title.text_font_size = "9pt"
         plots.append(own)
     return wrapped(plots)
@@ -151,16 +173,18 @@ def response_surfaces(results: Results) -> UIElement | None:
         surface = results.surface(name)
         if surface is None:
             continue
-        own = plot(*surface.names, 440, 340)
+        x_label, y_label = (results.labels[factor] for factor in surface.names)
+        own = plot(x_label, y_label, 440, 340)
         mapper = LinearColorMapper("Viridis256", low=np.nanmin(surface.values), high=np.nanmax(surface.values))
         x, y = surface.x, surface.y
         image = own.image(
             [surface.values], x=x[0], y=y[0], dw=x[-1] - x[0], dh=y[-1] - y[0], color_mapper=mapper, level="image"
         )
-        tips = [(surface.names[0], "$x{0.000000}"), (surface.names[1], "$y{0.000000}"), (name, "@image{0.000000}")]
+        label = results.labels[name]
+        tips = [(x_label, "$x{0.000000}"), (y_label, "$y{0.000000}"), (label, "@image{0.000000}")]
         own.add_tools(HoverTool(renderers=[image], tooltips=tips))
         own.add_layout(ColorBar(color_mapper=mapper), "right")
-        own.title.text, own.title.text_font_size = f"{name}: {surface.how}", "8pt"
+        own.title.text, own.title.text_font_size = f"{label}\n{surface.how}", "9pt"
         plots.append(own)
     return wrapped(plots) if plots else None
 
@@ -172,7 +196,7 @@ def sobol_indices(results: Results) -> UIElement | None:
         indices = results.indices(name)
         if indices is None:
             continue
-        own = figure(width=460, height=120 + 46 * len(indices.names), tools=TOOLS, x_axis_label="index")
+        own = plot("index", "", 460, 150 + 46 * len(indices.names))
         own.title.text = f"{name}, {indices.points} points"
         places = np.arange(len(indices.names))[::-1] + 0.5
         parts = (
@@ -191,7 +215,8 @@ def sobol_indices(results: Results) -> UIElement | None:
             own.add_tools(HoverTool(renderers=[bars], tooltips=tips))
         own.yaxis.ticker = places
         own.yaxis.major_label_overrides = dict(zip(places, indices.names, strict=True))
-        own.legend.location = "bottom_right"
+        own.legend.orientation = "horizontal"
+        own.add_layout(own.legend[0], "above")
         plots.append(own)
     return wrapped(plots) if plots else None
 
@@ -202,7 +227,7 @@ def progress(results: Results) -> UIElement | None:
     if name not in results.responses or results.violation is None:
         return None
     y, kept = results.responses[name], results.violation <= 0.0
-    own = plot("evaluation", name, 900, 460)
+    own = plot("evaluation", results.labels[name], 900, 460)
     own.scatter(results.numbers[~kept], y[~kept], color=GREY, size=3, legend_label="exceeds a limit")
     own.scatter(results.numbers[kept], y[kept], color=BLUE, size=4, legend_label="satisfies all limits")
     if kept.any():

@@ -45,7 +45,8 @@ def main_effects(results: Results) -> Figure:
             low, high = effect.means - effect.deviations, effect.means + effect.deviations
             axes.fill_between(effect.places, low, high, color=BLUE, alpha=0.18, linewidth=0.0)
             axes.plot(effect.places, effect.means, "o-", color=BLUE, markersize=3)
-            labelled(axes, factor, response, row[0] is axes, grid[-1][0] is row[0])
+            names = results.labels[factor], results.labels[response]
+            labelled(axes, *names, row[0] is axes, grid[-1][0] is row[0])
         limits = [axes.get_ylim() for axes in row]
         for axes in row:
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
@@ -56,7 +57,8 @@ def main_effects(results: Results) -> Figure:
 def labelled(axes: Axes, x: str, y: str, is_left: bool, is_low: bool) -> None:
     """Names at the left and lower edges only."""
     axes.tick_params(labelsize=7)
-    axes.locator_params(nbins=4)
+    axes.locator_params(nbins=3)
+    axes.ticklabel_format(useOffset=False)
     axes.set_xlabel(x if is_low else "", fontsize=8)
     axes.set_ylabel(y if is_left else "", fontsize=8)
 
@@ -77,10 +79,10 @@ def scatter_matrix(results: Results) -> Figure:
             x, y = columns[names[j]][index], columns[names[i]][index]
             if i == j:
                 known = x[np.isfinite(x)]
-                axes.hist(known, bins=24 if bins(known) != 1 else 1, color=BLUE)
+                axes.hist(known, bins=24, color=BLUE)
             else:
                 axes.plot(x, y, ".", color=BLUE, markersize=2, alpha=0.5, rasterized=True)
-            labelled(axes, names[j], names[i], j == 0, i == len(names) - 1)
+            labelled(axes, results.labels[names[j]], results.labels[names[i]], j == 0, i == len(names) - 1)
     canvas.suptitle(f"Scatter matrix, {len(index)} of {results.runs} runs")
     return canvas
 
@@ -98,7 +100,7 @@ def distributions(results: Results) -> Figure:
         for value, style in zip(np.quantile(values, (0.01, 0.5, 0.99)), (":", "-", ":"), strict=True):
             axes.axvline(value, color=ORANGE, linestyle=style, linewidth=1.2)
         axes.set_title(f"mean {values.mean():.6g}, standard deviation {values.std():.3g}", fontsize=8)
-        labelled(axes, name, "runs", True, True)
+        labelled(axes, results.labels[name], "runs", True, True)
     canvas.suptitle("Distributions, with quantiles 1 %, 50 %, 99 %")
     return canvas
 
@@ -115,8 +117,8 @@ def response_surfaces(results: Results) -> Figure | None:
     for axes, (name, surface) in zip(grid.flat, surfaces.items(), strict=False):
         shown = axes.contourf(surface.x, surface.y, np.ma.masked_invalid(surface.values), levels=16, cmap="viridis")
         canvas.colorbar(shown, ax=axes).ax.tick_params(labelsize=7)
-        axes.set_title(f"{name}\n{surface.how}", fontsize=7)
-        labelled(axes, *surface.names, True, True)
+        axes.set_title(f"{results.labels[name]}\n{surface.how}", fontsize=8)
+        labelled(axes, *(results.labels[factor] for factor in surface.names), True, True)
     canvas.suptitle("Response surfaces over the two strongest factors")
     return canvas
 
@@ -156,7 +158,7 @@ def progress(results: Results) -> Figure | None:
     if kept.any():
         best = np.minimum if results.plan["minimise"] else np.maximum
         axes.step(results.numbers[kept], best.accumulate(y[kept]), where="post", color=RED, label="best so far")
-    axes.set(xlabel="evaluation", ylabel=name)
+    axes.set(xlabel="evaluation", ylabel=results.labels[name])
     axes.legend(fontsize=8)
     canvas.suptitle("Progress of the search")
     return canvas

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,11 +11,14 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet
 from numpy.typing import NDArray
+from plot import unit_with_prefix
 from SALib.analyze import sobol
 from scipy.interpolate import LinearNDInterpolator
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-12
+"""Part of its largest value by which a quantity differs between runs that give the same."""
 MOST_LEVELS = 30
 """Different values of a factor up to which each is a level of its own."""
 BINS = 12
@@ -28,9 +32,7 @@ RESAMPLES = 200
 
 
 def bins(values: NDArray[np.float64]) -> int | str:
-    """Bins of a histogram of these values: one, as wide as they differ, where they differ by rounding alone."""
-    if np.ptp(values) <= 1e-12 * np.abs(values).max():
-        return 1
+    """Bins of a histogram of these values."""
     return "auto" if len(values) < 2000 else 50
 
 
@@ -80,6 +82,8 @@ class Results:
     """Those that are numbers and change."""
     responses: dict[str, Array]
     """Those that change and have a value in some runs."""
+    labels: dict[str, str]
+    """Names with units, which have a prefix where the values have it too."""
     violation: Array | None
     numbers: Array
     """Of the runs."""
@@ -100,13 +104,22 @@ class Results:
         def changing(name: str) -> bool:
             values = whole[name][good]
             values = values[np.isfinite(values)]
-            return values.size > 1 and bool(np.ptp(values) > 0.0)
+            # What differs by rounding alone does not change.
+            return values.size > 1 and bool(np.ptp(values) > ROUNDING * np.abs(values).max())
 
+        units = json.loads((table.schema.metadata or {}).get(b"linkage_fmu.units", b"{}"))
+        labels = {}
+        for name, values in whole.items():
+            known = values[good & np.isfinite(values)]
+            unit, factor = unit_with_prefix(units.get(name, "1"), float(np.abs(known).max(initial=0.0)))
+            whole[name] = factor * values
+            labels[name] = name if unit == "1" else f"{name} [{unit}]"
         told = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
         return cls(
             plan,
             {name: whole[name][good] for name in numeric if changing(name)},
             {name: whole[name][good] for name in told if changing(name)},
+            labels,
             whole["violation"][good] if "violation" in whole else None,
             np.array(table["run"])[good],
             len(failed),

@@ -12,6 +12,7 @@ pub mod gallery;
 pub mod import;
 pub mod linearise;
 mod parquet_file;
+mod plot;
 mod progress;
 pub mod simulate;
 pub mod sweep;

@@ -4,7 +4,7 @@
 //! matrices of x' = A x + B u, y = C x + D u at each position as CSV and plot; those at the start in words. It must not
 //! know how they are found.
 
-use crate::simulate::plot::{self, Picture};
+use crate::plot::{self, Series};
 use anyhow::{Context, Result, bail};
 use fmu_build::files;
 use fmu_build::fmu::Definition;
@@ -53,7 +53,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         eprintln!("{}", path.display());
     }
     if let Some(path) = &arguments.plot {
-        named.draw(path, &all)?;
+        named.draw(workspace, path, model.name(), &all)?;
         eprintln!("{}", path.display());
     }
     Ok(())
@@ -164,18 +164,24 @@ impl Named<'_> {
     }
 
     /// Draw eigenfrequency, damping ratio and eigenvalues over the coordinate.
-    fn draw(&self, path: &Path, all: &[Linearised]) -> Result<()> {
-        let row = |at: &Linearised| {
-            let mut row = vec![at.coordinate, at.eigenfrequency(), at.damping_ratio];
-            row.extend(at.eigenvalues.iter().flatten());
-            row
+    fn draw(&self, workspace: &Workspace, path: &Path, title: &str, all: &[Linearised]) -> Result<()> {
+        let coordinate = self.what.coordinate;
+        let series = |name, unit, value: &dyn Fn(&Linearised) -> f64| Series {
+            name,
+            unit: Some(unit),
+            values: all.iter().map(value).collect(),
         };
-        let rows: Vec<Vec<f64>> = all.iter().map(row).collect();
-        let mut lines = vec![("eigenfrequency", Some(Unit::Hertz)), ("damping ratio", Some(Unit::One))];
-        let parts = ["eigenvalue 1, real", "eigenvalue 1, imaginary", "eigenvalue 2, real", "eigenvalue 2, imaginary"];
-        lines.extend(parts.map(|part| (part, Some(Unit::PerSecond))));
-        let (axis, unit) = (self.name(self.what.coordinate), self.unit(self.what.coordinate));
-        plot::write(path, &Picture { axis, unit, lines, rows: &rows })
+        let eigenvalue = |name, k: usize, part: usize| series(name, Unit::PerSecond, &|at| at.eigenvalues[k][part]);
+        let lines = [
+            series("eigenfrequency", Unit::Hertz, &Linearised::eigenfrequency),
+            series("damping ratio", Unit::One, &|at| at.damping_ratio),
+            eigenvalue("eigenvalue 1, real", 0, 0),
+            eigenvalue("eigenvalue 1, imaginary", 0, 1),
+            eigenvalue("eigenvalue 2, real", 1, 0),
+            eigenvalue("eigenvalue 2, imaginary", 1, 1),
+        ];
+        let x = series(self.name(coordinate), self.unit(coordinate), &|at| at.coordinate);
+        plot::write(workspace, path, &format!("{title}: small motions along the travel"), &x, &lines)
     }
 
     /// The linearisation at the start, a line for each number.

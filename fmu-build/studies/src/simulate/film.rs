@@ -6,9 +6,8 @@
 mod canvas;
 mod drawing;
 
-use super::picture;
 use anyhow::{Context, Result, bail};
-use canvas::Size;
+use canvas::{Font, Size};
 use drawing::Drawing;
 use fmu_build::files;
 use fmu_build::run::thinned::Thinned;
@@ -147,7 +146,7 @@ fn is_same(scene: &Scene, a: &Still, b: &Still) -> bool {
 
 /// What the file holds.
 fn encode(name: &str, scene: &Scene, stills: &[Still]) -> Result<Vec<u8>> {
-    picture::register()?;
+    let font = Font::new()?;
     let pace = Pace::new(scene, stills);
     let drawing = Drawing::new(name, &pace.words, scene, stills);
     let size @ Size { width, height } = drawing.size();
@@ -156,7 +155,7 @@ fn encode(name: &str, scene: &Scene, stills: &[Still]) -> Result<Vec<u8>> {
     encoder.set_repeat(Repeat::Infinite)?;
     let mut before: Vec<u8> = Vec::new();
     for (k, still) in stills[..pace.frames].iter().enumerate() {
-        let pixels = drawing.picture(still)?;
+        let pixels = drawing.picture(still, &font)?;
         let now: Vec<u8> = pixels.iter().map(|colour| palette.index(*colour)).collect();
         let mut frame = changed(size, &before, &now, palette.transparent());
         frame.delay = if k + 1 == pace.frames { pace.last_delay } else { pace.delay };

@@ -5,9 +5,8 @@
 
 mod film;
 mod parquet;
-mod picture;
-pub(crate) mod plot;
 
+use crate::plot::{self, Series};
 use crate::progress::Bar;
 use anyhow::{Context, Result, bail};
 use film::Film;
@@ -25,7 +24,6 @@ pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::Unit;
 use parquet::Parquet;
-use plot::Picture;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -66,7 +64,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     if arguments.set_input_derivatives && model.input_order() == 0 {
         bail!("--set-input-derivatives: this model has no derivatives of inputs; remove this option");
     }
-    let columns = columns(model.interface(), &arguments.output_variables)?;
+    let columns = with_axis(columns(model.interface(), &arguments.output_variables)?, &model, arguments)?;
     let mut film = arguments.gif.is_some().then(|| Film::new(&model)).transpose()?;
     let writer = arguments.output_file.as_deref().map(|path| writer(path, &columns)).transpose()?;
     let mut table = Table::new(columns, writer, arguments.plot.is_some());
@@ -88,8 +86,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         eprintln!("warning: {line}");
     }
     if let Some(path) = &arguments.plot {
-        let lines = recorded.columns.iter().map(|column| (&*column.name, column.unit)).collect();
-        plot::write(path, &Picture { axis: "time", unit: Unit::Second, lines, rows: &recorded.plotted })?;
+        draw(workspace, path, model.name(), &recorded, arguments.x.as_deref())?;
     }
     if let (Some(path), Some(film)) = (&arguments.gif, film) {
         film.write(path, &mut model, reached)?;
@@ -124,6 +121,26 @@ fn check_table(path: &Path) -> Result<()> {
         "csv" | "parquet" | "" => Ok(()),
         _ => bail!("--output-file: the name {} must end in .csv or .parquet", path.display()),
     }
+}
+
+/// The columns, with the variable along the axis of the plot.
+fn with_axis(mut columns: Vec<Column>, model: &Component, arguments: &Arguments) -> Result<Vec<Column>> {
+    if let Some(name) = &arguments.x
+        && !columns.iter().any(|column| column.name == *name)
+    {
+        columns.extend(fmu_build::run::table::columns(model.interface(), std::slice::from_ref(name)).context("--x")?);
+    }
+    Ok(columns)
+}
+
+/// Draw what was recorded, over time or over one of the variables.
+fn draw(workspace: &Workspace, path: &Path, title: &str, recorded: &Recorded, axis: Option<&str>) -> Result<()> {
+    let values = |k: usize| recorded.plotted.iter().map(|row| row[k]).collect();
+    let time = Series { name: "time", unit: Some(Unit::Second), values: values(0) };
+    let all = recorded.columns.iter().zip(1..);
+    let all = all.map(|(column, k)| Series { name: &column.name, unit: column.unit, values: values(k) });
+    let (mut along, lines): (Vec<Series>, Vec<Series>) = all.partition(|series| Some(series.name) == axis);
+    plot::write(workspace, path, title, &along.pop().unwrap_or(time), &lines)
 }
 
 /// The writer of a table: Parquet if its name ends so, else CSV.

@@ -1,19 +1,17 @@
-//! A canvas for one picture: lines, polygons, dots and words in pixels, drawn three times as large and reduced, for
-//! soft edges.
+//! A canvas for one picture: lines, polygons, dots and words in pixels, with soft edges.
 //!
 //! In: shapes. Out: pixels. It must not know what they show.
 
-use crate::simulate::picture::FONT;
-use anyhow::Result;
-use plotters::coord::Shift;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// The picture is drawn so many times as large.
-const FINE: u32 = 3;
+use anyhow::{Context, Result};
+use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
+use ttf_parser::{Face, OutlineBuilder};
 
 /// A point [px], or [m] in the mechanism frame.
 pub type Point = [f64; 2];
+/// Red, green and blue.
+pub type Colour = [u8; 3];
+/// What is behind all.
+pub const WHITE: Colour = [255; 3];
 
 /// Size of a picture [px].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,94 +22,173 @@ pub struct Size {
     pub height: u16,
 }
 
-/// A picture that is being drawn.
-pub struct Canvas<'a> {
-    area: DrawingArea<BitMapBackend<'a>, Shift>,
-}
+/// The font of all words: a machine may have none.
+pub struct Font(Face<'static>);
 
-impl Canvas<'_> {
-    /// The pixels, line by line, of what is drawn on white.
+impl Font {
+    /// The font.
     ///
     /// # Errors
-    /// Those of `draw`.
-    pub fn drawn(size: Size, draw: impl FnOnce(&Canvas) -> Result<()>) -> Result<Vec<[u8; 3]>> {
-        let [width, height] = [size.width, size.height].map(|side| FINE * u32::from(side));
-        let mut fine = vec![0; 3 * (width * height) as usize];
-        {
-            let area = BitMapBackend::with_buffer(&mut fine, (width, height)).into_drawing_area();
-            area.fill(&WHITE)?;
-            let canvas = Canvas { area };
-            draw(&canvas)?;
-            canvas.area.present()?;
-        }
-        let sum = |row: u32, column: u32, part: u32| -> u32 {
-            let cells = (0..FINE * FINE).map(|k| (row * FINE + k / FINE) * width + column * FINE + k % FINE);
-            cells.map(|cell| u32::from(fine[(3 * cell + part) as usize])).sum()
-        };
-        let pixel = |row: u32, column: u32| [0, 1, 2].map(|part| (sum(row, column, part) / (FINE * FINE)) as u8);
-        let rows = 0..u32::from(size.height);
-        Ok(rows.flat_map(|row| (0..u32::from(size.width)).map(move |column| pixel(row, column))).collect())
+    /// It cannot be read.
+    pub fn new() -> Result<Self> {
+        Face::parse(epaint_default_fonts::UBUNTU_LIGHT, 0).map(Self).context("the font of the film cannot be read")
+    }
+
+    /// Pixels for a unit of the font, whose letters are `size` pixels high.
+    fn scale(&self, size: f64) -> f64 {
+        size / f64::from(self.0.height())
     }
 
     /// Width of a text [px].
+    pub fn width(&self, text: &str, size: f64) -> f64 {
+        let advance = |letter| self.0.glyph_hor_advance(self.0.glyph_index(letter).unwrap_or_default());
+        self.scale(size) * text.chars().filter_map(advance).map(f64::from).sum::<f64>()
+    }
+}
+
+/// Outline of a letter at its place.
+struct Letter {
+    path: PathBuilder,
+    left: f32,
+    foot: f32,
+    scale: f32,
+}
+
+impl Letter {
+    fn at(&self, x: f32, y: f32) -> (f32, f32) {
+        (self.left + self.scale * x, self.foot - self.scale * y)
+    }
+}
+
+impl OutlineBuilder for Letter {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        let ((x1, y1), (x, y)) = (self.at(x1, y1), self.at(x, y));
+        self.path.quad_to(x1, y1, x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        let ((x1, y1), (x2, y2), (x, y)) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
+        self.path.cubic_to(x1, y1, x2, y2, x, y);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
+    }
+}
+
+/// A picture that is being drawn.
+pub struct Canvas<'a> {
+    picture: Pixmap,
+    font: &'a Font,
+}
+
+impl<'a> Canvas<'a> {
+    /// A white picture.
     ///
     /// # Errors
-    /// The font is not known.
-    pub fn width(&self, text: &str, size: f64) -> Result<f64> {
-        let style = (FONT, size * f64::from(FINE)).into_text_style(&self.area);
-        Ok(f64::from(self.area.estimate_text_size(text, &style)?.0) / f64::from(FINE))
+    /// It has no size.
+    pub fn new(size: Size, font: &'a Font) -> Result<Self> {
+        let mut picture =
+            Pixmap::new(size.width.into(), size.height.into()).context("the picture has the size 0")?;
+        picture.fill(Color::WHITE);
+        Ok(Self { picture, font })
+    }
+
+    /// The pixels, line by line.
+    pub fn pixels(&self) -> Vec<Colour> {
+        self.picture.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()
+    }
+
+    /// Width of a text [px].
+    pub fn width(&self, text: &str, size: f64) -> f64 {
+        self.font.width(text, size)
     }
 
     /// A line with hatching on its right-hand side, seen from its first end with y downward.
-    pub fn hatch(&self, a: Point, b: Point, colour: RGBColor) -> Result<()> {
-        self.line(a, b, 1.4, colour)?;
+    pub fn hatch(&mut self, a: Point, b: Point, colour: Colour) {
+        self.line(a, b, 1.4, colour);
         let length = distance(a, b);
         let [x, y] = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
         let count = (length / 5.0).round().max(1.0);
         for k in 0..=count as u32 {
             let [u, v] = between(a, b, f64::from(k) / count);
-            self.line([u, v], [u - 4.0 * x - 5.0 * y, v - 4.0 * y + 5.0 * x], 1.0, colour)?;
+            self.line([u, v], [u - 4.0 * x - 5.0 * y, v - 4.0 * y + 5.0 * x], 1.0, colour);
         }
-        Ok(())
     }
 
-    /// A text whose upper corner on this side is at a point; `size` [px].
-    pub fn text(&self, text: &str, at: Point, size: f64, colour: RGBColor, side: HPos) -> Result<()> {
-        let style = (FONT, size * f64::from(FINE)).into_text_style(&self.area).color(&colour);
-        let style = style.pos(Pos::new(side, VPos::Top));
-        self.area.draw(&Text::new(text.to_owned(), fine(at), style))?;
-        Ok(())
+    /// A text that begins or, if `is_right`, ends at a point at its upper edge; `size` [px].
+    pub fn text(&mut self, text: &str, [x, y]: Point, size: f64, colour: Colour, is_right: bool) {
+        let Font(face) = self.font;
+        let scale = self.font.scale(size);
+        let mut left = if is_right { x - self.font.width(text, size) } else { x };
+        let foot = y + scale * f64::from(face.ascender());
+        for index in text.chars().map(|letter| face.glyph_index(letter).unwrap_or_default()) {
+            let path = PathBuilder::new();
+            let mut letter = Letter { path, left: left as f32, foot: foot as f32, scale: scale as f32 };
+            face.outline_glyph(index, &mut letter);
+            self.fill(letter.path.finish(), colour);
+            left += scale * f64::from(face.glyph_hor_advance(index).unwrap_or_default());
+        }
     }
 
     /// A line of this width [px].
-    pub fn line(&self, a: Point, b: Point, width: f64, colour: RGBColor) -> Result<()> {
-        let [(x1, y1), (x2, y2)] = [fine(a), fine(b)];
-        if (x1, y1) == (x2, y2) {
-            return Ok(());
-        }
-        // A polygon of its own: what plotters draws as a wide line has rounded widths.
-        let length = distance(a, b);
-        let [u, v] = [-(b[1] - a[1]) * 0.5 * width / length, (b[0] - a[0]) * 0.5 * width / length];
-        self.polygon(&[[a[0] + u, a[1] + v], [b[0] + u, b[1] + v], [b[0] - u, b[1] - v], [a[0] - u, a[1] - v]], colour)
+    pub fn line(&mut self, a: Point, b: Point, width: f64, colour: Colour) {
+        self.polyline(&[a, b], width, colour);
     }
 
     /// Lines from point to point.
-    pub fn polyline(&self, points: &[Point], width: f64, colour: RGBColor) -> Result<()> {
-        points.windows(2).try_for_each(|pair| self.line(pair[0], pair[1], width, colour))
+    pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
+        let stroke = Stroke { width: width as f32, line_join: LineJoin::Round, ..Stroke::default() };
+        // What has no extent leaves no trace.
+        if let Some(path) = path(points).finish() {
+            self.picture.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
+        }
     }
 
     /// A filled polygon.
-    pub fn polygon(&self, corners: &[Point], colour: RGBColor) -> Result<()> {
-        let corners: Vec<(i32, i32)> = corners.iter().map(|corner| fine(*corner)).collect();
-        self.area.draw(&Polygon::new(corners, colour.filled()))?;
-        Ok(())
+    pub fn polygon(&mut self, corners: &[Point], colour: Colour) {
+        let mut path = path(corners);
+        path.close();
+        self.fill(path.finish(), colour);
     }
 
     /// A filled circle.
-    pub fn dot(&self, center: Point, radius: f64, colour: RGBColor) -> Result<()> {
-        self.area.draw(&Circle::new(fine(center), (radius * f64::from(FINE)).round() as i32, colour.filled()))?;
-        Ok(())
+    pub fn dot(&mut self, [x, y]: Point, radius: f64, colour: Colour) {
+        self.fill(PathBuilder::from_circle(x as f32, y as f32, radius as f32), colour);
     }
+
+    fn fill(&mut self, path: Option<Path>, colour: Colour) {
+        if let Some(path) = path {
+            self.picture.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
+        }
+    }
+}
+
+fn paint([r, g, b]: Colour) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color(Color::from_rgba8(r, g, b, u8::MAX));
+    paint
+}
+
+fn path(points: &[Point]) -> PathBuilder {
+    let mut path = PathBuilder::new();
+    for (k, [x, y]) in points.iter().enumerate() {
+        match k {
+            0 => path.move_to(*x as f32, *y as f32),
+            _ => path.line_to(*x as f32, *y as f32),
+        }
+    }
+    path
 }
 
 /// The point at this part of the way from the first point to the second.
@@ -122,12 +199,6 @@ pub fn between([x1, y1]: Point, [x2, y2]: Point, part: f64) -> Point {
 /// Distance of two points.
 pub fn distance([x1, y1]: Point, [x2, y2]: Point) -> f64 {
     (x2 - x1).hypot(y2 - y1)
-}
-
-/// The nearest point of the large picture.
-fn fine([x, y]: Point) -> (i32, i32) {
-    let of = |part: f64| (part * f64::from(FINE)).round() as i32;
-    (of(x), of(y))
 }
 
 /// Corners of the convex hull in order (Andrew 1979); two of points in a line, one of points at one place.

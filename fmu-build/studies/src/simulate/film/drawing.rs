@@ -3,11 +3,9 @@
 //! In: the scene and the poses of a film. Out: pixels.
 
 use super::Still;
-use super::canvas::{Canvas, Point, Size, between, distance, hull};
+use super::canvas::{Canvas, Colour, Font, Point, Size, WHITE, between, distance, hull};
 use anyhow::Result;
 use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, DrawnOutline, On, Pose, Scene, Surface};
-use plotters::style::text_anchor::HPos;
-use plotters::style::{RGBColor, WHITE};
 
 /// Width of all pictures, and bounds of their height [px].
 const WIDTH: u16 = 400;
@@ -20,24 +18,24 @@ const MARGIN: f64 = 22.0;
 const HALF: f64 = 0.02;
 const HALVES: [f64; 2] = [2.6, 5.0];
 /// Colours of the bodies, those of the page of `cargo fmu view`.
-const BODIES: [RGBColor; 8] = [
-    RGBColor(0x3f, 0x7f, 0xc1),
-    RGBColor(0xd9, 0x83, 0x24),
-    RGBColor(0x3a, 0x9d, 0x6b),
-    RGBColor(0x8c, 0x62, 0xc0),
-    RGBColor(0xc9, 0x50, 0x6f),
-    RGBColor(0x25, 0x98, 0xa3),
-    RGBColor(0x94, 0x81, 0x2f),
-    RGBColor(0x6d, 0x7f, 0x95),
+const BODIES: [Colour; 8] = [
+    [0x3f, 0x7f, 0xc1],
+    [0xd9, 0x83, 0x24],
+    [0x3a, 0x9d, 0x6b],
+    [0x8c, 0x62, 0xc0],
+    [0xc9, 0x50, 0x6f],
+    [0x25, 0x98, 0xa3],
+    [0x94, 0x81, 0x2f],
+    [0x6d, 0x7f, 0x95],
 ];
 /// Colour of lines, joints and text; of the ground and of what is said beside; of drives; of springs; of markers and
 /// their paths.
-const INK: RGBColor = RGBColor(38, 50, 56);
-const GROUND: RGBColor = RGBColor(120, 130, 138);
-const DRIVE: RGBColor = RGBColor(84, 96, 106);
-const SPRING: RGBColor = RGBColor(70, 130, 90);
-const MARKER: RGBColor = RGBColor(200, 80, 60);
-const TRACE: RGBColor = RGBColor(228, 168, 158);
+const INK: Colour = [38, 50, 56];
+const GROUND: Colour = [120, 130, 138];
+const DRIVE: Colour = [84, 96, 106];
+const SPRING: Colour = [70, 130, 90];
+const MARKER: Colour = [200, 80, 60];
+const TRACE: Colour = [228, 168, 158];
 
 /// What stays the same in all pictures of a film.
 pub struct Drawing<'a> {
@@ -144,12 +142,12 @@ impl<'a> Drawing<'a> {
     }
 
     /// Colours of the drawing, without white.
-    pub fn colours(&self) -> Vec<[u8; 3]> {
+    pub fn colours(&self) -> Vec<Colour> {
         let bodies = self.scene.bodies.iter().filter(|body| frame(body) > 0).map(|body| colour(frame(body)));
-        let mut colours: Vec<[u8; 3]> = Vec::new();
-        for RGBColor(r, g, b) in [INK, GROUND, DRIVE, SPRING, MARKER].into_iter().chain(bodies) {
-            if !colours.contains(&[r, g, b]) {
-                colours.push([r, g, b]);
+        let mut colours: Vec<Colour> = Vec::new();
+        for own in [INK, GROUND, DRIVE, SPRING, MARKER].into_iter().chain(bodies) {
+            if !colours.contains(&own) {
+                colours.push(own);
             }
         }
         colours
@@ -160,12 +158,14 @@ impl<'a> Drawing<'a> {
         [self.origin[0] + self.scale * x, self.origin[1] - self.scale * y]
     }
 
-    /// The pixels of one still, line by line. The font must be known.
+    /// The pixels of one still, line by line.
     ///
     /// # Errors
-    /// Something cannot be drawn, such as text without a font.
-    pub fn picture(&self, still: &Still) -> Result<Vec<[u8; 3]>> {
-        Canvas::drawn(self.size, |canvas| Picture { drawing: self, canvas, poses: &still.poses }.draw(still.time))
+    /// The picture has no size.
+    pub fn picture(&self, still: &Still, font: &Font) -> Result<Vec<Colour>> {
+        let mut picture = Picture { drawing: self, canvas: Canvas::new(self.size, font)?, poses: &still.poses };
+        picture.draw(still.time);
+        Ok(picture.canvas.pixels())
     }
 }
 
@@ -185,51 +185,51 @@ fn frame(body: &DrawnBody) -> usize {
     body.center.frame
 }
 
-fn colour(frame: usize) -> RGBColor {
+fn colour(frame: usize) -> Colour {
     BODIES[frame.saturating_sub(1) % BODIES.len()]
 }
 
 /// One picture that is being drawn.
-struct Picture<'a, 'b> {
+struct Picture<'a> {
     drawing: &'a Drawing<'a>,
-    canvas: &'a Canvas<'b>,
+    canvas: Canvas<'a>,
     poses: &'a [Pose],
 }
 
-impl Picture<'_, '_> {
-    fn draw(&self, time: f64) -> Result<()> {
+impl Picture<'_> {
+    fn draw(&mut self, time: f64) {
         let scene = self.drawing.scene;
-        self.ground()?;
+        self.ground();
         for path in &self.drawing.paths {
-            self.canvas.polyline(path, 1.2, TRACE)?;
+            self.canvas.polyline(path, 1.2, TRACE);
         }
         for body in scene.bodies.iter().filter(|body| frame(body) > 0) {
-            self.body(body)?;
+            self.body(body);
         }
         for outline in &scene.outlines {
             let colour = if outline.frame == 0 { GROUND } else { colour(outline.frame) };
             let first = points_of(outline).take(usize::from(outline.is_closed));
             let points: Vec<Point> = points_of(outline).chain(first).map(|on| self.at(on)).collect();
-            self.canvas.polyline(&points, 1.6, colour)?;
+            self.canvas.polyline(&points, 1.6, colour);
         }
         for surface in &scene.surfaces {
             if let Some([a, b]) = edges(surface) {
-                self.canvas.line(self.at(a), self.at(b), 2.0, GROUND)?;
+                self.canvas.line(self.at(a), self.at(b), 2.0, GROUND);
             }
         }
         for spring in &scene.springs {
-            self.spring(spring)?;
+            self.spring(spring);
         }
         for (drive, barrel) in scene.actuators.iter().zip(&self.drawing.barrels) {
-            self.drive(drive, *barrel)?;
+            self.drive(drive, *barrel);
         }
         for joint in &scene.joints {
-            self.joint(joint)?;
+            self.joint(joint);
         }
         for marker in &scene.markers {
-            self.canvas.dot(self.at(marker.on), 3.0, MARKER)?;
+            self.canvas.dot(self.at(marker.on), 3.0, MARKER);
         }
-        self.words(time)
+        self.words(time);
     }
 
     /// A point of a body in pixels.
@@ -244,16 +244,17 @@ impl Picture<'_, '_> {
     }
 
     /// Supports of the joints, drives and springs on the ground.
-    fn ground(&self) -> Result<()> {
+    fn ground(&mut self) {
         let scene = self.drawing.scene;
         let joints = scene.joints.iter().filter(|joint| joint.axis.is_none());
         let joints = joints.flat_map(|joint| [joint.first, joint.second]);
         let ends = scene.actuators.iter().chain(&scene.springs).flat_map(|c| c.ends.into_iter().flatten());
-        for [x, y] in joints.chain(ends).filter(|on| on.frame == 0).map(|on| self.at(on)) {
+        let (drawing, poses) = (self.drawing, self.poses);
+        for [x, y] in joints.chain(ends).filter(|on| on.frame == 0).map(|on| drawing.at(place(poses, on))) {
             let corners = [[x, y], [x - 9.0, y + 14.0], [x + 9.0, y + 14.0]];
-            self.canvas.polygon(&corners, RGBColor(214, 219, 222))?;
-            self.canvas.polyline(&[corners[0], corners[1], corners[2], corners[0]], 1.2, GROUND)?;
-            self.canvas.hatch([x - 14.0, y + 14.0], [x + 14.0, y + 14.0], GROUND)?;
+            self.canvas.polygon(&corners, [214, 219, 222]);
+            self.canvas.polyline(&[corners[0], corners[1], corners[2], corners[0]], 1.2, GROUND);
+            self.canvas.hatch([x - 14.0, y + 14.0], [x + 14.0, y + 14.0], GROUND);
         }
         for (joint, [least, most]) in scene.joints.iter().zip(&self.drawing.slides) {
             let Some(axis) = joint.axis else { continue };
@@ -262,44 +263,42 @@ impl Picture<'_, '_> {
             let ends = [least * self.drawing.scale - 20.0, most * self.drawing.scale + 20.0];
             let [a, b] = ends.map(|s| [start[0] + s * x, start[1] + s * y]);
             if joint.first.frame > 0 {
-                self.canvas.line(a, b, 1.6, GROUND)?;
+                self.canvas.line(a, b, 1.6, GROUND);
                 continue;
             }
             // The rail beside the block, on the right-hand side of the axis.
             let beside = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
-            self.canvas.hatch(beside(a), beside(b), GROUND)?;
+            self.canvas.hatch(beside(a), beside(b), GROUND);
         }
-        Ok(())
     }
 
-    fn body(&self, body: &DrawnBody) -> Result<()> {
+    fn body(&mut self, body: &DrawnBody) {
         let (half, colour) = (self.drawing.half, colour(frame(body)));
         let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect());
         let is_joined = |joint: &DrawnJoint| {
             joint.axis.is_some() && [joint.first, joint.second].iter().any(|on| on.frame == frame(body))
         };
         match corners[..] {
-            [] => Ok(()),
+            [] => {}
             // The block of a prismatic joint stands for it.
-            [_] if self.drawing.scene.joints.iter().any(is_joined) => Ok(()),
+            [_] if self.drawing.scene.joints.iter().any(is_joined) => {}
             [center] => {
-                self.canvas.dot(center, 1.9 * half + 1.2, WHITE)?;
-                self.canvas.dot(center, 1.9 * half, colour)
+                self.canvas.dot(center, 1.9 * half + 1.2, WHITE);
+                self.canvas.dot(center, 1.9 * half, colour);
             }
             _ => {
                 for (wide, colour) in [(half + 1.2, WHITE), (half, colour)] {
-                    self.canvas.polygon(&corners, colour)?;
+                    self.canvas.polygon(&corners, colour);
                     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                        self.canvas.line(*a, *b, 2.0 * wide, colour)?;
-                        self.canvas.dot(*a, wide, colour)?;
+                        self.canvas.line(*a, *b, 2.0 * wide, colour);
+                        self.canvas.dot(*a, wide, colour);
                     }
                 }
-                Ok(())
             }
         }
     }
 
-    fn joint(&self, joint: &DrawnJoint) -> Result<()> {
+    fn joint(&mut self, joint: &DrawnJoint) {
         let radius = (0.62 * self.drawing.half).max(2.6);
         if let Some(axis) = joint.axis {
             let of = if joint.second.frame > 0 { joint.second.frame } else { joint.first.frame };
@@ -307,31 +306,31 @@ impl Picture<'_, '_> {
             let [x, y] = self.direction(joint.first.frame, axis);
             let corner = |[u, v]: Point| [center[0] + u * x - v * y, center[1] + u * y + v * x];
             let corners = |u: f64, v: f64| [[-u, -v], [u, -v], [u, v], [-u, v]].map(corner);
-            self.canvas.polygon(&corners(15.2, 10.2), WHITE)?;
-            self.canvas.polygon(&corners(14.0, 9.0), colour(of))?;
+            self.canvas.polygon(&corners(15.2, 10.2), WHITE);
+            self.canvas.polygon(&corners(14.0, 9.0), colour(of));
             return self.canvas.dot(center, 2.0, WHITE);
         }
         let center = self.at(joint.first);
-        self.canvas.dot(center, radius + 1.4, INK)?;
-        self.canvas.dot(center, radius, WHITE)
+        self.canvas.dot(center, radius + 1.4, INK);
+        self.canvas.dot(center, radius, WHITE);
     }
 
     /// A cylinder between two points, or an arrow around a joint.
-    fn drive(&self, drive: &Connection, least: f64) -> Result<()> {
+    fn drive(&mut self, drive: &Connection, least: f64) {
         if let Some([first, second]) = drive.ends {
             let (a, b) = (self.at(first), self.at(second));
             let length = distance(a, b);
             if length > 0.0 {
                 let end = between(a, b, (0.8 * least * self.drawing.scale / length).min(1.0));
-                self.canvas.line(a, b, 2.4, DRIVE)?;
-                self.canvas.line(a, end, 10.0, DRIVE)?;
-                self.canvas.line(between(a, end, 1.5 / length), between(a, end, 0.97), 7.0, RGBColor(222, 227, 231))?;
+                self.canvas.line(a, b, 2.4, DRIVE);
+                self.canvas.line(a, end, 10.0, DRIVE);
+                self.canvas.line(between(a, end, 1.5 / length), between(a, end, 0.97), 7.0, [222, 227, 231]);
             }
-            return [a, b].into_iter().try_for_each(|end| self.canvas.dot(end, 3.4, DRIVE));
+            return [a, b].into_iter().for_each(|end| self.canvas.dot(end, 3.4, DRIVE));
         }
-        let Some(joint) = drive.joint.and_then(|index| self.drawing.scene.joints.get(index)) else { return Ok(()) };
+        let Some(joint) = drive.joint.and_then(|index| self.drawing.scene.joints.get(index)) else { return };
         if joint.axis.is_some() {
-            return Ok(());
+            return;
         }
         let [x, y] = self.at(joint.first);
         let radius = 2.2 * self.drawing.half + 6.0;
@@ -340,16 +339,16 @@ impl Picture<'_, '_> {
             [x + radius * cos, y - radius * sin]
         };
         let arc: Vec<Point> = (0..=22).map(|k| point(-20.0 + 10.0 * f64::from(k))).collect();
-        self.canvas.polyline(&arc, 2.0, DRIVE)?;
+        self.canvas.polyline(&arc, 2.0, DRIVE);
         let (tip, [u, v]) = (point(212.0), point(200.0));
         let [dx, dy] = [u - x, v - y].map(|part| 5.0 * part / radius);
-        self.canvas.polygon(&[tip, [u + dx, v + dy], [u - dx, v - dy]], DRIVE)
+        self.canvas.polygon(&[tip, [u + dx, v + dy], [u - dx, v - dy]], DRIVE);
     }
 
     /// A zigzag between two points.
-    fn spring(&self, spring: &Connection) -> Result<()> {
+    fn spring(&mut self, spring: &Connection) {
         const TEETH: u32 = 10;
-        let Some([first, second]) = spring.ends else { return Ok(()) };
+        let Some([first, second]) = spring.ends else { return };
         let (a, b) = (self.at(first), self.at(second));
         let length = distance(a, b);
         let [x, y] = if length > 0.0 { [(b[0] - a[0]) / length, (b[1] - a[1]) / length] } else { [1.0, 0.0] };
@@ -361,29 +360,28 @@ impl Picture<'_, '_> {
         let mut points = vec![a];
         points.extend((0..=TEETH).map(tooth));
         points.push(b);
-        self.canvas.polyline(&points, 1.6, SPRING)?;
-        [a, b].into_iter().try_for_each(|end| self.canvas.dot(end, 2.6, SPRING))
+        self.canvas.polyline(&points, 1.6, SPRING);
+        [a, b].into_iter().for_each(|end| self.canvas.dot(end, 2.6, SPRING));
     }
 
     /// Name, time and pace above the mechanism, names of the bodies below.
-    fn words(&self, time: f64) -> Result<()> {
+    fn words(&mut self, time: f64) {
         let Size { width, height } = self.drawing.size;
         let right = f64::from(width) - 10.0;
-        self.canvas.text(self.drawing.name, [10.0, 8.0], 16.0, INK, HPos::Left)?;
+        self.canvas.text(self.drawing.name, [10.0, 8.0], 16.0, INK, false);
         let digits = self.drawing.digits;
-        self.canvas.text(&format!("t = {time:.digits$} s"), [right, 8.0], 16.0, INK, HPos::Right)?;
-        self.canvas.text(self.drawing.pace, [right, 26.0], 12.0, GROUND, HPos::Right)?;
+        self.canvas.text(&format!("t = {time:.digits$} s"), [right, 8.0], 16.0, INK, true);
+        self.canvas.text(self.drawing.pace, [right, 26.0], 12.0, GROUND, true);
         let mut left = 10.0;
         for (frame, name) in self.drawing.scene.frames.iter().enumerate().skip(1) {
-            let wide = self.canvas.width(name, 12.0)?;
+            let wide = self.canvas.width(name, 12.0);
             if left + 13.0 + wide > right {
                 break;
             }
             let [x, y] = [left, f64::from(height) - 18.0];
-            self.canvas.polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0]], colour(frame))?;
-            self.canvas.text(name, [x + 13.0, y - 2.0], 12.0, INK, HPos::Left)?;
+            self.canvas.polygon(&[[x, y], [x + 9.0, y], [x + 9.0, y + 9.0], [x, y + 9.0]], colour(frame));
+            self.canvas.text(name, [x + 13.0, y - 2.0], 12.0, INK, false);
             left += 13.0 + wide + 12.0;
         }
-        Ok(())
     }
 }
