@@ -26,6 +26,7 @@ from results import Results, bins
 
 BLUE, ORANGE, RED, GREY = "#2f6db3", "#d9822b", "#b3392f", "#c4c9cf"
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
+SELECTION = "box_select,lasso_select,box_zoom,wheel_zoom,reset"
 MOST = 8
 """Columns of a scatter matrix."""
 NARROW = 300
@@ -94,7 +95,8 @@ def main_effects(results: Results) -> UIElement | None:
         row, shared = [], None
         for factor in results.factors:
             effect = results.effect(factor, response)
-            own = plot(results.labels[factor], results.labels[response])
+            label = results.labels[factor]
+            own = plot(label, results.labels[response])
             if shared is not None:
                 own.y_range = shared
             shared = own.y_range
@@ -105,7 +107,7 @@ def main_effects(results: Results) -> UIElement | None:
             own.line("x", "mean", source=source, line_color=BLUE, line_width=2)
             points = own.scatter("x", "mean", source=source, color=BLUE, size=5)
             tips = [
-                (results.labels[factor], "@x{0.000000}"),
+                (label, "@x{0.000000}"),
                 ("mean", "@mean{0.000000}"),
                 ("deviation", "@s{0.000000}"),
             ]
@@ -132,9 +134,7 @@ def scatter_matrix(results: Results) -> UIElement | None:
     for i, y in enumerate(names):
         row = []
         for j, x in enumerate(names[:i]):
-            own = plot(
-                results.labels[x], results.labels[y], 190, 170, "box_select,lasso_select,box_zoom,wheel_zoom,reset"
-            )
+            own = plot(results.labels[x], results.labels[y], 190, 170, SELECTION)
             points = own.scatter(f"c{j}", f"c{i}", source=source, size=3, color=BLUE, alpha=0.5)
             points.nonselection_glyph.fill_color = GREY
             points.nonselection_glyph.line_color = GREY

@@ -14,6 +14,8 @@ SIDE = 2.6
 """Of a panel [in]."""
 MOST = 7
 """Columns of a scatter matrix."""
+ACROSS = 2
+"""Panels next to each other in the other pictures, so that a phone shows them."""
 
 
 def all_of(results: Results) -> Iterator[tuple[str, Figure]]:
@@ -38,25 +40,30 @@ def panels(rows: int, columns: int, width: float = SIDE, height: float = SIDE) -
 
 def main_effects(results: Results) -> Figure:
     """Mean of each response over each factor, with the standard deviation of the runs there."""
-    canvas, grid = panels(len(results.responses), len(results.factors), height=2.2)
-    for row, response in zip(grid, results.responses, strict=True):
-        for axes, factor in zip(row, results.factors, strict=True):
+    columns = min(ACROSS, len(results.factors))
+    rows = -(-len(results.factors) // columns)
+    canvas, grid = panels(rows * len(results.responses), columns, 2.9, 2.1)
+    for k, response in enumerate(results.responses):
+        all_axes = grid[k * rows : (k + 1) * rows].flat
+        for axes in all_axes[len(results.factors) :]:
+            axes.set_visible(False)
+        for axes, factor in zip(all_axes, results.factors, strict=False):
             effect = results.effect(factor, response)
             low, high = effect.means - effect.deviations, effect.means + effect.deviations
             axes.fill_between(effect.places, low, high, color=BLUE, alpha=0.18, linewidth=0.0)
             axes.plot(effect.places, effect.means, "o-", color=BLUE, markersize=3)
-            names = results.labels[factor], results.labels[response]
-            labelled(axes, *names, row[0] is axes, grid[-1][0] is row[0])
-        limits = [axes.get_ylim() for axes in row]
-        for axes in row:
+            labelled(axes, results.labels[factor], results.labels[response], axes in grid[:, 0], True)
+        own = all_axes[: len(results.factors)]
+        limits = [axes.get_ylim() for axes in own]
+        for axes in own:
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
-    canvas.suptitle("Main effects: mean and standard deviation over each factor")
+    canvas.suptitle("Main effects: mean and standard deviation", fontsize=10)
     return canvas
 
 
 def labelled(axes: Axes, x: str, y: str, is_left: bool, is_low: bool) -> None:
     """Names at the left and lower edges only."""
-    axes.tick_params(labelsize=7)
+    axes.tick_params(labelsize=8)
     axes.locator_params(nbins=3)
     axes.ticklabel_format(useOffset=False)
     axes.set_xlabel(x if is_low else "", fontsize=8)
@@ -89,9 +96,9 @@ def scatter_matrix(results: Results) -> Figure:
 
 def distributions(results: Results) -> Figure:
     """Histogram of each response, with mean and quantiles."""
-    columns = min(3, len(results.responses))
+    columns = min(ACROSS, len(results.responses))
     rows = -(-len(results.responses) // columns)
-    canvas, grid = panels(rows, columns, 3.6, 2.7)
+    canvas, grid = panels(rows, columns, 2.9, 2.3)
     for axes in grid.flat[len(results.responses) :]:
         axes.set_visible(False)
     for axes, (name, values) in zip(grid.flat, results.responses.items(), strict=False):
@@ -99,9 +106,9 @@ def distributions(results: Results) -> Figure:
         axes.hist(values, bins=bins(values), color=BLUE)
         for value, style in zip(np.quantile(values, (0.01, 0.5, 0.99)), (":", "-", ":"), strict=True):
             axes.axvline(value, color=ORANGE, linestyle=style, linewidth=1.2)
-        axes.set_title(f"mean {values.mean():.6g}, standard deviation {values.std():.3g}", fontsize=8)
+        axes.set_title(f"mean {values.mean():.5g}, deviation {values.std():.3g}", fontsize=8)
         labelled(axes, results.labels[name], "runs", True, True)
-    canvas.suptitle("Distributions, with quantiles 1 %, 50 %, 99 %")
+    canvas.suptitle("Distributions, with quantiles 1 %, 50 %, 99 %", fontsize=10)
     return canvas
 
 
@@ -110,16 +117,16 @@ def response_surfaces(results: Results) -> Figure | None:
     surfaces = {name: surface for name in results.responses if (surface := results.surface(name)) is not None}
     if not surfaces:
         return None
-    columns = min(3, len(surfaces))
-    canvas, grid = panels(-(-len(surfaces) // columns), columns, 3.9, 3.2)
+    columns = min(ACROSS, len(surfaces))
+    canvas, grid = panels(-(-len(surfaces) // columns), columns, 2.9, 2.6)
     for axes in grid.flat[len(surfaces) :]:
         axes.set_visible(False)
     for axes, (name, surface) in zip(grid.flat, surfaces.items(), strict=False):
         shown = axes.contourf(surface.x, surface.y, np.ma.masked_invalid(surface.values), levels=16, cmap="viridis")
-        canvas.colorbar(shown, ax=axes).ax.tick_params(labelsize=7)
+        canvas.colorbar(shown, ax=axes).ax.tick_params(labelsize=8)
         axes.set_title(f"{results.labels[name]}\n{surface.how}", fontsize=8)
         labelled(axes, *(results.labels[factor] for factor in surface.names), True, True)
-    canvas.suptitle("Response surfaces over the two strongest factors")
+    canvas.suptitle("Response surfaces over the two strongest factors", fontsize=10)
     return canvas
 
 
@@ -129,19 +136,22 @@ def sobol_indices(results: Results) -> Figure | None:
     if not all_of_them:
         return None
     count = max(len(indices.names) for indices in all_of_them.values())
-    canvas, grid = panels(1, len(all_of_them), 3.8, 1.4 + 0.42 * count)
-    for axes, (name, indices) in zip(grid[0], all_of_them.items(), strict=True):
+    columns = min(ACROSS, len(all_of_them))
+    canvas, grid = panels(-(-len(all_of_them) // columns), columns, 2.9, 1.3 + 0.42 * count)
+    for axes in grid.flat[len(all_of_them) :]:
+        axes.set_visible(False)
+    for axes, (name, indices) in zip(grid.flat, all_of_them.items(), strict=False):
         places = np.arange(len(indices.names))
         first = {"color": BLUE, "label": "first order", "xerr": indices.first_interval}
         total = {"color": ORANGE, "label": "total", "xerr": indices.total_interval}
         axes.barh(places - 0.2, indices.first, 0.38, **first)
         axes.barh(places + 0.2, indices.total, 0.38, **total)
-        axes.set_yticks(places, indices.names, fontsize=7)
+        axes.set_yticks(places, indices.names, fontsize=8)
         axes.invert_yaxis()
         axes.set_title(f"{name}, {indices.points} points", fontsize=8)
-        axes.tick_params(labelsize=7)
-        axes.legend(fontsize=7)
-    canvas.suptitle("Sobol indices with 95 % confidence intervals")
+        axes.tick_params(labelsize=8)
+        axes.legend(fontsize=8)
+    canvas.suptitle("Sobol indices with 95 % confidence intervals", fontsize=10)
     return canvas
 
 
@@ -151,7 +161,7 @@ def progress(results: Results) -> Figure | None:
     if name not in results.responses or results.violation is None:
         return None
     y, kept = results.responses[name], results.violation <= 0.0
-    canvas, grid = panels(1, 1, 7.0, 3.6)
+    canvas, grid = panels(1, 1, 5.8, 3.4)
     axes = grid[0][0]
     axes.plot(results.numbers[~kept], y[~kept], ".", color="0.75", markersize=3, label="exceeds a limit")
     axes.plot(results.numbers[kept], y[kept], ".", color=BLUE, markersize=3, label="satisfies all limits")
@@ -160,5 +170,5 @@ def progress(results: Results) -> Figure | None:
         axes.step(results.numbers[kept], best.accumulate(y[kept]), where="post", color=RED, label="best so far")
     axes.set(xlabel="evaluation", ylabel=results.labels[name])
     axes.legend(fontsize=8)
-    canvas.suptitle("Progress of the search")
+    canvas.suptitle("Progress of the search", fontsize=10)
     return canvas

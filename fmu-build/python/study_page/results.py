@@ -183,7 +183,7 @@ class Results:
             index = list(self.factors).index(name)
             places[:, index] = (values.ravel() - middle[index]) / half[index]
         value = (quadratic(places) @ fitted).reshape(grid_x.shape)
-        how = f"quadratic fit, R² = {explained:.4f}, other factors at their means"
+        how = f"quadratic fit, R² = {explained:.4f},\nother factors at their means"
         return Surface((names[0], names[1]), x, y, value, how)
 
     def indices(self, response: str) -> Indices | None:
