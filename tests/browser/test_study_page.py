@@ -54,6 +54,14 @@ def test_every_tab_is_drawn(study_page: Path, show: Show) -> None:
         assert colours > 10, title
 
 
+def test_axes_have_units_and_what_does_not_change_has_no_plot(study_page: Path) -> None:
+    text = study_page.read_text(encoding="utf-8")
+    assert '"actuator.force [kN]"' in text
+    assert '"retraction [s]"' in text
+    # The gear ends at its stop in every run, so that its angle differs by rounding alone.
+    assert '"angle [rad]"' not in text
+
+
 def test_a_phone_and_a_dark_screen_show_it(study_page: Path, show: Show) -> None:
     page = show(study_page, ready=READY).page
     page.set_viewport_size({"width": 390, "height": 800})

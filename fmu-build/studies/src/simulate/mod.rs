@@ -128,7 +128,7 @@ fn with_axis(mut columns: Vec<Column>, model: &Component, arguments: &Arguments)
     if let Some(name) = &arguments.x
         && !columns.iter().any(|column| column.name == *name)
     {
-        columns.extend(fmu_build::run::table::columns(model.interface(), std::slice::from_ref(name)).context("--x")?);
+        columns.extend(fmu_build::run::column::columns(model.interface(), std::slice::from_ref(name)).context("--x")?);
     }
     Ok(columns)
 }
