@@ -30,8 +30,9 @@ pub struct Series<'a> {
 impl Series<'_> {
     /// The values in the unit in which the quantity is shown.
     fn plan(&self) -> Value {
-        let (shown, factor) =
-            self.unit.map_or((None, 1.0), |unit| unit.display().map_or((Some(unit.name()), 1.0), |(n, f)| (Some(n), f)));
+        let (shown, factor) = self
+            .unit
+            .map_or((None, 1.0), |unit| unit.display().map_or((Some(unit.name()), 1.0), |(n, f)| (Some(n), f)));
         let values = self.values.iter().map(|value| (value.abs() < INFINITE).then_some(factor * value));
         json!({
             "name": self.name,

@@ -98,8 +98,7 @@ impl<'a> Canvas<'a> {
     /// # Errors
     /// It has no size.
     pub fn new(size: Size, font: &'a Font) -> Result<Self> {
-        let mut picture =
-            Pixmap::new(size.width.into(), size.height.into()).context("the picture has the size 0")?;
+        let mut picture = Pixmap::new(size.width.into(), size.height.into()).context("the picture has the size 0")?;
         picture.fill(Color::WHITE);
         Ok(Self { picture, font })
     }
