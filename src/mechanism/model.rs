@@ -24,6 +24,7 @@ use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
 use super::warnings::{of_jump, of_near_misses, warnings};
 use crate::codec::sections::Sections;
+use crate::hydraulics::network::outputs::Output as Flow;
 use crate::inspection::Finding;
 use crate::integrator::{SHORTEST, Statistics};
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
@@ -132,7 +133,9 @@ impl Model {
                 (Some(Quantity::Input(_)), Some(Value::Real(x))) => reals.push(*x),
                 (Some(Quantity::Lock(_) | Quantity::Prescribed), Some(Value::Boolean(x))) => locks.push(*x),
                 // The force of a drive with a circuit is in the place of an input, which stays 0.
-                (Some(Quantity::Output(Output::Hydraulic(Hydraulic::Force))), _) => reals.push(0.0),
+                (Some(Quantity::Output(Output::Hydraulic(Hydraulic::Force) | Output::Network(Flow::Force(_)))), _) => {
+                    reals.push(0.0);
+                }
                 _ => {}
             }
         }

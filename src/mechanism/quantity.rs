@@ -1,4 +1,5 @@
 //! The quantity of each variable of a mechanism.
+use crate::hydraulics::network::outputs as network;
 
 /// What stops do to a mechanism: nothing; a bumper pushes; it rests on a rigid stop or a lock holds it there; it has
 /// come to a stop, whose impact is still to follow.
@@ -17,6 +18,8 @@ pub enum Quantity {
     Method,
     /// Whether a lock is engaged.
     Lock(usize),
+    /// Whether a pressure lock of the network is engaged.
+    PressureLock(usize),
     /// Whether the motion of a drive is prescribed.
     Prescribed,
     /// Whether the mechanism is at a stop.
@@ -120,6 +123,8 @@ pub enum Output {
     Drift,
     /// A quantity of the hydraulic circuit of a drive.
     Hydraulic(Hydraulic),
+    /// A quantity of the hydraulic network of the mechanism.
+    Network(network::Output),
     /// A quantity of small motions about the present state.
     SmallMotion(SmallMotion),
 }

@@ -30,6 +30,7 @@ mod gear_retraction;
 mod held_signs;
 mod histories;
 mod hydraulic_drive;
+mod hydraulic_network;
 mod hydraulic_pair;
 mod impacts;
 mod input_derivatives;

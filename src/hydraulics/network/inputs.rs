@@ -4,6 +4,7 @@
 //! point. It must not know what they act on.
 use super::layout::{Input, Layout, Part};
 use crate::codec::record::{Damaged, Record};
+use crate::format::Range;
 use crate::hydraulics::inputs::{Polynomial, SPEED_ORDER};
 
 /// Values and time derivatives of the inputs. FMI 2.0.5, 4.2.1: derivatives are set with respect to the beginning of a
@@ -21,6 +22,17 @@ pub struct Inputs {
 /// Largest order of the derivatives in time that count.
 pub fn order(input: Input) -> usize {
     if matches!(input, Input::Cylinder(_, Part::Speed)) { SPEED_ORDER } else { 2 }
+}
+
+/// Range of an input that is no pressure.
+pub fn range(input: Input) -> Range {
+    match input {
+        Input::Open(_) => Range::Unit,
+        Input::Pump(_) | Input::Horizon | Input::Cylinder(_, Part::Mass | Part::LowerLimit | Part::UpperLimit) => {
+            Range::NonNegative
+        }
+        _ => Range::Finite,
+    }
 }
 
 /// Range in which the laws take an input, whatever the host says or extrapolates.

@@ -351,6 +351,11 @@ impl Builder<'_> {
         self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
         let text = format!("Derivative of the seal friction force of {name} with respect to the speed");
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
+        if layout.is_carried {
+            let text =
+                format!("Force of the end of {name} at which the piston rests, positive when it pushes the piston out");
+            self.output(named("end_force"), text, Unit::Newton, Output::EndForce(index), &[]);
+        }
         let text = format!("Position of the piston of {name}; 0: fully retracted");
         self.output(named("stroke_position"), text, Unit::Metre, Output::Position(index), &length);
         for (side, letter) in ["a", "b"].into_iter().enumerate() {
@@ -432,21 +437,42 @@ impl Row {
 
 /// The variables of a network. Inputs come first: the reference of an input is its index.
 pub fn variables(system: &HydraulicSystem) -> (Vec<Variable>, Vec<Quantity>) {
+    let mut builder = builder(system, Layout::new(system));
+    builder.inputs();
+    builder.outputs();
+    builder.parameters();
+    (builder.list, builder.quantities)
+}
+
+/// The inputs that act on the flows of a network, in the order of their indices.
+pub fn flow_inputs(system: &HydraulicSystem) -> Vec<Variable> {
     let layout = Layout::new(system);
+    let mut builder = builder(system, layout);
+    builder.inputs();
+    builder.list.truncate(layout.flow_inputs());
+    builder.list
+}
+
+/// The outputs of a network whose cylinders a mechanism moves, each with its quantity. A dependency is the index of an
+/// input as in [`variables`].
+pub fn outputs_in_mechanism(system: &HydraulicSystem) -> impl Iterator<Item = (Variable, Quantity)> {
+    let mut builder = builder(system, Layout { is_carried: true, ..Layout::new(system) });
+    builder.outputs();
+    let all = builder.list.into_iter().zip(builder.quantities);
+    all.filter(|(_, quantity)| !matches!(quantity, Quantity::Output(Output::Preview(..))))
+}
+
+fn builder(system: &HydraulicSystem, layout: Layout) -> Builder<'_> {
     let is_ahead = |input: &usize| !matches!(layout.input(*input), Input::Cylinder(_, Part::Acceleration));
     let lengths = (0..layout.cylinders).map(|index| layout.of_cylinder(index, Part::Length));
-    let mut builder = Builder {
+    Builder {
         system,
         layout,
         list: Vec::new(),
         quantities: Vec::new(),
         flow: (0..layout.flow_inputs()).chain(lengths).map(|index| index as Reference).collect(),
         foreseen: (0..layout.inputs()).filter(is_ahead).map(|index| index as Reference).collect(),
-    };
-    builder.inputs();
-    builder.outputs();
-    builder.parameters();
-    (builder.list, builder.quantities)
+    }
 }
 
 /// The connection of each cylinder with what it moves: force and motion as a drive of a mechanism names them, then the

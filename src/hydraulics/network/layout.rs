@@ -16,6 +16,9 @@ pub struct Layout {
     pub cylinders: usize,
     /// Number of valves with dynamics.
     pub spools: usize,
+    /// Whether a mechanism carries the motion of the cylinders: the state then has neither their lengths and speeds nor
+    /// the integrals of their forces.
+    pub is_carried: bool,
 }
 
 /// Inputs of one cylinder.
@@ -107,6 +110,7 @@ impl Layout {
             bypasses: system.bypasses.len(),
             cylinders: system.cylinders.len(),
             spools: system.valves.iter().filter(|(_, valve)| valve.frequency.is_some()).count(),
+            is_carried: false,
         }
     }
 
@@ -132,7 +136,12 @@ impl Layout {
 
     /// Number of leading components, on which the rates depend.
     pub fn leading(&self) -> usize {
-        self.motion(self.cylinders)
+        self.motion(self.own_motions())
+    }
+
+    /// Number of cylinders whose motion is part of the state.
+    pub fn own_motions(&self) -> usize {
+        if self.is_carried { 0 } else { self.cylinders }
     }
 
     /// Index of the impulse of the force of a cylinder; that of the first moment follows.
@@ -142,12 +151,12 @@ impl Layout {
 
     /// Index of a total.
     pub fn total(&self, total: Total) -> usize {
-        self.impulse(self.cylinders) + total as usize
+        self.impulse(self.own_motions()) + total as usize
     }
 
     /// Number of components of the state.
     pub fn components(&self) -> usize {
-        self.impulse(self.cylinders) + TOTALS
+        self.impulse(self.own_motions()) + TOTALS
     }
 
     /// Number of inputs that act on the flows: those before the inputs of the cylinders.

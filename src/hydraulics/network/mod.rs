@@ -8,13 +8,13 @@
 //! definition -> layout, laws -> system -> state -> outputs, model -> snapshot
 //! ```
 pub mod definition;
-mod inputs;
+pub(crate) mod inputs;
 pub mod inspection;
-mod interface;
-mod laws;
-mod layout;
+pub(crate) mod interface;
+pub(crate) mod laws;
+pub(crate) mod layout;
 mod model;
-mod outputs;
+pub(crate) mod outputs;
 mod snapshot;
 mod state;
 mod system;

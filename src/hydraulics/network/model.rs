@@ -9,14 +9,14 @@ mod step;
 mod warnings;
 
 use super::definition::{HydraulicSystem, MOST_CYLINDERS, Mode};
-use super::inputs::Inputs;
+use super::inputs::{Inputs, range};
 use super::interface::{self, Quantity};
 use super::laws::Drive;
 use super::layout::{Input, Layout, Part};
 use super::outputs::{Ahead, Output, Present, ahead, blind};
 use super::state::State;
 use super::system::Motion;
-use crate::format::{About, DefinitionError, Experiment, Range};
+use crate::format::{About, DefinitionError, Experiment};
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::inspection::Finding;
@@ -202,7 +202,7 @@ impl Model {
                     let allowed = || format!("{ABOVE_VACUUM}; fluid.ambient_pressure is {ambient} Pa");
                     return if is_pressure(value, ambient) { Ok(()) } else { refuse(allowed()) };
                 }
-                input_range(input)
+                range(input)
             }
             Some(Quantity::Output(_)) => return Err(HydraulicsError::Output { name: self.name_of(reference) }),
             _ => return Err(self.no_such(reference, "Real")),
@@ -396,17 +396,6 @@ impl Model {
         let list = self.original.variables.list();
         let own = list.get(reference as usize).map(|variable| (variable.name.clone(), variable.kind.word()));
         HydraulicsError::Reference { reference, own, kind, count: list.len() }
-    }
-}
-
-/// Range of an input that is no pressure.
-fn input_range(input: Input) -> Range {
-    match input {
-        Input::Open(_) => Range::Unit,
-        Input::Pump(_) | Input::Horizon | Input::Cylinder(_, Part::Mass | Part::LowerLimit | Part::UpperLimit) => {
-            Range::NonNegative
-        }
-        _ => Range::Finite,
     }
 }
 

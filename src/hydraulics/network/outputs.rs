@@ -29,6 +29,8 @@ pub enum Output {
     Damping(usize),
     /// Position of a piston from the closed length.
     Position(usize),
+    /// Force of the ends of a cylinder on its piston.
+    EndForce(usize),
     /// Flow into a chamber, by its cylinder and side.
     ChamberFlow(usize, usize),
     /// Of the foreseen motion of a cylinder.
@@ -69,6 +71,13 @@ pub struct Present<T> {
 }
 
 impl<T: Number> Present<T> {
+    /// Room for a state.
+    pub fn nothing() -> Self {
+        let zero = T::constant(0.0);
+        let nothing = [zero; MOST_COMPONENTS];
+        Self { y: nothing, u: nothing, motion: [[zero; 2]; MOST_CYLINDERS], net: nothing, flows: [zero; MOST_PATHS] }
+    }
+
     /// Evaluate the laws. `y`: components of the state; `u`: the inputs that act on flows.
     pub fn new(
         laws: &Laws,
@@ -76,9 +85,7 @@ impl<T: Number> Present<T> {
         u: impl Iterator<Item = T>,
         motion: [[T; 2]; MOST_CYLINDERS],
     ) -> Self {
-        let zero = T::constant(0.0);
-        let nothing = [zero; MOST_COMPONENTS];
-        let mut all = Self { y: nothing, u: nothing, motion, net: nothing, flows: [zero; MOST_PATHS] };
+        let mut all = Self { motion, ..Self::nothing() };
         all.y.iter_mut().zip(y).for_each(|(own, y)| *own = y);
         all.u.iter_mut().zip(u).for_each(|(own, u)| *own = u);
         let (y, u) = (all.y, all.u);
@@ -126,7 +133,11 @@ impl<T: Number> Present<T> {
             Output::ChamberFlow(index, side) => self.net[layout.chamber(index) + side],
             Output::Total(one) => total(one),
             Output::VolumeBalance => {
-                let filled = laws.chamber_volume(&self.y) - T::constant(start_volume);
+                let volume = match layout.is_carried {
+                    true => laws.volume_at(|cylinder| self.motion[cylinder][0]),
+                    false => laws.chamber_volume(&self.y),
+                };
+                let filled = volume - T::constant(start_volume);
                 total(Total::Reservoirs) - total(Total::Leaked) - total(Total::Compressed) - filled
             }
             Output::EnergyBalance => {
@@ -136,7 +147,7 @@ impl<T: Number> Present<T> {
                     - total(Total::Compression)
                     - total(Total::Throttling)
             }
-            Output::Preview(..) => return None,
+            Output::Preview(..) | Output::EndForce(_) => return None,
         })
     }
 }

@@ -118,13 +118,7 @@ impl State {
     pub fn at_start(laws: &Laws, system: &HydraulicSystem, inputs: &Inputs) -> Self {
         let layout = &laws.layout;
         let mut y = vec![0.0; layout.components()];
-        for (index, (_, node)) in system.nodes.iter().enumerate() {
-            y[index] = node.start_pressure;
-        }
-        for (index, (_, cylinder)) in system.cylinders.iter().enumerate() {
-            let chamber = layout.chamber(index);
-            (y[chamber], y[chamber + 1]) = (cylinder.chamber_a.start_pressure, cylinder.chamber_b.start_pressure);
-        }
+        laws.fill_start(system, &mut y);
         let locks = laws.locks.iter().map(|lock| y[lock.at] < lock.release).collect();
         let mut state = Self {
             time: [0.0; 2],
@@ -335,8 +329,7 @@ impl State {
             });
         }
         for (lock, engaged) in setting.laws.locks.iter().zip(&mut self.locks) {
-            let p = self.y[lock.at];
-            *engaged = if *engaged { p < lock.release } else { p < lock.engage };
+            *engaged = lock.holds(*engaged, self.y[lock.at]);
         }
         self.last_step = h;
         // Two-sum, so that many short steps do not lose the time.

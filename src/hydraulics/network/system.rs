@@ -20,8 +20,6 @@ use crate::numerics::dual::{Dual, Number};
 const AT_ONCE: usize = 8;
 /// Capacity for small networks.
 const SMALL: usize = 32;
-/// Part of the size of the spool position that holds where the spool is at rest.
-const SPOOL_FLOOR: f64 = 0.1;
 /// Speed of a cylinder below which errors are absolute [m/s].
 const SPEED_FLOOR: f64 = 0.01;
 /// Part of the stroke below which a length is on the border of a cushion.
@@ -160,14 +158,7 @@ impl<const N: usize> System<N> for Job<'_> {
         let (laws, layout) = (self.laws, &self.laws.layout);
         let share = (layout.leading() as f64 / N as f64).sqrt();
         let mut scale = [FREE; N];
-        for index in 0..layout.volumes() {
-            scale[index] = share * (y[index] + laws.ambient()).max(laws.ambient());
-        }
-        for (omega, _, spool) in laws.valves().iter().filter_map(|valve| valve.dynamics) {
-            let own = layout.spool(spool);
-            let size = share * (SPOOL_FLOOR + y[own].abs());
-            (scale[own], scale[own + 1]) = (size, omega * size);
-        }
+        laws.sizes(y, share, &mut scale);
         for (index, cylinder) in laws.cylinders.iter().enumerate() {
             let (own, [least, most]) = (layout.motion(index), cylinder.laws.lengths());
             (scale[own], scale[own + 1]) = (share * (most - least), share * y[own + 1].abs().max(SPEED_FLOOR));

@@ -159,7 +159,7 @@ impl Mechanism {
         let rotary = self.rotary();
         numbers(self, &mut |number: Number| match number.unit(&rotary) {
             // A circuit has defaults in SI units, so all its numbers are.
-            _ if number.path.contains(".hydraulics.") => {}
+            _ if number.path.contains(".hydraulics.") || number.path.starts_with("hydraulics.") => {}
             Unit::Radian => units.angle(number.value),
             Unit::Metre => units.length(number.value),
             _ => {}

@@ -12,6 +12,7 @@ use crate::format::{
     About, Aside, DefinitionError, Experiment, Flag, Key, Named, Range, Visit, either, element, keys, line, number,
 };
 use crate::hydraulics::definition::Circuit;
+use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::variables::Unit;
 
 /// Name of the body that does not move.
@@ -53,6 +54,9 @@ keys! {
         /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs such as its length,
         /// its speed and the mass of the mechanism reduced to the drive.
         actuators: Named<Actuator>;
+        /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
+        /// moves the actuator of the same name. Mechanism and network are integrated as one system.
+        hydraulics: Option<HydraulicSystem>;
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;
         /// Torques on bodies by name.
@@ -124,8 +128,15 @@ impl Mechanism {
             ("stops", self.stops.get(name).is_some()),
             ("locks", self.locks.get(name).is_some()),
         ];
-        let owners: Vec<String> =
+        let mut owners: Vec<String> =
             groups.into_iter().filter(|(_, has)| *has).map(|(group, _)| format!("{group}.{name}")).collect();
+        if let Some(network) = &self.hydraulics {
+            network.elements(&mut |group, element| {
+                if element == name {
+                    owners.push(format!("hydraulics.{group}.{name}"));
+                }
+            });
+        }
         match owners.as_slice() {
             [first, second, ..] => {
                 let message = format!("{first} and {second} both have the variable {variable}: rename one element");
@@ -140,6 +151,11 @@ impl Mechanism {
     pub fn hydraulic_drive(&self) -> Option<(usize, &str, &Circuit)> {
         let mut drives = self.actuators.iter().enumerate();
         drives.find_map(|(index, (name, actuator))| Some((index, name, actuator.hydraulics.as_ref()?)))
+    }
+
+    /// Whether a hydraulic circuit or a hydraulic network drives the mechanism.
+    pub fn has_hydraulics(&self) -> bool {
+        self.hydraulics.is_some() || self.hydraulic_drive().is_some()
     }
 
     /// The drive whose motion can be prescribed, by its index, with its name and the motion; none if no drive has one.
@@ -162,6 +178,7 @@ impl Mechanism {
             let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
             actuator.parameters(name, is_rotary, visit);
         });
+        self.hydraulics.iter_mut().for_each(|network| network.element_parameters(visit));
         self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
         self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));
         self.springs.iter_mut().for_each(|(name, spring)| {

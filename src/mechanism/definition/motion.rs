@@ -121,11 +121,14 @@ impl Mechanism {
     pub(super) fn check_motion(&self, name: &str, drive: &Actuator, faults: &mut Faults) {
         let Some(motion) = &drive.motion else { return };
         let key = format!("actuators.{name}.motion");
-        if let Some((_, other, _)) = self.hydraulic_drive() {
-            let message = format!(
-                "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit or \
-                 this motion"
-            );
+        if self.has_hydraulics() {
+            let message = match self.hydraulic_drive() {
+                Some((_, other, _)) => format!(
+                    "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit \
+                     or this motion"
+                ),
+                None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
+            };
             faults.keep::<()>(refused(&key, message));
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {

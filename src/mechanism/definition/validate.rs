@@ -3,6 +3,7 @@
 //! In: a definition as it was read. Out: all faults that it shows, each under its key. It must not know how loops
 //! close.
 mod names;
+mod network;
 
 use super::bodies::{Body, Joint, JointKind};
 use super::characteristics::{check_bumper, check_damper, check_drive, check_spring};
@@ -14,6 +15,7 @@ use super::refusal::{Check, refused};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
+pub(super) use network::idle_keys;
 
 impl Mechanism {
     /// All faults of what was read that show without geometry.
@@ -38,6 +40,7 @@ impl Mechanism {
         self.check_bodies(faults);
         self.check_joints(faults);
         self.check_drives(faults);
+        self.check_network(faults);
         self.check_loads(faults);
         self.check_surfaces(faults);
         self.check_stops(faults);
@@ -361,6 +364,11 @@ impl Mechanism {
 
     fn check_start(&self) -> Check {
         let s = &self.start;
+        if s.equilibrium && self.hydraulics.is_some() {
+            let message = "the oil of the hydraulic network holds the mechanism at any position: give a start \
+                           position, or remove hydraulics";
+            return refused("start.equilibrium", message);
+        }
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
             let message = format!(
                 "the oil of actuators.{drive} holds the mechanism at any position: give a start position, and \

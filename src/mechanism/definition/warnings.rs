@@ -4,6 +4,7 @@
 //! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
 //! closed.
 use super::mechanism::{GROUND, Mechanism};
+use super::validate::idle_keys;
 use super::{JointKind, Range, Unclear};
 use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
@@ -276,6 +277,15 @@ impl Mechanism {
     }
 
     fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
+        if let Some(network) = &self.hydraulics {
+            let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
+            all.extend(own.map(|finding| Finding { path: format!("hydraulics.{}", finding.path), ..finding }));
+            all.extend(idle_keys(network).into_iter().map(|path| {
+                let message = "has no effect in a mechanism, which states the motion of its cylinders and the settings of \
+                               the integration";
+                Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
+            }));
+        }
         let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
         let mut values = vec![
             ("supply.pressure".to_owned(), circuit.supply.pressure),

@@ -8,6 +8,7 @@
 //! steps.
 use crate::integrator::System;
 use crate::mechanism::dynamics::hydraulic::Ports;
+use crate::mechanism::dynamics::network::NetworkPorts;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
 use crate::mechanism::loads::friction_loop::Locked;
@@ -39,10 +40,10 @@ impl<T: Differentiable> Scratch<T> {
         }
     }
 
-    /// State the pressures of the chambers of a hydraulic circuit [Pa].
-    pub fn set_pressures(&mut self, pressures: [T; 2]) {
-        self.evaluator.pressures = pressures;
-        self.tangent.pressures = pressures.map(T::held);
+    /// State the pressures of the chambers of a hydraulic cylinder [Pa].
+    pub fn set_pressures(&mut self, cylinder: usize, pressures: [T; 2]) {
+        self.evaluator.pressures[cylinder] = pressures;
+        self.tangent.pressures[cylinder] = pressures.map(T::held);
     }
 }
 
@@ -65,6 +66,8 @@ pub struct EquationOfMotion<'a, T: Differentiable = f64> {
     pub locked: bool,
     /// The hydraulic circuit of a drive, in a step with one.
     pub ports: Option<Ports<'a>>,
+    /// The hydraulic network of the mechanism, in a step with one.
+    pub network: Option<NetworkPorts<'a>>,
 }
 
 /// A reduced model with the loads that the state decides on its stretch of the curve.

@@ -26,12 +26,12 @@ const LEADING: usize = MOTION + DYNAMIC;
 /// Number of borders of [`border_of`].
 pub const BORDERS: usize = 6;
 /// Most instants within a step at which its integration ends.
-const INSTANTS: usize = 16;
+pub(super) const INSTANTS: usize = 16;
 /// Part of the weight of the speed without a circuit that holds with one: oil lets a mechanism move much slower than it
 /// would fall.
-const SPEED_FLOOR: f64 = 0.02;
+pub(super) const SPEED_FLOOR: f64 = 0.02;
 /// Distance from the border of a cushion up to which the actuator is on it [m].
-const ON_BORDER: f64 = 1e-10;
+pub(super) const ON_BORDER: f64 = 1e-10;
 /// Distance from a kink of the pump's flow up to which its pressure is on it, as a part of the pressure.
 const ON_KINK: f64 = 1e-9;
 /// Time after an instant up to which it is taken to have come [s].
@@ -91,8 +91,15 @@ impl<'a> Ports<'a> {
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
     #[inline]
     pub fn next_kink(&self, t: f64) -> f64 {
-        self.kinks.into_iter().find(|kink| *kink > t + JUST_NOW + 4.0 * f64::EPSILON * t).unwrap_or(f64::INFINITY)
+        next_instant(&self.kinks, t)
     }
+}
+
+/// The first of some instants that comes after t [s]; infinite if there is none.
+#[inline]
+pub(super) fn next_instant(instants: &[f64], t: f64) -> f64 {
+    let next = instants.iter().find(|instant| **instant > t + JUST_NOW + 4.0 * f64::EPSILON * t);
+    next.copied().unwrap_or(f64::INFINITY)
 }
 
 /// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of
@@ -108,14 +115,15 @@ pub fn border_of(laws: &Equations, border: usize) -> Option<f64> {
     }
 }
 
-/// Length of the actuator at sigma, and its derivative along sigma.
+/// Length of an actuator at sigma, and its derivative along sigma, by its load and the table of the load's displacement
+/// on the stretch of the curve with the guess.
 #[inline]
-fn length_at(equation: &EquationOfMotion<'_>, ports: &Ports<'_>, sigma: f64) -> [f64; 2] {
+pub(super) fn length_at(equation: &EquationOfMotion<'_>, (load, whole): (usize, &Table), sigma: f64) -> [f64; 2] {
     let (reduced, _) = equation.stretch_at(sigma);
-    let of_stretch = (!std::ptr::eq(reduced, equation.whole)).then(|| reduced.displacement(ports.load));
+    let of_stretch = (!std::ptr::eq(reduced, equation.whole)).then(|| reduced.displacement(load));
     let (reduced, length) = match of_stretch {
         Some(Ok(length)) => (reduced, length),
-        _ => (equation.whole, ports.length),
+        _ => (equation.whole, whole),
     };
     let value = |component| equation.scratch.panel_force.value((reduced, length), component, sigma);
     [value(0), value(1)]
@@ -140,7 +148,7 @@ impl EquationOfMotion<'_> {
         let ports = self.ports.as_ref()?;
         let level = border_of(ports.laws, border)?;
         let (value, near) = match border {
-            0 | 1 => (length_at(self, ports, z[0])[0], ON_BORDER),
+            0 | 1 => (length_at(self, (ports.load, ports.length), z[0])[0], ON_BORDER),
             2 | 3 => (z[MOTION + SUPPLY], ON_KINK * level.abs()),
             _ => (z[MOTION + SPOOL], ports.laws.edges().1),
         };
@@ -156,7 +164,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
 
     fn derivative(&mut self, t: f64, y: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         self.time = t;
-        self.scratch.evaluator.pressures = [y[3], y[4]];
+        self.scratch.evaluator.pressures[0] = [y[3], y[4]];
         let held = self.ports.as_ref().is_some_and(|ports| ports.held);
         let evaluation = if held { Ok(Evaluation { acceleration: 0.0, lost: 0.0 }) } else { self.effect(y[0], y[1]) };
         let Ok(Evaluation { acceleration, lost }) = evaluation else {
@@ -166,7 +174,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         self.scratch.evaluator.switches.record(t);
         let Some(ports) = &self.ports else { return [f64::NAN; DRIVEN] };
         let [sigma, sigma_dot, _, a, b, spool, rate, supply, ..] = *y;
-        let [length, slope] = length_at(self, ports, sigma);
+        let [length, slope] = length_at(self, (ports.load, ports.length), sigma);
         let motion = [length, slope * sigma_dot];
         let at = ports.laws.point([a, b, spool, rate, supply], motion, ports.surroundings.at(t));
         let mut rates = [0.0; DRIVEN];
@@ -196,7 +204,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         let [sigma, _, _, a, b, spool, rate, supply, ..] = *y;
         y[LEADING..].iter().sum::<f64>().is_finite()
             && ports.laws.has_pressures([a, b, spool, rate, supply])
-            && ports.laws.has_room(length_at(self, ports, sigma)[0])
+            && ports.laws.has_room(length_at(self, (ports.load, ports.length), sigma)[0])
     }
 
     fn take_kept(&mut self) -> Option<Box<Kept<DRIVEN>>> {

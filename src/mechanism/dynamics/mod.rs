@@ -5,6 +5,7 @@ pub mod hydraulic;
 pub mod inputs;
 pub mod inverse;
 mod kinks;
+pub mod network;
 pub mod panel_force;
 pub mod prescribed;
 pub mod state_loads;

@@ -6,6 +6,7 @@
 mod free;
 mod losses;
 
+use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
@@ -44,8 +45,8 @@ pub struct Evaluation<T> {
 pub struct StateLoadEvaluator<T> {
     /// Delivered forces of the drives whose force the state decides.
     pub delivered: Vec<T>,
-    /// Pressures of the chambers of the hydraulic circuit [Pa]; 0 without one.
-    pub pressures: [T; 2],
+    /// Pressures of the chambers of each hydraulic cylinder [Pa]; 0 without one.
+    pub pressures: [[T; 2]; MOST_CYLINDERS],
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
@@ -78,7 +79,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         friction.has_normal_forces = state_loads.is_some_and(|s| !s.prismatic.is_empty());
         Self {
             delivered: vec![zero; drives],
-            pressures: [zero; 2],
+            pressures: [[zero; 2]; MOST_CYLINDERS],
             loads: vec![zero; loads],
             friction,
             regimes: vec![None; friction_joints],
@@ -351,8 +352,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         for (k, &load) in state_loads.drives[..curves].iter().enumerate() {
             let influence = at(state_loads.given(0, load));
             if k >= state_loads.efficient {
-                let Some(drive) = &reduced.loading().hydraulics else { continue };
-                self.delivered[k] = drive.laws.force(self.pressures, influence * sigma_dot);
+                let cylinder = k - state_loads.efficient;
+                let Some(laws) = reduced.loading().cylinder(cylinder) else { continue };
+                self.delivered[k] = laws.force(self.pressures[cylinder], influence * sigma_dot);
                 let driven = influence * self.delivered[k];
                 self.motion = self.motion + driven;
                 lost = lost - driven * sigma_dot;

@@ -224,6 +224,9 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         Err(ModelError::NotInRigidFem { name: name.into(), value, remedy: remedy.into() })
     };
     let loading = reduced.loading();
+    if loading.network.is_some() {
+        return refuse("hydraulics", "network".into(), "use forces instead");
+    }
     if let Some(drive) = &loading.hydraulics {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
         return refuse(&name, "circuit".into(), "use a force instead");

@@ -82,9 +82,9 @@ impl Slow<'_> {
         let sizes = &reduced.sizes(&inputs.reals);
         let applied = AppliedLoads { sizes, airspeed: airspeed(reduced, inputs), revolutions: 0.0, change: None };
         let (mode, state_loads) = (Mode { direction, ..Mode::default() }, Some(*state_loads));
-        let (whole, time, locked, ports) = (*reduced, 0.0, false, None);
+        let (whole, time, locked, ports, network) = (*reduced, 0.0, false, None, None);
         let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
         equation.locks_slowly(sigma, direction)
     }
 

@@ -1,5 +1,6 @@
 //! The key of a definition to which an error of the model belongs.
 use crate::format::Described;
+use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::Mechanism;
@@ -10,7 +11,9 @@ use crate::mechanism::reduced::ReductionError;
 pub fn in_file(path: &str, mechanism: &Mechanism) -> String {
     let first = path.split('.').next().unwrap_or_default();
     let is_own = || Mechanism::TABLE.position(first).is_some();
+    let is_of_network = || HydraulicSystem::TABLE.position(first).is_some();
     match mechanism.hydraulic_drive() {
+        None if mechanism.hydraulics.is_some() && is_of_network() && !is_own() => format!("hydraulics.{path}"),
         Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
         _ => path.to_owned(),
     }

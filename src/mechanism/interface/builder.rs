@@ -191,7 +191,7 @@ impl<'a> Builder<'a> {
         };
         let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
         // The force of a drive with a circuit stands in the place of an input, and is an output.
-        let sizes = (0..inputs).filter(|load| self.source.hydraulic_load() != Some(*load));
+        let sizes = (0..inputs).filter(|load| !self.source.is_hydraulic(*load));
         sizes.chain(others).map(|i| i as Reference).chain(parameters).collect()
     }
 }

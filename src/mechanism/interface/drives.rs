@@ -14,8 +14,8 @@ use crate::variables::{Causality, Value};
 pub(super) fn add_inputs(b: &mut Builder) {
     let s = b.source;
     for (((name, a), drive), load) in s.mechanism.actuators.iter().zip(&s.loading.drives).zip(0..) {
-        if s.hydraulic_load() == Some(load) {
-            hydraulics::add_force(b, name);
+        if let Some(cylinder) = s.loading.hydraulic_loads().iter().position(|own| *own == load) {
+            hydraulics::add_force(b, name, cylinder);
             continue;
         }
         let (what, unit, start) = match drive.is_rotary {
@@ -135,7 +135,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     // No term depends on whether a lock holds.
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
     let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive && Some(*i) != own_command).collect();
-    let circuit = l.hydraulics.is_some();
+    let circuit = s.mechanism.has_hydraulics();
     let demand = l.inputs.len() + drive;
     let mut demanded = others.clone();
     demanded.insert(demanded.partition_point(|i| *i < demand), demand);

@@ -1,20 +1,38 @@
 //! Variables of the hydraulic circuit of a drive: ports, pressures, flows, valve, powers, energies.
 use super::builder::Builder;
 use super::needs::{Needs, placed};
-use crate::mechanism::quantity::{Hydraulic, Output};
+use crate::hydraulics::network::interface::{Quantity as OfNetwork, flow_inputs, outputs_in_mechanism};
+use crate::hydraulics::network::layout::{Input, Part};
+use crate::hydraulics::network::outputs as network;
+use crate::mechanism::quantity::{Hydraulic, Output, Quantity};
 use crate::variables::Unit::{
     self, CubicMetre, CubicMetrePerSecond, Joule, Metre, Newton, NewtonPerMetre, NewtonSecondPerMetre, One, Pascal,
     PerSecond, Watt,
 };
+use crate::variables::Value;
+
+/// Force of the drive of a circuit.
+const FORCE: Output = Output::Hydraulic(Hydraulic::Force);
 
 /// The force of the drive, in the place of the input that other drives have.
-pub(super) fn add_force(b: &mut Builder, name: &str) {
+pub(super) fn add_force(b: &mut Builder, name: &str, cylinder: usize) {
+    let of_network = b.source.loading.network.is_some();
+    let output = if of_network { Output::Network(network::Output::Force(cylinder)) } else { FORCE };
     let text = ["Force of ", name, ", computed by the hydraulic circuit. A positive force pushes the two ends apart"];
     let needs = Needs { speed: true, circuit: true, ..placed() };
-    b.output(name, "force", &text, Newton, Output::Hydraulic(Hydraulic::Force), needs);
+    b.output(name, "force", &text, Newton, output, needs);
 }
 
 pub(super) fn add_inputs(b: &mut Builder) {
+    if let Some(system) = &b.source.mechanism.hydraulics {
+        for input in flow_inputs(system) {
+            let (Some(unit), Some(Value::Real(start))) = (input.unit, input.start) else { continue };
+            b.input(input.name, &[&input.description], unit, start);
+            if let Some(own) = b.list.last_mut() {
+                own.details.bounds = input.details.bounds;
+            }
+        }
+    }
     let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
     let text = ["Command of the valve, from -1 to 1. A positive command extends the cylinder"];
     b.input("valve.command".into(), &text, One, 0.0);
@@ -183,7 +201,52 @@ const OUTPUTS: &[Row] = &[
     ),
 ];
 
+/// The outputs of a network. Their dependencies on lengths and speeds are what these follow from.
+fn add_network(b: &mut Builder) {
+    let s = b.source;
+    let (Some(system), Some(drives)) = (&s.mechanism.hydraulics, &s.loading.network) else { return };
+    let layout = &drives.laws.layout;
+    for (variable, quantity) in outputs_in_mechanism(system) {
+        let (mut inputs, mut loads) = (Vec::new(), Vec::new());
+        let mut needs = Needs::default();
+        for &dependency in &variable.dependencies {
+            match layout.input(dependency as usize) {
+                Input::Cylinder(cylinder, part) => {
+                    let load = drives.loads[cylinder];
+                    let of = s.displacement(load);
+                    needs.closure |= of.closure || part == Part::Speed;
+                    needs.position |= of.position;
+                    needs.joint = needs.joint.or(of.joint);
+                    needs.speed |= part == Part::Speed;
+                    loads.push(load);
+                }
+                _ => inputs.push(drives.first_input + dependency as usize),
+            }
+        }
+        loads.sort_unstable();
+        let total = |output| {
+            use network::Output::{EnergyBalance, Total, VolumeBalance};
+            matches!(output, Total(_) | VolumeBalance | EnergyBalance)
+        };
+        let needs = Needs { inputs: &inputs, loads: &loads, circuit: true, ..needs };
+        let text = b.text(|| variable.description);
+        let (output, needs) = match quantity {
+            // The force stands in the place of an input.
+            OfNetwork::Output(network::Output::Force(_)) => continue,
+            OfNetwork::Output(output @ network::Output::EndForce(_)) => (output, s.acceleration()),
+            OfNetwork::Output(output) => (output, Needs { circuit: !total(output), ..needs }),
+            OfNetwork::Lock(lock) => {
+                b.any_output(variable.name, text, None, Quantity::PressureLock(lock), needs);
+                continue;
+            }
+            _ => continue,
+        };
+        b.any_output(variable.name, text, variable.unit, Quantity::Output(Output::Network(output)), needs);
+    }
+}
+
 pub(super) fn add(b: &mut Builder) {
+    add_network(b);
     let s = b.source;
     let (Some(drive), Some((_, name, _))) = (&s.loading.hydraulics, s.mechanism.hydraulic_drive()) else { return };
     let ports = [drive.first_input + 1, drive.first_input + 2];

@@ -44,7 +44,7 @@ impl<'a> Source<'a> {
         let loads = (0..loading.loads.len()).collect();
         let held = held(mechanism, &linkage);
         let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads, held };
-        let sizes = (0..source.loading.inputs.len()).filter(|load| source.hydraulic_load() != Some(*load));
+        let sizes = (0..source.loading.inputs.len()).filter(|load| !source.is_hydraulic(*load));
         source.inputs = sizes.chain(source.airspeed()).chain(source.locks()).collect();
         source
     }
@@ -54,9 +54,9 @@ impl<'a> Source<'a> {
         self.loading.air.as_ref().map(|_| self.loading.inputs.len() + self.loading.drives.len() + self.loading.ports())
     }
 
-    /// Load of the drive with a hydraulic circuit.
-    pub fn hydraulic_load(&self) -> Option<usize> {
-        self.loading.hydraulics.as_ref().map(|drive| drive.load)
+    /// Whether a load is that of a drive with a hydraulic circuit or a cylinder of a network.
+    pub fn is_hydraulic(&self, load: usize) -> bool {
+        self.loading.hydraulic_loads().contains(&load)
     }
 
     /// Indices of the locks among the inputs.
@@ -89,7 +89,7 @@ impl<'a> Source<'a> {
 
     /// What the acceleration follows from.
     pub fn acceleration(&self) -> Needs<'_> {
-        let circuit = self.loading.hydraulics.is_some();
+        let circuit = self.mechanism.has_hydraulics();
         Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, circuit, ..placed() }
     }
 

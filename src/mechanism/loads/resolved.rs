@@ -15,6 +15,9 @@ use super::laws::stop::Stop;
 use super::unit_load::Load;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::Command;
+use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::hydraulics::network::interface::flow_inputs;
+use crate::hydraulics::network::laws::Laws;
 use crate::mechanism::definition::{self, DefinitionError, Limit, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{GROUND, Linkage, Point};
 use crate::numerics::monotone::monotone;
@@ -55,6 +58,8 @@ pub struct Loading {
     pub meshes: Vec<Mesh>,
     /// The hydraulic circuit that sizes the load of one drive.
     pub hydraulics: Option<HydraulicDrive>,
+    /// The hydraulic network that sizes the loads of some drives.
+    pub network: Option<NetworkDrives>,
     /// The drive whose motion can be prescribed.
     pub motion: Option<MotionDrive>,
 }
@@ -105,6 +110,36 @@ pub struct HydraulicDrive {
     pub command: Command,
     /// Index of the input `valve.command`; the pressures of supply and tank follow.
     pub first_input: usize,
+}
+
+/// Drives with the cylinders of a hydraulic network. Their places among the inputs that size loads stay 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NetworkDrives {
+    /// Indices of the drives and of their loads, in the order of the cylinders.
+    pub loads: Vec<usize>,
+    /// Laws of the network.
+    pub laws: Laws,
+    /// Index of the first input of the network; the others follow.
+    pub first_input: usize,
+    /// Names of these inputs.
+    pub inputs: Vec<String>,
+    /// For each lock of the mechanism the pressure lock of the same name, which operates it.
+    pub locks: Vec<Option<usize>>,
+}
+
+impl NetworkDrives {
+    /// The drives that have the names of the cylinders.
+    fn new(network: &HydraulicSystem, mechanism: &Mechanism, first_input: usize) -> Self {
+        let drive = |name: &str| mechanism.actuators.position(name).unwrap_or(0);
+        let pressure_lock = |name: &str| network.pressure_locks.names().into_iter().position(|known| known == name);
+        Self {
+            loads: network.cylinders.names().into_iter().map(drive).collect(),
+            laws: Laws::carried(network),
+            first_input,
+            inputs: flow_inputs(network).into_iter().map(|input| input.name).collect(),
+            locks: mechanism.locks.names().into_iter().map(pressure_lock).collect(),
+        }
+    }
 }
 
 /// Number of inputs of a hydraulic circuit: command of the valve, pressures of supply and tank.
@@ -239,11 +274,12 @@ impl Loading {
             None => None,
         };
         let first = inputs.len() + drives.len();
+        let network = mechanism.hydraulics.as_ref().map(|network| NetworkDrives::new(network, mechanism, first));
         let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
         let mut loading =
-            Self { loads, inputs, constants, springs, drives, gravity, hydraulics, motion, ..Self::default() };
+            Self { loads, inputs, constants, springs, drives, gravity, hydraulics, network, motion, ..Self::default() };
         loading.add_stops(mechanism, linkage, hinges)?;
-        loading.add_ends_of_cylinder();
+        loading.add_ends_of_cylinders();
         loading.add_springs_of_state(mechanism);
         loading.add_air(mechanism, linkage)?;
         loading.add_friction(mechanism, linkage)?;
@@ -301,16 +337,17 @@ impl Loading {
         Ok(())
     }
 
-    /// The ends of the cylinder of the hydraulic drive: rigid stops of the length of the drive, behind all stops of the
-    /// definition.
-    fn add_ends_of_cylinder(&mut self) {
-        let Some(drive) = &self.hydraulics else { return };
-        let restitution = drive.laws.restitution();
-        let ends = [("cylinder.retracted", Limit::Lower), ("cylinder.extended", Limit::Upper)];
-        for ((name, limit), value) in ends.into_iter().zip(drive.laws.lengths()) {
-            self.stops.push(Stop {
-                name: name.into(),
-                load: drive.load,
+    /// The ends of the cylinders of the hydraulic drives: rigid stops of the lengths of the drives, behind all stops of
+    /// the definition.
+    fn add_ends_of_cylinders(&mut self) {
+        for cylinder in 0..self.hydraulic_loads().len() {
+            let (Some(laws), load) = (self.cylinder(cylinder), self.hydraulic_loads()[cylinder]) else { continue };
+            let (restitution, lengths) = (laws.restitution(), laws.lengths());
+            let owner = if self.network.is_some() { self.drives[load].name.as_str() } else { "cylinder" };
+            let ends = [("retracted", Limit::Lower), ("extended", Limit::Upper)].into_iter().zip(lengths);
+            let stops = ends.map(|((end, limit), value)| Stop {
+                name: [owner, ".", end].concat(),
+                load,
                 limit,
                 value,
                 quantity: "length",
@@ -322,7 +359,34 @@ impl Loading {
                 curve: None,
                 of_cylinder: true,
             });
+            let stops: Vec<Stop> = stops.collect();
+            self.stops.extend(stops);
         }
+    }
+
+    /// Loads of the drives with a hydraulic circuit or with a cylinder of a network, in the order of the cylinders.
+    pub fn hydraulic_loads(&self) -> &[usize] {
+        match (&self.hydraulics, &self.network) {
+            (Some(drive), _) => std::slice::from_ref(&drive.load),
+            (None, Some(network)) => &network.loads,
+            (None, None) => &[],
+        }
+    }
+
+    /// Laws of a hydraulic cylinder by its index in [`Self::hydraulic_loads`].
+    #[inline]
+    pub fn cylinder(&self, index: usize) -> Option<&Equations> {
+        match (&self.hydraulics, &self.network) {
+            (Some(drive), _) => Some(&drive.laws),
+            (None, Some(network)) => network.laws.cylinders.get(index).map(|cylinder| &cylinder.laws),
+            (None, None) => None,
+        }
+    }
+
+    /// Index of the first input of the hydraulic circuit or network; None without one.
+    pub fn first_port(&self) -> Option<usize> {
+        let of_network = || self.network.as_ref().map(|network| network.first_input);
+        self.hydraulics.as_ref().map(|drive| drive.first_input).or_else(of_network)
     }
 
     /// The stops of the definition, without the ends of a cylinder.
@@ -340,11 +404,12 @@ impl Loading {
         }
     }
 
-    /// Number of inputs of the hydraulic circuit or of a prescribed motion; 0 without these.
+    /// Number of inputs of the hydraulic circuit or network, or of a prescribed motion; 0 without these.
     pub fn ports(&self) -> usize {
-        match (&self.hydraulics, &self.motion) {
-            (Some(_), _) => PORTS,
-            (None, Some(motion)) if motion.first_input.is_some() => MOTION,
+        match (&self.hydraulics, &self.network, &self.motion) {
+            (Some(_), ..) => PORTS,
+            (None, Some(network), _) => network.laws.layout.flow_inputs(),
+            (None, None, Some(motion)) if motion.first_input.is_some() => MOTION,
             _ => 0,
         }
     }

@@ -40,6 +40,6 @@ impl Model {
     /// to an event.
     pub fn has_events(&self) -> bool {
         let mechanism = self.original.parameter_values.mechanism();
-        !mechanism.stops.is_empty() || mechanism.hydraulic_drive().is_some() || mechanism.sticks()
+        !mechanism.stops.is_empty() || mechanism.has_hydraulics() || mechanism.sticks()
     }
 }

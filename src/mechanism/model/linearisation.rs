@@ -140,11 +140,9 @@ impl Model {
         if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
             return refused("a drive has a prescribed motion, so there are no states; set motion.enabled to false");
         }
-        match self.original.parameter_values.mechanism().hydraulic_drive() {
-            Some(_) => {
-                refused("a hydraulic circuit has more states; remove hydraulics to linearise the mechanism alone")
-            }
-            None => Ok(()),
+        match self.original.parameter_values.mechanism().has_hydraulics() {
+            true => refused("a hydraulic circuit has more states; remove hydraulics to linearise the mechanism alone"),
+            false => Ok(()),
         }
     }
 

@@ -5,6 +5,7 @@ use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::{Method, Range};
 use crate::mechanism::designs::decides_reduced;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
+use crate::mechanism::motion::state::is_engaged;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
 use std::sync::Arc;
@@ -186,6 +187,12 @@ impl Model {
             Some(Quantity::Flag(i)) => Ok(self.parameter_values.flags[i]),
             Some(Quantity::Lock(i)) => Ok(self.inputs.locks[i]),
             Some(Quantity::Prescribed) => Ok(self.inputs.prescribes()),
+            Some(Quantity::PressureLock(lock)) => {
+                let reduced = Arc::clone(self.reduced()?);
+                let state = self.state()?.along_curve();
+                let (network, memory) = (reduced.loading().network.as_ref(), state.memory.network());
+                Ok(network.zip(memory).is_some_and(|(network, memory)| is_engaged(&network.laws, memory, lock)))
+            }
             Some(Quantity::AtStop(stop)) => {
                 let reduced = Arc::clone(self.reduced()?);
                 self.state()?;

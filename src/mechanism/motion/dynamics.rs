@@ -6,6 +6,7 @@ use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
+use crate::mechanism::dynamics::network::NETWORKED;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::StateLoads;
@@ -228,13 +229,15 @@ where
 
     #[inline(always)]
     fn evolves_at_rest(&self) -> bool {
-        N == DRIVEN
+        N > MOTION
     }
 
     #[inline(always)]
     fn set_state(&mut self, z: &[f64; N]) {
         if N == DRIVEN {
-            self.scratch.evaluator.pressures = [z[MOTION], z[MOTION + 1]];
+            self.scratch.evaluator.pressures[0] = [z[MOTION], z[MOTION + 1]];
+        } else if N == NETWORKED {
+            self.set_pressures_of_network(z);
         }
     }
 
@@ -243,12 +246,16 @@ where
         if let (true, Some(ports)) = (N == DRIVEN, &mut self.ports) {
             ports.held = held;
         }
+        if let (true, Some(network)) = (N == NETWORKED, &mut self.network) {
+            network.held = held;
+        }
     }
 
     #[inline(always)]
     fn next_kink(&self, t: f64) -> f64 {
-        match &self.ports {
-            Some(ports) if N == DRIVEN => ports.next_kink(t),
+        match (&self.ports, &self.network) {
+            (Some(ports), _) if N == DRIVEN => ports.next_kink(t),
+            (_, Some(network)) if N == NETWORKED => network.next_kink(t),
             _ => f64::INFINITY,
         }
     }
@@ -266,7 +273,11 @@ where
     #[inline(always)]
     fn borders(&self) -> usize {
         let own = self.deciding::<N>().map_or(0, StateLoads::borders);
-        if N == DRIVEN { own + BORDERS } else { own }
+        match &self.network {
+            Some(network) if N == NETWORKED => own + network.borders(),
+            _ if N == DRIVEN => own + BORDERS,
+            _ => own,
+        }
     }
 
     fn is_kink(&self, border: usize) -> bool {
@@ -285,6 +296,9 @@ where
             return self.beyond_kink(kink, [t, z[0], z[1]]);
         }
         let border = border - kinks.len();
+        if N == NETWORKED {
+            return self.beyond_border_of_network(border, z).unwrap_or(0.0);
+        }
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
     }
 

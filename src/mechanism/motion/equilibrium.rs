@@ -83,9 +83,9 @@ impl<'a> AtRest<'a> {
         self.scratch.panel_force.on_stretch(reduced.stretch);
         let applied = AppliedLoads { sizes: &self.sizes, airspeed: self.airspeed, revolutions, change: None };
         let mode = Mode { touching: pressed_bumpers(whole, self.travel, position, 0.0), ..Mode::default() };
-        let (scratch, time, locked, ports) = (&mut self.scratch, 0.0, false, None);
+        let (scratch, time, locked, ports, network) = (&mut self.scratch, 0.0, false, None, None);
         let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
         match equation.tangent(sigma, 0.0) {
             Ok(Evaluation { acceleration, .. }) => [acceleration.value, acceleration.slope[0], acceleration.slope[1]],
             Err(_) => [f64::NAN; 3],

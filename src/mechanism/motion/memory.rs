@@ -7,7 +7,7 @@ use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Kept, Statistics};
 use crate::mechanism::dynamics::hydraulic::DRIVEN;
-use crate::mechanism::loads::resolved::PORTS;
+use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::step_ahead::Lookahead;
@@ -22,30 +22,44 @@ pub enum Memory {
     WithDissipation(Integrator<3>, Lookahead<3>),
     /// The hydraulic circuit of a drive is integrated too.
     WithCircuit(Box<CircuitMemory>),
+    /// The hydraulic network of the mechanism is integrated too.
+    WithNetwork(Box<NetworkMemory>),
 }
 
-/// State of the hydraulic circuit of a drive, with the memory of the integration.
+/// State of a hydraulic circuit or network of C components, with the memory of the integration.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CircuitMemory {
-    pub integrator: Integrator<DRIVEN>,
-    pub lookahead: Lookahead<DRIVEN>,
-    pub circuit: CircuitState,
+pub struct HydraulicMemory<const N: usize, const C: usize> {
+    pub integrator: Integrator<N>,
+    pub lookahead: Lookahead<N>,
+    pub circuit: CircuitState<C>,
     /// State at the beginning of the last step, for a step that fails.
-    pub before: CircuitState,
-    /// Command of the valve and pressures of supply and tank at the beginning of the last step.
-    pub ports: [f64; PORTS],
+    pub before: CircuitState<C>,
+    /// Inputs of the circuit or network at the beginning of the last step.
+    pub ports: Vec<f64>,
     /// Jacobian that implicit steps keep; none during a step, which has it.
-    pub kept: Option<Box<Kept<DRIVEN>>>,
+    pub kept: Option<Box<Kept<N>>>,
 }
 
-/// State of the hydraulic circuit of a drive.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CircuitState {
+/// Of the circuit of a drive.
+pub type CircuitMemory = HydraulicMemory<DRIVEN, CIRCUIT>;
+/// Of a network.
+pub type NetworkMemory = HydraulicMemory<NETWORKED, CAPACITY>;
+
+/// State of a hydraulic circuit or network.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CircuitState<const C: usize = CIRCUIT> {
     /// Time since the start.
     pub time: Elapsed,
-    /// Pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure of the
-    /// accumulator [Pa].
-    pub values: [f64; CIRCUIT],
+    /// Of a circuit: pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure
+    /// of the accumulator [Pa]. Of a network: its components, then the volume of all chambers at the start [m3], then
+    /// for each pressure lock 1 if it is engaged, else 0.
+    pub values: [f64; C],
+}
+
+impl<const C: usize> Default for CircuitState<C> {
+    fn default() -> Self {
+        Self { time: Elapsed::default(), values: [0.0; C] }
+    }
 }
 
 impl CircuitState {
@@ -55,16 +69,27 @@ impl CircuitState {
     }
 }
 
-impl CircuitMemory {
-    /// A circuit that begins in this state.
-    pub fn new(circuit: CircuitState) -> Self {
+impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
+    /// A circuit or network with so many inputs that begins in this state.
+    pub fn new(circuit: CircuitState<C>, ports: usize) -> Self {
         Self {
             integrator: Integrator::default(),
             lookahead: Lookahead::default(),
             circuit,
             before: circuit,
-            ports: [0.0; PORTS],
+            ports: vec![0.0; ports],
             kept: Some(Box::default()),
+        }
+    }
+
+    /// Become the same as another one, without allocation.
+    fn copy_from(&mut self, other: &Self) {
+        self.integrator.copy_from(&other.integrator);
+        self.lookahead.copy_from(&other.lookahead);
+        (self.circuit, self.before) = (other.circuit, other.before);
+        self.ports.copy_from_slice(&other.ports);
+        if let (Some(own), Some(other)) = (&mut self.kept, &other.kept) {
+            own.copy_from(other);
         }
     }
 
@@ -102,11 +127,20 @@ impl Memory {
     }
 
     /// Become that before the first step, with a circuit in this state.
-    pub fn begin_with_circuit(&mut self, circuit: CircuitState) {
-        let begun = CircuitMemory::new(circuit);
+    pub fn begin_with_circuit(&mut self, circuit: CircuitState, ports: usize) {
+        let begun = CircuitMemory::new(circuit, ports);
         match self {
             Self::WithCircuit(memory) => **memory = begun,
             _ => *self = Self::WithCircuit(Box::new(begun)),
+        }
+    }
+
+    /// Become that before the first step, with a network in this state.
+    pub fn begin_with_network(&mut self, network: CircuitState<CAPACITY>, ports: usize) {
+        let begun = NetworkMemory::new(network, ports);
+        match self {
+            Self::WithNetwork(memory) => **memory = begun,
+            _ => *self = Self::WithNetwork(Box::new(begun)),
         }
     }
 
@@ -131,6 +165,7 @@ impl Memory {
             Self::Conservative(i, _) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
             Self::WithCircuit(memory) => memory.integrator.statistics(),
+            Self::WithNetwork(memory) => memory.integrator.statistics(),
         }
     }
 
@@ -141,6 +176,7 @@ impl Memory {
             Self::Conservative(i, _) => i.tried(),
             Self::WithDissipation(i, _) => i.tried(),
             Self::WithCircuit(memory) => memory.integrator.tried(),
+            Self::WithNetwork(memory) => memory.integrator.tried(),
         }
     }
 
@@ -153,10 +189,21 @@ impl Memory {
         }
     }
 
-    /// A step has failed: the circuit is where it was.
+    /// State of the hydraulic network of the mechanism; none without one.
+    #[inline]
+    pub fn network(&self) -> Option<&CircuitState<CAPACITY>> {
+        match self {
+            Self::WithNetwork(memory) => Some(&memory.circuit),
+            _ => None,
+        }
+    }
+
+    /// A step has failed: the circuit or network is where it was.
     pub fn undo_circuit(&mut self) {
-        if let Self::WithCircuit(memory) = self {
-            memory.circuit = memory.before;
+        match self {
+            Self::WithCircuit(memory) => memory.circuit = memory.before,
+            Self::WithNetwork(memory) => memory.circuit = memory.before,
+            _ => {}
         }
     }
 
@@ -166,6 +213,7 @@ impl Memory {
             Self::Conservative(_, ahead) => ahead.step_ahead.as_ref()?.event,
             Self::WithDissipation(_, ahead) => ahead.step_ahead.as_ref()?.event,
             Self::WithCircuit(memory) => memory.lookahead.step_ahead.as_ref()?.event,
+            Self::WithNetwork(memory) => memory.lookahead.step_ahead.as_ref()?.event,
         }
     }
 
@@ -180,14 +228,8 @@ impl Memory {
                 own.copy_from(other);
                 own_ahead.copy_from(other_ahead);
             }
-            (Self::WithCircuit(own), Self::WithCircuit(other)) => {
-                own.integrator.copy_from(&other.integrator);
-                own.lookahead.copy_from(&other.lookahead);
-                (own.circuit, own.before, own.ports) = (other.circuit, other.before, other.ports);
-                if let (Some(own), Some(other)) = (&mut own.kept, &other.kept) {
-                    own.copy_from(other);
-                }
-            }
+            (Self::WithCircuit(own), Self::WithCircuit(other)) => own.copy_from(other),
+            (Self::WithNetwork(own), Self::WithNetwork(other)) => own.copy_from(other),
             (own, other) => *own = other.clone(),
         }
     }
@@ -198,6 +240,7 @@ impl Memory {
             Self::Conservative(i, ahead) => restart(i, ahead),
             Self::WithDissipation(i, ahead) => restart(i, ahead),
             Self::WithCircuit(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithNetwork(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
         }
     }
 
@@ -207,6 +250,7 @@ impl Memory {
             Self::Conservative(i, ahead) => recount(i, ahead),
             Self::WithDissipation(i, ahead) => recount(i, ahead),
             Self::WithCircuit(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithNetwork(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
         }
     }
 
@@ -216,6 +260,7 @@ impl Memory {
             Self::Conservative(i, ahead) => refresh(i, ahead),
             Self::WithDissipation(i, ahead) => refresh(i, ahead),
             Self::WithCircuit(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithNetwork(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
 //! outputs.
 use super::acting::{blows, state_loads};
-use super::memory::{CircuitMemory, CircuitState, Memory};
+use super::memory::{CircuitMemory, CircuitState, Memory, NetworkMemory};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::hydraulic::border_of;
 use crate::mechanism::error::ModelError;
@@ -93,7 +93,12 @@ impl SavedState {
         let applied = vec![0.0; reduced.components().sized];
         let mut saved = Self { applied, travel, impacts, ..Self::default() };
         if reduced.loading().hydraulics.is_some() {
-            saved.memory = Memory::WithCircuit(Box::new(CircuitMemory::new(CircuitState::default())));
+            let memory = CircuitMemory::new(CircuitState::default(), reduced.loading().ports());
+            saved.memory = Memory::WithCircuit(Box::new(memory));
+        }
+        if reduced.loading().network.is_some() {
+            let memory = NetworkMemory::new(CircuitState::default(), reduced.loading().ports());
+            saved.memory = Memory::WithNetwork(Box::new(memory));
         }
         saved.prescribed = reduced.loading().motion.as_ref().map(|_| PrescribedState::default());
         saved.record(record)?;
@@ -137,6 +142,7 @@ impl SavedState {
                 lookahead.record(record)
             }
             Memory::WithCircuit(memory) => memory.record(record),
+            Memory::WithNetwork(memory) => memory.record(record),
         }
     }
 
@@ -197,8 +203,9 @@ impl SavedState {
                 Event::Border(border) => {
                     let own = state_loads.map_or(0, StateLoads::borders);
                     let of_circuit = |border| {
-                        let drive = loading.hydraulics.as_ref();
+                        let (drive, network) = (loading.hydraulics.as_ref(), loading.network.as_ref());
                         drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
+                            || network.is_some_and(|network| network.laws.border(border).is_some())
                     };
                     let what = "the friction table, curve, cushion, pump or valve edge of this index does not exist";
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);

@@ -26,8 +26,9 @@ use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::{End, Reduced, StateLoads};
 use arrival::{Arrival, Begin};
-pub use circuit::check_length;
-use circuit::{at_vacuum, rough_length};
+use circuit::{at_vacuum, operate_locks, rough_length};
+pub use circuit::{check_length, is_engaged};
+pub use inputs::engages;
 use inputs::{Before, engaged_locks};
 pub use start::Start;
 use std::ops::{Deref, DerefMut};
@@ -246,7 +247,7 @@ impl State {
                 let [sigma, sigma_dot, lost] = lookahead.read_within(h, tolerance, locked)?;
                 Some(([sigma, sigma_dot], lost))
             }
-            Memory::WithCircuit(_) => None,
+            Memory::WithCircuit(_) | Memory::WithNetwork(_) => None,
         }
     }
 
@@ -291,6 +292,7 @@ impl State {
             scratch,
             locked: false,
             ports: None,
+            network: None,
         };
         let (tolerance, max_steps) = (solver.tolerance, solver.most_steps());
         match &mut saved.memory {
@@ -340,6 +342,20 @@ impl State {
                 *lost += impacts?;
                 Ok(())
             }
+            Memory::WithNetwork(memory) => {
+                let own = &mut **memory;
+                let driven = circuit::Driven { dynamics, memory: own, ends, contact, witness, tolerance, inputs };
+                let (impacts, z) = driven.run(*y, h, max_steps);
+                (*y, *lost) = ([z[0], z[1]], z[2]);
+                if let Some(network) = &whole.loading().network
+                    && operate_locks(&network.laws, &mut memory.circuit.values)
+                {
+                    saved.in_force = None;
+                    saved.memory.refresh();
+                }
+                *lost += impacts?;
+                Ok(())
+            }
         }
     }
 
@@ -376,7 +392,7 @@ impl State {
     /// The places of the stops in the frame of sigma, and where locks are engaged.
     pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends<'_> {
         let travel = &*self.travel;
-        Ends::new(travel, shift(reduced, self.revolutions), engaged_locks(travel, reduced, locks))
+        Ends::new(travel, shift(reduced, self.revolutions), engaged_locks(travel, reduced, locks, &self.memory))
     }
 
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within

@@ -1,5 +1,6 @@
 //! What several outputs of one state share, computed when an output first needs it.
-use crate::hydraulics::circuit::CIRCUIT;
+use crate::hydraulics::network::definition::CAPACITY;
+use crate::hydraulics::network::outputs::Present;
 use crate::mechanism::dynamics::equation::Scratch;
 
 use crate::mechanism::dynamics::inputs::Change;
@@ -34,6 +35,8 @@ pub struct OutputCache<N: Differentiable> {
     pub shares: Shares<N>,
     /// Values of the polynomials of a reaction.
     pub values: Vec<[N; ROW]>,
+    /// Flows of the network, with room for them where there is one, and whether they are those of this state.
+    pub network: Option<(Box<Present<N>>, bool)>,
     /// Evaluations since the start.
     pub computed: Computed,
     /// Scratch of the equation of motion.
@@ -77,6 +80,7 @@ impl<N: Differentiable> OutputCache<N> {
             has_reactions: false,
             shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
             values: Vec::new(),
+            network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),
         }
@@ -93,6 +97,9 @@ impl<N: Differentiable> OutputCache<N> {
     #[inline]
     pub fn invalidate(&mut self) {
         (self.forces, self.position) = (None, None);
+        if let Some((_, is_known)) = &mut self.network {
+            *is_known = false;
+        }
         if self.has_reactions {
             self.reactions.fill(None);
             self.transmitted.fill(None);
@@ -124,8 +131,8 @@ pub struct Direction<N> {
     pub s: N,
     /// d sigma / d s and d sigma_dot / d s.
     pub along: [f64; 2],
-    /// Derivatives along s of the pressures, of position and speed of the spool, and of the energies of a circuit.
-    pub circuit: [f64; CIRCUIT],
+    /// Derivatives along s of the components of a circuit or network.
+    pub circuit: [f64; CAPACITY],
     /// du / d s of the Real inputs; none where nothing changes.
     pub rates: Vec<f64>,
     /// As many zeros: the second derivatives of the inputs along s.
@@ -135,7 +142,7 @@ pub struct Direction<N> {
 impl<N: Number> Direction<N> {
     /// A direction along s in which nothing changes yet.
     pub fn new(s: N, inputs: usize) -> Self {
-        Self { s, along: [0.0; 2], circuit: [0.0; CIRCUIT], rates: vec![0.0; inputs], zeros: vec![0.0; inputs] }
+        Self { s, along: [0.0; 2], circuit: [0.0; CAPACITY], rates: vec![0.0; inputs], zeros: vec![0.0; inputs] }
     }
 
     /// A Real input, from its value.

@@ -3,6 +3,7 @@
 //!
 //! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how
 //! a formulation finds what it gives.
+use crate::hydraulics::network::outputs as network;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::impacts::Impacts;
@@ -126,6 +127,11 @@ pub trait Kinematics<N: Number> {
         Ok(N::constant(0.0))
     }
 
+    /// A quantity of the hydraulic network.
+    fn network(&mut self, _output: network::Output) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
     /// Kinetic energy [J].
     fn kinetic(&self) -> N;
 
@@ -194,6 +200,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Potential => potential(motion, loading)?,
         Output::Drift => motion.drift(),
         Output::Hydraulic(output) => motion.hydraulic(output)?,
+        Output::Network(output) => motion.network(output)?,
         Output::SmallMotion(output) => small_motion(motion, output)?,
     })
 }

@@ -3,6 +3,7 @@
 //! In: pressures, spool and energies of a state, motion of the actuator, ports. Out: force, flows, powers, energies, in
 //! numbers N. It must not know how a step is made.
 use crate::hydraulics::circuit::{CIRCUIT, ENERGIES, ENERGY, Equations, Point};
+use crate::hydraulics::network::definition::CAPACITY;
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};
@@ -85,10 +86,16 @@ impl<'a, N: Reading> View<'a, N> {
 }
 
 impl View<'_, f64> {
-    /// Rates of the state of the circuit in time; 0 without one.
-    pub fn circuit_rates(&mut self) -> Result<[f64; CIRCUIT], OutputError> {
-        let Some((laws, circuit)) = self.own_circuit() else { return Ok([0.0; CIRCUIT]) };
-        let at = self.point(circuit, true)?;
-        Ok(laws.rates(&at).state)
+    /// Rates of the state of the circuit or network in time; 0 without one.
+    pub fn circuit_rates(&mut self) -> Result<[f64; CAPACITY], OutputError> {
+        let mut rates = [0.0; CAPACITY];
+        if let Some((drives, network)) = self.own_network() {
+            return self.network_rates(drives, network);
+        }
+        if let Some((laws, circuit)) = self.own_circuit() {
+            let at = self.point(circuit, true)?;
+            rates[..CIRCUIT].copy_from_slice(&laws.rates(&at).state);
+        }
+        Ok(rates)
     }
 }

@@ -5,6 +5,7 @@
 mod cache;
 mod evaluator;
 mod hydraulic;
+mod network;
 mod one_element;
 mod reaction;
 mod reduced_motion;

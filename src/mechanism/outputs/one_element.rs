@@ -116,7 +116,7 @@ impl<N: Reading> View<'_, N> {
         // A drive with a circuit gives what its pressures do, one with a curve what that has at rest, as evaluated
         // there.
         let loading = self.reduced.loading();
-        let has_circuit = loading.hydraulics.as_ref().is_some_and(|own| own.load == drive);
+        let has_circuit = loading.hydraulic_loads().contains(&drive);
         let is_own = has_circuit || loading.drives[drive].curve.is_some();
         let size = if is_own { self.delivered_by(drive) } else { self.size(drive) };
         let at_rest = self.equation()?.slope_at_rest(sigma)?;

@@ -4,7 +4,7 @@
 //! their derivatives. It must not know any law.
 mod driven;
 
-use crate::hydraulics::circuit::CIRCUIT;
+use crate::hydraulics::network::definition::CAPACITY;
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
@@ -298,7 +298,7 @@ impl ReducedMotion {
     #[inline]
     pub fn head_for(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2], seeds: &dyn Fn(usize) -> f64) {
         let direction = self.direction(reduced, inputs);
-        (direction.along, direction.circuit) = (along, [0.0; CIRCUIT]);
+        (direction.along, direction.circuit) = (along, [0.0; CAPACITY]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
         if self.driven.is_some() {
             self.drive_along(reduced, inputs, false);
@@ -309,7 +309,7 @@ impl ReducedMotion {
     pub fn head_for_time(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let acceleration = self.view(reduced, inputs).forces().map_or(f64::NAN, |forces| forces.acceleration);
         let along = [self.state.sigma_dot, acceleration];
-        let circuit = self.view(reduced, inputs).circuit_rates().unwrap_or([f64::NAN; CIRCUIT]);
+        let circuit = self.view(reduced, inputs).circuit_rates().unwrap_or([f64::NAN; CAPACITY]);
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, circuit);
         direction.rates.copy_from_slice(&inputs.signal.first);

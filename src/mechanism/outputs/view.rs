@@ -2,6 +2,7 @@
 //!
 //! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output
 //! asks.
+use crate::hydraulics::network::outputs as network;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -11,7 +12,7 @@ use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::state::{State, engages};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
@@ -169,14 +170,19 @@ impl<'a, N: Reading> View<'a, N> {
         let mode = Mode { touching: state.contact.touching(), ..Mode::default() };
         if let Some(circuit) = state.memory.circuit() {
             let [a, b] = circuit.pressures();
-            scratch.set_pressures([
-                direction.s.chain(a, direction.circuit[0]),
-                direction.s.chain(b, direction.circuit[1]),
-            ]);
+            let pressures = [(a, direction.circuit[0]), (b, direction.circuit[1])];
+            scratch.set_pressures(0, pressures.map(|(value, rate)| direction.s.chain(value, rate)));
+        }
+        if let (Some(drives), Some(network)) = (&reduced.loading().network, state.memory.network()) {
+            for cylinder in 0..drives.loads.len() {
+                let first = drives.laws.layout.chamber(cylinder);
+                let of = |k: usize| direction.s.chain(network.values[k], direction.circuit[k]);
+                scratch.set_pressures(cylinder, [of(first), of(first + 1)]);
+            }
         }
         scratch.panel_force.on_stretch(reduced.stretch);
-        let (whole, time, locked, ports) = (reduced, direction.s, false, None);
-        Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports })
+        let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
+        Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
     }
 
     /// Forces and acceleration; evaluated once for a state.
@@ -363,16 +369,18 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn lock_force(&mut self, lock: usize) -> Result<N, OutputError> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
-        let (all, engaged) = (&self.reduced.loading().locks, &self.inputs.locks);
+        let all = &self.reduced.loading().locks;
+        let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
+        let engages = |lock: usize| engages(reduced, &inputs.locks, &state.memory, lock);
         let stop = all[lock].stop;
         let travel = &*self.state.travel;
         let holds = |place: &Place| travel.holds(*place, stop);
-        let Some(place) = held.filter(holds).filter(|_| !by_stop && engaged[lock]) else {
+        let Some(place) = held.filter(holds).filter(|_| !by_stop && engages(lock)) else {
             return Ok(N::constant(0.0));
         };
         // Several locks at one place share the load evenly along the curve.
-        let engaged = all.iter().zip(engaged).filter(|(_, engaged)| **engaged);
-        let sharing = engaged.filter(|(lock, _)| travel.holds(place, lock.stop)).count();
+        let engaged = all.iter().enumerate().filter(|(index, _)| engages(*index));
+        let sharing = engaged.filter(|(_, lock)| travel.holds(place, lock.stop)).count();
         let path = self.reduced.lock_path(lock, self.state.sigma);
         Ok(finite(-free * place.outward() / N::constant(path.norm() * sharing as f64)))
     }
@@ -390,6 +398,10 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn hydraulic(&mut self, output: Hydraulic) -> Result<N, OutputError> {
         self.circuit(output)
+    }
+
+    fn network(&mut self, output: network::Output) -> Result<N, OutputError> {
+        self.of_network(output)
     }
 
     fn kinetic(&self) -> N {

@@ -209,7 +209,7 @@ impl StateLoads {
         let drives = loading.drives.iter().enumerate();
         let mut drives: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
         let efficient = drives.len();
-        drives.extend(loading.hydraulics.as_ref().map(|drive| drive.load));
+        drives.extend(loading.hydraulic_loads());
         let with_curve = |(index, drive): (usize, &Drive)| drive.curve.as_ref().map(|curve| (index, curve.load));
         let (curves, of_curves): (Vec<usize>, Vec<usize>) =
             loading.drives.iter().enumerate().filter_map(with_curve).unzip();

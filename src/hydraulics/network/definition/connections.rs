@@ -2,7 +2,9 @@
 //!
 //! In: a definition whose numbers are in range. Out: faults of names and connections; warnings about a network that
 //! runs, but is probably not the one that is meant. It must not know laws.
-use super::{HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS};
+use super::{
+    CAPACITY, HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS,
+};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::hydraulics::definition::check_pressure;
 use crate::inspection::Finding;
@@ -125,10 +127,37 @@ impl HydraulicSystem {
         });
     }
 
+    /// Refuse a network that is too large to be integrated with a mechanism as one system.
+    ///
+    /// # Errors
+    /// The number of components and the limit.
+    pub fn check_size_in_mechanism(&self) -> Result<(), DefinitionError> {
+        let ports = Ports::new(self);
+        let inputs = self.reservoirs.len() + self.pumps.len() + self.valves.len() + self.bypasses.len();
+        for (what, count) in [
+            ("components of the state", ports.volumes + 2 * self.spools() + TOTALS + 1 + self.pressure_locks.len()),
+            ("inputs", inputs),
+            ("ports", ports.names().len()),
+        ] {
+            if count > CAPACITY {
+                let message = format!(
+                    "the network has {count} {what}, but at most {CAPACITY} are allowed in a mechanism: simplify the \
+                     network, or package mechanism and network as two FMUs"
+                );
+                return Err(DefinitionError::key("hydraulics", message));
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of valves with dynamics.
+    fn spools(&self) -> usize {
+        self.valves.iter().filter(|(_, valve)| valve.frequency.is_some()).count()
+    }
+
     fn find_size_faults(&self, ports: &Ports, faults: &mut Faults) {
-        let dynamic = self.valves.iter().filter(|(_, valve)| valve.frequency.is_some()).count();
         let paths = self.path_count() + self.pumps.len();
-        let components = ports.volumes + 2 * dynamic + 4 * self.cylinders.len() + TOTALS;
+        let components = ports.volumes + 2 * self.spools() + 4 * self.cylinders.len() + TOTALS;
         for (key, what, count, most) in [
             ("cylinders", "cylinders", self.cylinders.len(), MOST_CYLINDERS),
             ("valves", "valves", self.valves.len(), MOST_VALVES),

@@ -48,6 +48,8 @@ pub const ELEMENTS: [Element; 25] = [
 
 /// Most components of the state of a network.
 pub const MOST_COMPONENTS: usize = 96;
+/// Most components of the state of a network in a mechanism, with the volume at the start and the pressure locks.
+pub const CAPACITY: usize = 37;
 /// Most cylinders.
 pub const MOST_CYLINDERS: usize = 12;
 /// Most valves.
@@ -152,7 +154,17 @@ impl HydraulicSystem {
 
     /// Call `visit` with every numeric parameter and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit) {
-        for (index, key) in Self::TABLE.keys.iter().enumerate() {
+        self.visit(&|_| true, visit);
+    }
+
+    /// Call `visit` with every numeric parameter of the oil and of the elements, and its value, in the order of the
+    /// file.
+    pub fn element_parameters(&mut self, visit: &mut Visit) {
+        self.visit(&|section| section != "solver", visit);
+    }
+
+    fn visit(&mut self, counts: &dyn Fn(&str) -> bool, visit: &mut Visit) {
+        for (index, key) in Self::TABLE.keys.iter().enumerate().filter(|(_, key)| counts(key.name)) {
             match self.slot(index) {
                 Slot::Object(section) => {
                     Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
@@ -179,12 +191,29 @@ impl HydraulicSystem {
         }
         faults.keep(self.about.check());
         faults.keep(self.experiment.check());
+        self.find_element_faults(faults);
+    }
+
+    /// Faults of each number and of the connections.
+    pub fn find_element_faults(&self, faults: &mut Faults) {
         let before = faults.len();
-        self.clone().parameters(&mut |parameter, value| parameter.check(*value, faults));
+        self.clone().parameters(&mut |parameter, value| {
+            faults.keep(parameter.range.check(parameter.key.concat(), *value));
+        });
         // Numbers in range are compared.
         if faults.len() == before {
             self.find_connection_faults(faults);
         }
+    }
+
+    /// Check each number and the connections.
+    ///
+    /// # Errors
+    /// The first fault, with its key, its value and what is allowed.
+    pub fn check_elements(&self) -> Result<(), DefinitionError> {
+        let mut faults = Faults::default();
+        self.find_element_faults(&mut faults);
+        faults.first()
     }
 
     /// Calls `visit` with the group and the name of every element, in the order of the file.

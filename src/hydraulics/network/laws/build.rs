@@ -174,6 +174,7 @@ impl Cylinder {
         let cylinder = &mut circuit.cylinder;
         (cylinder.bore, cylinder.rod, cylinder.stroke) = (one.bore, one.rod, one.stroke);
         (cylinder.closed_length, cylinder.wall_modulus) = (one.closed_length, one.wall_modulus);
+        cylinder.restitution = one.restitution;
         circuit.valve.rated_pressure_drop = one.rated_pressure_drop;
         let (a, b) = (&one.chamber_a, &one.chamber_b);
         (circuit.chamber_a.dead_volume, circuit.chamber_b.dead_volume) = (a.dead_volume, b.dead_volume);

@@ -7,17 +7,31 @@ mod build;
 mod flows;
 mod rates;
 
-use super::layout::Layout;
+use super::definition::HydraulicSystem;
+use super::inputs::range;
+use super::layout::{Input, Layout};
 use crate::hydraulics::circuit::Equations;
+use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
 pub use flows::Point;
 pub use rates::{Drive, Element};
 
+/// Part of the size of the spool position that holds where the spool is at rest.
+const SPOOL_FLOOR: f64 = 0.1;
 /// Part of the clearance within which a spool is at an edge.
 const ON_EDGE: f64 = 1e-3;
 /// Absolute pressure, as a part of the ambient pressure, below which oil cavitates.
 const CAVITATES: f64 = 0.1;
+
+/// A place at which a law is not smooth, or changes within a hair's breadth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Border {
+    /// A cushion begins at this length of a cylinder [m].
+    Length { cylinder: usize, level: f64 },
+    /// An edge of a valve opens at this position of its spool; `near`: distance within which the spool is there.
+    Spool { component: usize, level: f64, near: f64 },
+}
 
 /// The laws of one network.
 #[derive(Clone, Debug, PartialEq)]
@@ -149,10 +163,78 @@ pub struct Lock {
     pub engage: f64,
 }
 
+impl Lock {
+    /// Whether the lock is engaged under a pressure at its port [Pa], if it was engaged before or not.
+    pub fn holds(&self, engaged: bool, pressure: f64) -> bool {
+        if engaged { pressure < self.release } else { pressure < self.engage }
+    }
+}
+
 impl Laws {
+    /// Write the pressures at the start into a state.
+    pub fn fill_start(&self, system: &HydraulicSystem, y: &mut [f64]) {
+        for (index, (_, node)) in system.nodes.iter().enumerate() {
+            y[index] = node.start_pressure;
+        }
+        for (index, (_, cylinder)) in system.cylinders.iter().enumerate() {
+            let chamber = self.layout.chamber(index);
+            (y[chamber], y[chamber + 1]) = (cylinder.chamber_a.start_pressure, cylinder.chamber_b.start_pressure);
+        }
+    }
+
+    /// What is allowed of an input that acts on flows, in words, if this value is not.
+    pub fn refuses(&self, index: usize, value: f64) -> Option<String> {
+        let input = self.layout.input(index);
+        if let Input::Reservoir(_) = input {
+            let ambient = self.ambient;
+            let allowed = || format!("{ABOVE_VACUUM}; fluid.ambient_pressure is {ambient} Pa");
+            return (!is_pressure(value, ambient)).then(allowed);
+        }
+        let range = range(input);
+        (!range.contains(value)).then(|| range.text())
+    }
+
     /// Ambient pressure p_0 [Pa].
     pub fn ambient(&self) -> f64 {
         self.ambient
+    }
+
+    /// The laws of a network whose cylinders a mechanism moves.
+    pub fn carried(system: &HydraulicSystem) -> Self {
+        let mut laws = Self::new(system);
+        laws.layout.is_carried = true;
+        laws
+    }
+
+    /// Number of places at which a law is not smooth or changes within a hair's breadth: two for each cylinder, where
+    /// its cushions begin, and two for each valve, where its edges open.
+    pub fn borders(&self) -> usize {
+        2 * (self.cylinders.len() + self.valves.len())
+    }
+
+    /// What one of [`Self::borders`] is; None where there is no such place.
+    pub fn border(&self, index: usize) -> Option<Border> {
+        let (element, side) = (index / 2, index % 2);
+        if let Some(cylinder) = self.cylinders.get(element) {
+            return Some(Border::Length { cylinder: element, level: cylinder.laws.borders()[side]? });
+        }
+        let valve = self.valves.get(element - self.cylinders.len())?;
+        let (edges, near) = valve.edges();
+        let component = self.layout.spool(valve.dynamics?.2);
+        (side == 0 || edges[1] != edges[0]).then_some(Border::Spool { component, level: edges[side], near })
+    }
+
+    /// Sizes of the pressures and spools of a state, to which a relative tolerance applies, each times `share`.
+    #[inline]
+    pub fn sizes(&self, y: &[f64], share: f64, sizes: &mut [f64]) {
+        for index in 0..self.layout.volumes() {
+            sizes[index] = share * (y[index] + self.ambient).max(self.ambient);
+        }
+        for (omega, _, spool) in self.valves.iter().filter_map(|valve| valve.dynamics) {
+            let own = self.layout.spool(spool);
+            let size = share * (SPOOL_FLOOR + y[own].abs());
+            (sizes[own], sizes[own + 1]) = (size, omega * size);
+        }
     }
 
     /// Number of flow paths; pumps follow them.
@@ -184,8 +266,12 @@ impl Laws {
 
     /// Volume of all chambers [m3].
     pub fn chamber_volume<T: Number>(&self, y: &[T]) -> T {
-        let of = |(index, one): (usize, &Cylinder)| one.laws.volumes(y[self.layout.motion(index)]);
-        let volumes = self.cylinders.iter().enumerate().map(of);
+        self.volume_at(|cylinder| y[self.layout.motion(cylinder)])
+    }
+
+    /// Volume of all chambers [m3] at these lengths of the cylinders [m].
+    pub fn volume_at<T: Number>(&self, length: impl Fn(usize) -> T) -> T {
+        let volumes = self.cylinders.iter().enumerate().map(|(index, one)| one.laws.volumes(length(index)));
         volumes.fold(T::constant(0.0), |sum, [a, b]| sum + a + b)
     }
 

@@ -99,7 +99,9 @@ impl Laws {
             if let Drive::Element(element) = drive {
                 (rates[own], rates[own + 1]) = (speed, element.acceleration(force, [length, speed], t));
             }
-            (rates[impulse], rates[impulse + 1]) = (force, force * t);
+            if !layout.is_carried {
+                (rates[impulse], rates[impulse + 1]) = (force, force * t);
+            }
         }
         for accumulator in &self.accumulators {
             let own = &mut compliances[accumulator.at];

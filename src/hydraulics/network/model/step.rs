@@ -2,11 +2,12 @@
 //!
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
-use super::{Model, Warnings, input_range};
+use super::{Model, Warnings};
 use crate::format::Range;
 use crate::hydraulics::definition::{ABOVE_VACUUM, check_pressure, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::network::definition::Mode;
+use crate::hydraulics::network::inputs::range;
 use crate::hydraulics::network::layout::{Input, Part};
 use crate::hydraulics::network::state::State;
 use crate::hydraulics::state::interrupted;
@@ -114,10 +115,10 @@ impl Model {
             let is_allowed = match input {
                 Input::Reservoir(_) => is_pressure(value, laws.ambient()),
                 Input::Cylinder(_, Part::Length) => true,
-                input => input_range(input).contains(value),
+                input => range(input).contains(value),
             };
             if !is_allowed {
-                let allowed = if is_reservoir { ABOVE_VACUUM.to_owned() } else { input_range(input).text() };
+                let allowed = if is_reservoir { ABOVE_VACUUM.to_owned() } else { range(input).text() };
                 return Err(HydraulicsError::Value { name: name(""), value, allowed });
             }
             if let Some(value) = rates.into_iter().find(|rate| !rate.is_finite()) {

@@ -38,7 +38,7 @@ proptest! {
         let mut scratch = Scratch::new(Some(state_loads));
         let applied = AppliedLoads { sizes: &sizes, airspeed: 0.0, revolutions: 0.0, change: None };
         let mut motion = EquationOfMotion { whole: reduced, reduced, state_loads: Some(state_loads), applied,
-            time: 0.0, mode: Mode::default(), scratch: &mut scratch, locked: false, ports: None };
+            time: 0.0, mode: Mode::default(), scratch: &mut scratch, locked: false, ports: None, network: None };
         motion.effect(sigma, sigma_dot).unwrap();
         let evaluator = &motion.scratch.evaluator;
         let (friction, n) = (&evaluator.friction, state_loads.friction_joints.len());

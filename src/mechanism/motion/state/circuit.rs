@@ -1,51 +1,94 @@
-//! Steps with the hydraulic circuit of a drive, and what they refuse.
+//! Steps with the hydraulic circuit of a drive or the network of the mechanism, and what they refuse.
 //!
-//! In: an equation of motion, the state of the circuit, inputs. Out: the state after the step, or what keeps the motion
+//! In: an equation of motion, the state of the circuit or network, inputs. Out: the state after the step, or what keeps the motion
 //! from going on. It must not know outputs.
 use super::State;
 use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
+use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::hydraulics::network::laws::{Laws, Lock};
+use crate::integrator::{IntegrationError, Kept, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED, NetworkPorts};
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::resolved::PORTS;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends};
+use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::elapsed::Elapsed;
-use crate::mechanism::motion::memory::{CircuitMemory, Memory};
+use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
 
-/// A step of a motion with a circuit.
-pub struct Driven<'a, 'e> {
+/// A step of a motion with a circuit or network of C components.
+pub struct Driven<'a, 'e, const N: usize, const C: usize> {
     pub dynamics: &'a mut EquationOfMotion<'e>,
-    pub memory: &'a mut CircuitMemory,
+    pub memory: &'a mut HydraulicMemory<N, C>,
     pub ends: &'a Ends<'a>,
     pub contact: &'a mut Contact,
     pub witness: &'a mut Witness,
     pub tolerance: f64,
-    pub inputs: &'a Inputs,
+    pub inputs: &'e Inputs,
 }
 
-impl Driven<'_, '_> {
-    /// Advance (sigma, sigma_dot) and the circuit by exactly `h` [s]. Returns the energy lost in impacts [J], and the
-    /// state reached.
-    pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; DRIVEN]) {
+/// A motion with the hydraulics that drive it.
+pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
+    /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a length
+    /// is not smooth along the motion.
+    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<N>>>) -> Option<()>;
+
+    /// Why the integration came no further from the state z.
+    fn why_stuck(&self, error: IntegrationError, z: &[f64; N]) -> Stopped;
+}
+
+impl<'e> Hydraulics<'e, DRIVEN> for EquationOfMotion<'e> {
+    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<DRIVEN>>>) -> Option<()> {
+        let drive = self.whole.loading().hydraulics.as_ref()?;
+        let length = self.whole.displacement(drive.load).ok()?;
+        let ports = self.ports.insert(Ports::new(drive, length, inputs, time, h));
+        ports.kept = kept;
+        Some(())
+    }
+
+    fn why_stuck(&self, error: IntegrationError, z: &[f64; DRIVEN]) -> Stopped {
+        self.at_vacuum(z).map_or_else(|| Stopped::Stuck(error, self.describe_circuit(z)), Stopped::Vacuum)
+    }
+}
+
+impl<'e> Hydraulics<'e, NETWORKED> for EquationOfMotion<'e> {
+    fn begin(&mut self, inputs: &'e Inputs, _time: f64, h: f64, kept: Option<Box<Kept<NETWORKED>>>) -> Option<()> {
+        let drives = self.whole.loading().network.as_ref()?;
+        let ports = self.network.insert(NetworkPorts::new(drives, self.whole, inputs, h)?);
+        ports.kept = kept;
+        Some(())
+    }
+
+    fn why_stuck(&self, error: IntegrationError, z: &[f64; NETWORKED]) -> Stopped {
+        Stopped::Stuck(error, self.describe_network(z))
+    }
+}
+
+impl<'e, const N: usize, const C: usize> Driven<'_, 'e, N, C>
+where
+    EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
+{
+    /// Advance (sigma, sigma_dot) and the circuit or network by exactly `h` [s]. Returns the energy lost in impacts [J],
+    /// and sigma, sigma_dot and the energy lost in the state reached.
+    pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; MOTION]) {
         let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
-        let CircuitMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
+        let HydraulicMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
         *before = *circuit;
-        let mut z = [0.0; DRIVEN];
+        let mut z = [0.0; N];
         (z[0], z[1]) = (sigma, sigma_dot);
         z[MOTION..].copy_from_slice(&circuit.values);
-        let reduced = dynamics.whole;
-        let Some(drive) = &reduced.loading().hydraulics else { return (Ok(0.0), z) };
-        let Ok(length) = reduced.displacement(drive.load) else { return (Err(Stopped::Length), z) };
+        let start = [sigma, sigma_dot, 0.0];
+        let Some(first) = dynamics.whole.loading().first_port() else { return (Ok(0.0), start) };
         if lookahead.begin(tolerance, ends.locked) {
             integrator.branch_off();
         }
-        let now = &inputs.reals[drive.first_input..drive.first_input + PORTS];
+        let now = &inputs.reals[first..first + ports.len()];
         if !same_bits(ports, now) {
             ports.copy_from_slice(now);
             if lookahead.invalidate() {
@@ -53,15 +96,15 @@ impl Driven<'_, '_> {
             }
             integrator.refresh();
         }
-        let mut of_step = Ports::new(drive, length, inputs, circuit.time.now, h);
-        of_step.kept = kept.take();
-        dynamics.ports = Some(of_step);
+        if dynamics.begin(inputs, circuit.time.now, h, kept.take()).is_none() {
+            return (Err(Stopped::Length), start);
+        }
         let progress = Progress::within(integrator.attempts() + max_steps);
         let dynamics = &mut *dynamics;
         let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
         let mut advanced = advance.run(&mut z, h);
         lookahead.end();
-        *kept = dynamics.ports.as_mut().and_then(|ports| ports.kept.take());
+        *kept = dynamics.take_kept();
         let reached = match &advanced {
             Err(Stopped::Budget(progress) | Stopped::Event(progress) | Stopped::Pause(progress)) => progress.t,
             _ => h,
@@ -69,12 +112,42 @@ impl Driven<'_, '_> {
         circuit.values.copy_from_slice(&z[MOTION..]);
         circuit.time.pass(reached);
         if let Err(Stopped::Integration(error)) = advanced {
-            advanced = Err(dynamics
-                .at_vacuum(&z)
-                .map_or_else(|| Stopped::Stuck(error, dynamics.describe_circuit(&z)), Stopped::Vacuum));
+            advanced = Err(dynamics.why_stuck(error, &z));
         }
-        (advanced, z)
+        (advanced, [z[0], z[1], z[2]])
     }
+}
+
+/// The places of the pressure locks in the state of a network, with what each is: 1 if it is engaged, else 0.
+fn pressure_locks(laws: &Laws) -> impl Iterator<Item = (usize, &Lock)> {
+    (laws.layout.components() + 1..).zip(&laws.locks)
+}
+
+/// The state of a network at its start, at these lengths of the cylinders [m].
+pub fn network_at_start(system: &HydraulicSystem, laws: &Laws, lengths: &[f64]) -> CircuitState<CAPACITY> {
+    let mut state = CircuitState::default();
+    laws.fill_start(system, &mut state.values);
+    state.values[laws.layout.components()] = laws.volume_at(|cylinder| lengths[cylinder]);
+    for (place, lock) in pressure_locks(laws) {
+        state.values[place] = f64::from(state.values[lock.at] < lock.release);
+    }
+    state
+}
+
+/// At the end of a step the pressures release and engage locks. Returns whether they have.
+pub fn operate_locks(laws: &Laws, values: &mut [f64]) -> bool {
+    let mut changed = false;
+    for (place, lock) in pressure_locks(laws) {
+        let engaged = f64::from(lock.holds(values[place] != 0.0, values[lock.at]));
+        changed |= engaged != values[place];
+        values[place] = engaged;
+    }
+    changed
+}
+
+/// Whether a pressure lock of the network is engaged.
+pub fn is_engaged(laws: &Laws, state: &CircuitState<CAPACITY>, lock: usize) -> bool {
+    state.values[laws.layout.components() + 1 + lock] != 0.0
 }
 
 /// The error of a motion in which a chamber, A or B, of oil without air has come to absolute zero.
@@ -87,23 +160,26 @@ pub fn at_vacuum(chamber: usize) -> ModelError {
 #[cold]
 pub fn rough_length(reduced: &Reduced) -> ModelError {
     let loading = reduced.loading();
-    let name = loading.hydraulics.as_ref().map_or("", |drive| &loading.drives[drive.load].name);
+    let is_rough = |load: &&usize| reduced.displacement(**load).is_err();
+    let name = loading.hydraulic_loads().iter().find(is_rough).map_or("", |load| &loading.drives[*load].name);
     ModelError::Table { name: [name, ".length"].concat(), position: "its start".into() }
 }
 
-/// Refuse a start at which the actuator has a length that the cylinder has not.
+/// Refuse a start at which an actuator has a length that its cylinder has not.
 ///
 /// # Errors
 /// [`ModelError::Stroke`].
 pub fn check_length(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<(), ModelError> {
     let loading = reduced.loading();
-    let Some(drive) = &loading.hydraulics else { return Ok(()) };
-    let length = reduced.displacement_at(drive.load, sigma) + revolutions * reduced.load_growth(drive.load);
-    if drive.laws.has_length(length) {
-        return Ok(());
+    for (index, &load) in loading.hydraulic_loads().iter().enumerate() {
+        let Some(laws) = loading.cylinder(index) else { continue };
+        let length = reduced.displacement_at(load, sigma) + revolutions * reduced.load_growth(load);
+        if !laws.has_length(length) {
+            let name = [&loading.drives[load].name, ".length"].concat();
+            return Err(ModelError::Stroke { name, length, lengths: laws.lengths() });
+        }
     }
-    let name = [&loading.drives[drive.load].name, ".length"].concat();
-    Err(ModelError::Stroke { name, length, lengths: drive.laws.lengths() })
+    Ok(())
 }
 
 impl State {
@@ -122,21 +198,48 @@ impl State {
     }
 }
 
-/// Refuse pressures of the ports at or below absolute zero, or beyond what a port may have, at the beginning or at the
-/// end of a step of `h` [s].
+/// Refuse inputs of the circuit or network out of range, such as pressures of ports at or below absolute zero, at the
+/// beginning or at the end of a step of `h` [s].
 ///
 /// # Errors
 /// [`ModelError::Value`].
 #[inline]
 pub fn check_ports(reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
-    let Some(drive) = &reduced.loading().hydraulics else { return Ok(()) };
-    for (name, input) in [("supply.pressure", drive.first_input + 1), ("tank.pressure", drive.first_input + 2)] {
-        let (value, end) = (inputs.reals[input], inputs.signal.at(input, inputs.reals[input], h));
-        for (value, place) in [(value, ""), (end, " at the end of the step")] {
-            if !is_pressure(value, drive.laws.ambient()) {
-                let name = [name, place].concat();
-                return Err(ModelError::Value { name, value, allowed: ABOVE_VACUUM.into() });
-            }
+    let loading = reduced.loading();
+    if let Some(drive) = &loading.hydraulics {
+        for (name, input) in [("supply.pressure", drive.first_input + 1), ("tank.pressure", drive.first_input + 2)] {
+            let is_allowed = |value| is_pressure(value, drive.laws.ambient());
+            check_port(
+                inputs,
+                input,
+                h,
+                name,
+                |value| if is_allowed(value) { None } else { Some(ABOVE_VACUUM.into()) },
+            )?;
+        }
+    }
+    let Some(network) = &loading.network else { return Ok(()) };
+    for index in 0..network.laws.layout.flow_inputs() {
+        let (input, name) = (network.first_input + index, &network.inputs[index]);
+        check_port(inputs, input, h, name, |value| network.laws.refuses(index, value))?;
+    }
+    Ok(())
+}
+
+/// Refuse a value of an input at the beginning or at the end of a step of `h` [s] for which `refuses` states what is
+/// allowed.
+#[inline]
+fn check_port(
+    inputs: &Inputs,
+    input: usize,
+    h: f64,
+    name: &str,
+    refuses: impl Fn(f64) -> Option<String>,
+) -> Result<(), ModelError> {
+    let value = inputs.reals[input];
+    for (value, place) in [(value, ""), (inputs.signal.at(input, value, h), " at the end of the step")] {
+        if let Some(allowed) = refuses(value) {
+            return Err(ModelError::Value { name: [name, place].concat(), value, allowed });
         }
     }
     Ok(())

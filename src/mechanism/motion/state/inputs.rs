@@ -3,7 +3,7 @@
 //! In: inputs that may have changed since the last step. Out: a state with them applied, or as it was before; the loads
 //! that the state decides under them. It must not know how a step is made.
 use super::State;
-use super::circuit::check_ports;
+use super::circuit::{check_ports, is_engaged};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -12,6 +12,7 @@ use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
+use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
@@ -43,11 +44,20 @@ impl Before {
     }
 }
 
+/// Whether a lock is engaged: as its input states, and, where a pressure lock of the network operates it, as that does.
+pub fn engages(reduced: &Reduced, locks: &[bool], memory: &Memory, lock: usize) -> bool {
+    let by_pressure = || {
+        let network = reduced.loading().network.as_ref()?;
+        Some(is_engaged(&network.laws, memory.network()?, network.locks[lock]?))
+    };
+    locks[lock] && by_pressure().unwrap_or(true)
+}
+
 /// The places at which a lock is engaged.
-pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool]) -> EngagedLocks {
+pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], memory: &Memory) -> EngagedLocks {
     let mut locked = EngagedLocks::default();
-    let engaged = reduced.loading().locks.iter().zip(locks).filter(|(_, engaged)| **engaged);
-    for (lock, _) in engaged {
+    let all = reduced.loading().locks.iter().enumerate();
+    for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, memory, *index)) {
         for (side, locked) in locked.rigid.iter_mut().enumerate() {
             *locked |= travel.holds(Place::rigid(side), lock.stop);
         }
@@ -138,7 +148,7 @@ impl State {
         if changed || ahead || self.is_retuned {
             self.right_hand_side_changed();
         }
-        let locked = engaged_locks(&self.travel, reduced, &inputs.locks);
+        let locked = engaged_locks(&self.travel, reduced, &inputs.locks, &self.memory);
         if self.saved.prescribed.is_some() && driven.is_none() {
             self.release_prescribed(reduced, locked);
         }
@@ -163,9 +173,9 @@ impl State {
         let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
         let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
-        let (whole, reduced, time, locked, ports) = (reduced, reduced.at(self.sigma), 0.0, false, None);
+        let (whole, reduced, time, locked, ports, network) = (reduced, reduced.at(self.sigma), 0.0, false, None, None);
         let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports };
+            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
         let mut overflows = !(self.reference + work).is_finite();
         for time in [0.0, h] {
             equation.time = time;

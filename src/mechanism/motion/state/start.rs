@@ -2,7 +2,7 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::circuit::check_ports;
+use super::circuit::{check_ports, network_at_start};
 use super::inputs::{Before, engaged_locks};
 use super::{State, check_length, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
@@ -208,7 +208,6 @@ impl State {
         reduced.sizes_into(&inputs.reals, &mut saved.applied);
         before.resize(saved.applied.len());
         (saved.airspeed, saved.air) = (airspeed(reduced, inputs), air);
-        saved.in_force = is_applied.then(|| engaged_locks(&start.travel, reduced, &inputs.locks));
         saved.time = Elapsed::default();
         saved.impacts.clear();
         saved.impacts.resize(reduced.loading().stops.len(), Impacts::default());
@@ -217,10 +216,23 @@ impl State {
                 // Its start is no part of the reduced model, which is checked when it is made.
                 circuit.check()?;
                 let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
-                saved.memory.begin_with_circuit(CircuitState { values, ..CircuitState::default() });
+                let state = CircuitState { values, ..CircuitState::default() };
+                saved.memory.begin_with_circuit(state, reduced.loading().ports());
             }
-            _ => saved.memory.begin(state_loads.is_some()),
+            _ => match (&mechanism.hydraulics, &reduced.loading().network) {
+                (Some(system), Some(drives)) => {
+                    system.check_elements()?;
+                    let growth = |load: usize| start.revolutions * reduced.load_growth(load);
+                    let length = |load: &usize| reduced.displacement_at(*load, start.sigma) + growth(*load);
+                    let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
+                    let state = network_at_start(system, &drives.laws, &lengths);
+                    saved.memory.begin_with_network(state, reduced.loading().ports());
+                }
+                _ => saved.memory.begin(state_loads.is_some()),
+            },
         }
+        let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, &saved.memory);
+        saved.in_force = is_applied.then(locked);
         if reduced.loading().motion.is_some() {
             self.begin_prescribed(reduced, inputs)?;
         }

@@ -96,8 +96,8 @@ impl Balance<'_, '_> {
         let change = Some(Change { first, second, airspeed: [air_excess, 0.0] });
         let applied = AppliedLoads { sizes, airspeed, revolutions, change };
         let mode = Mode { touching: self.touching, ..Mode::default() };
-        let (scratch, locked, ports) = (&mut *self.scratch, false, None);
-        EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports }
+        let (scratch, locked, ports, network) = (&mut *self.scratch, false, None, None);
+        EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network }
     }
 
     /// The bumpers that push.

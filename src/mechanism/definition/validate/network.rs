@@ -1,0 +1,80 @@
+//! Checks of the hydraulic network of a mechanism: each cylinder moves an actuator of the same name.
+//!
+//! In: a definition. Out: faults of its network. It must not know laws.
+use super::names::entry;
+use crate::format::Faults;
+use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::mechanism::definition::loads::Actuator;
+use crate::mechanism::definition::mechanism::Mechanism;
+use crate::mechanism::definition::refusal::refused;
+
+impl Mechanism {
+    pub(super) fn check_network(&self, faults: &mut Faults) {
+        let Some(network) = &self.hydraulics else { return };
+        if let Some((_, drive, _)) = self.hydraulic_drive() {
+            let message = format!(
+                "actuators.{drive} already has a hydraulic circuit, but a mechanism has a circuit or a network: remove \
+                 one of the two"
+            );
+            faults.keep::<()>(refused("hydraulics", message));
+        }
+        network.find_element_faults(faults);
+        faults.keep(network.check_size_in_mechanism());
+        for (name, _) in network.cylinders.iter() {
+            let key = format!("hydraulics.cylinders.{name}");
+            if let Some(actuator) = faults.keep(entry(&key, "actuators", &self.actuators, name)) {
+                self.check_cylinder(name, actuator, faults);
+            }
+        }
+        if network.cylinders.is_empty() {
+            let message =
+                "the network has no cylinder, so it moves nothing: add a cylinder with the name of an actuator";
+            faults.keep::<()>(refused("hydraulics.cylinders", message));
+        }
+    }
+
+    /// Faults of an actuator that a cylinder of the network moves.
+    fn check_cylinder(&self, name: &str, actuator: &Actuator, faults: &mut Faults) {
+        let mut refuse =
+            |key: &str, message: &str| faults.keep::<()>(refused(format_args!("actuators.{name}{key}"), message));
+        if self.turns(actuator) {
+            refuse(
+                "",
+                "a cylinder of the network has this name, and a cylinder moves along a line: give the keys first \
+                 and second, or a prismatic joint",
+            );
+        }
+        for (key, is_given) in [
+            (".screw", actuator.screw.is_some()),
+            (".force", actuator.force.is_some()),
+            (".efficiency", actuator.efficiency.is_some()),
+            (".points", actuator.points.is_some()),
+        ] {
+            if is_given {
+                refuse(key, "a cylinder of the network drives this actuator: remove this key");
+            }
+        }
+    }
+}
+
+/// Keys of a network that have no effect in a mechanism, as paths.
+pub fn idle_keys(network: &HydraulicSystem) -> Vec<String> {
+    let default = HydraulicSystem::default();
+    let mut all = Vec::new();
+    let mut add = |is_given: bool, path: String| all.extend(is_given.then_some(path));
+    add(network.solver != default.solver, "solver".into());
+    add(network.coupling != default.coupling, "coupling".into());
+    for (name, cylinder) in network.cylinders.iter() {
+        for (key, is_given) in [
+            ("length", cylinder.length.is_some()),
+            ("speed", cylinder.speed != 0.0),
+            ("reduced_mass", cylinder.reduced_mass != 0.0),
+            ("holding_force", cylinder.holding_force != 0.0),
+            ("lower_limit", cylinder.lower_limit != 0.0),
+            ("upper_limit", cylinder.upper_limit != 0.0),
+        ] {
+            add(is_given, format!("cylinders.{name}.{key}"));
+        }
+    }
+    all
+}

@@ -1,0 +1,224 @@
+//! The equation of motion with the hydraulic network of the mechanism, as one system.
+//!
+//! In: the equation of motion, the laws of the network, its inputs as functions of time. Out: rates of (sigma,
+//! sigma_dot, energy lost, components of the network), their error weights, the places and times at which a step ends.
+//! It must not know steps.
+use crate::hydraulics::circuit::FREE;
+use crate::hydraulics::inputs::Polynomial;
+use crate::hydraulics::network::definition::MOST_CYLINDERS;
+use crate::hydraulics::network::inputs::limits;
+use crate::hydraulics::network::laws::{Border, Drive, Laws};
+use crate::integrator::{Kept, System};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::{INSTANTS, MOTION, ON_BORDER, SPEED_FLOOR, length_at, next_instant};
+use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::state_loads::Evaluation;
+use crate::mechanism::loads::resolved::NetworkDrives;
+use crate::mechanism::reduced::Reduced;
+use crate::numerics::order;
+use crate::numerics::table::Table;
+
+pub use crate::hydraulics::network::definition::CAPACITY;
+
+/// Components of the state of a motion with a network.
+pub const NETWORKED: usize = MOTION + CAPACITY;
+
+/// The network during one step: laws, inputs, lengths of the cylinders.
+#[derive(Clone, Debug)]
+pub struct NetworkPorts<'a> {
+    drives: &'a NetworkDrives,
+    /// Displacement of the load of each cylinder over sigma, on the stretch of the curve with the guess.
+    lengths: [Option<&'a Table>; MOST_CYLINDERS],
+    inputs: &'a Inputs,
+    /// Instants at which an input is clipped [s], ascending; the last ones infinite.
+    kinks: [f64; INSTANTS],
+    /// Whether a stop, a lock or drives hold the mechanism at rest.
+    pub held: bool,
+    /// Jacobian that implicit steps keep.
+    pub kept: Option<Box<Kept<NETWORKED>>>,
+}
+
+/// An input of the network over a step, by its index among those.
+#[inline]
+fn polynomial(drives: &NetworkDrives, inputs: &Inputs, index: usize) -> Polynomial {
+    let input = drives.first_input + index;
+    let rates = if inputs.signal.ahead { [inputs.signal.first[input], inputs.signal.second[input]] } else { [0.0; 2] };
+    Polynomial([inputs.reals[input], rates[0], 0.5 * rates[1], 0.0, 0.0, 0.0])
+}
+
+/// The value of an input of the network that acts, by its index among those and the value that the host states.
+#[inline]
+pub fn acting(laws: &Laws, index: usize, value: f64) -> f64 {
+    let [least, most] = limits(laws.layout.input(index));
+    value.clamp(least, most)
+}
+
+impl<'a> NetworkPorts<'a> {
+    /// The network over a step of `h` [s]; None if a length is not smooth along the motion.
+    pub fn new(drives: &'a NetworkDrives, reduced: &'a Reduced, inputs: &'a Inputs, h: f64) -> Option<Self> {
+        let mut lengths = [None; MOST_CYLINDERS];
+        for (length, load) in lengths.iter_mut().zip(&drives.loads) {
+            *length = Some(reduced.displacement(*load).ok()?);
+        }
+        let (mut kinks, mut count) = ([f64::INFINITY; INSTANTS], 0);
+        if inputs.signal.ahead {
+            let layout = &drives.laws.layout;
+            for index in 0..layout.flow_inputs() {
+                for limit in limits(layout.input(index)).into_iter().filter(|limit| limit.is_finite()) {
+                    polynomial(drives, inputs, index).passages(limit, h, &mut |t| {
+                        if count < INSTANTS {
+                            (kinks[count], count) = (t, count + 1);
+                        }
+                    });
+                }
+            }
+            order::sort(&mut kinks[..count]);
+        }
+        Some(Self { drives, lengths, inputs, kinks, held: false, kept: None })
+    }
+
+    /// The next instant after t [s] at which an input is clipped; infinite if there is none.
+    #[inline]
+    pub fn next_kink(&self, t: f64) -> f64 {
+        next_instant(&self.kinks, t)
+    }
+
+    /// Number of places at which the laws are not smooth.
+    #[inline]
+    pub fn borders(&self) -> usize {
+        self.drives.laws.borders()
+    }
+
+    /// Inputs that act at the time t [s].
+    #[inline]
+    fn acting_at(&self, t: f64) -> [f64; CAPACITY] {
+        let (laws, first, signal) = (&self.drives.laws, self.drives.first_input, &self.inputs.signal);
+        let mut u = [0.0; CAPACITY];
+        for (index, u) in u.iter_mut().enumerate().take(laws.layout.flow_inputs()) {
+            *u = acting(laws, index, signal.at(first + index, self.inputs.reals[first + index], t));
+        }
+        u
+    }
+}
+
+/// Length of a cylinder at sigma, and its derivative along sigma.
+#[inline]
+fn length_of(equation: &EquationOfMotion<'_>, ports: &NetworkPorts<'_>, cylinder: usize, sigma: f64) -> [f64; 2] {
+    ports.lengths[cylinder]
+        .map_or([f64::NAN; 2], |table| length_at(equation, (ports.drives.loads[cylinder], table), sigma))
+}
+
+impl EquationOfMotion<'_> {
+    /// State the pressures in the cylinders of the network in a state (sigma, sigma_dot, energy lost, components).
+    #[inline]
+    pub fn set_pressures_of_network(&mut self, z: &[f64]) {
+        let Some(ports) = &self.network else { return };
+        let layout = &ports.drives.laws.layout;
+        for (cylinder, own) in self.scratch.evaluator.pressures.iter_mut().enumerate().take(layout.cylinders) {
+            let chamber = MOTION + layout.chamber(cylinder);
+            *own = [z[chamber], z[chamber + 1]];
+        }
+    }
+
+    /// The lowest pressure of a state in words, for messages.
+    pub fn describe_network(&self, z: &[f64]) -> String {
+        self.network.as_ref().map_or_else(String::new, |ports| ports.drives.laws.lowest_pressure(&z[MOTION..]))
+    }
+
+    /// How far a state is beyond a border at which the laws are not smooth, 0 where it is on it; None where there is no
+    /// such border.
+    pub fn beyond_border_of_network(&self, border: usize, z: &[f64]) -> Option<f64> {
+        let ports = self.network.as_ref()?;
+        let (beyond, near) = match ports.drives.laws.border(border)? {
+            Border::Length { cylinder, level } => (length_of(self, ports, cylinder, z[0])[0] - level, ON_BORDER),
+            Border::Spool { component, level, near } => (z[MOTION + component] - level, near),
+        };
+        Some(if beyond.abs() < near { 0.0 } else { beyond })
+    }
+}
+
+/// (sigma, sigma_dot, energy lost, components of the network). The work of the cylinders counts as gained.
+impl System<NETWORKED> for EquationOfMotion<'_> {
+    const CAN_BE_STIFF: bool = true;
+
+    fn derivative(&mut self, t: f64, y: &[f64; NETWORKED]) -> [f64; NETWORKED] {
+        self.time = t;
+        self.set_pressures_of_network(y);
+        let held = self.network.as_ref().is_some_and(|ports| ports.held);
+        let evaluation = if held { Ok(Evaluation { acceleration: 0.0, lost: 0.0 }) } else { self.effect(y[0], y[1]) };
+        let Ok(Evaluation { acceleration, lost }) = evaluation else {
+            self.locked = true;
+            return [f64::NAN; NETWORKED];
+        };
+        self.scratch.evaluator.switches.record(t);
+        let (Some(ports), Some(own)) = (&self.network, y[MOTION..].first_chunk::<CAPACITY>()) else {
+            return [f64::NAN; NETWORKED];
+        };
+        let laws = &ports.drives.laws;
+        let mut drives = [Drive::Held(0.0); MOST_CYLINDERS];
+        let drives = &mut drives[..laws.layout.cylinders];
+        for (cylinder, drive) in drives.iter_mut().enumerate() {
+            let [length, slope] = length_of(self, ports, cylinder, y[0]);
+            *drive = Drive::Given([length, slope * y[1]]);
+        }
+        let mut rates = [0.0; NETWORKED];
+        rates[0] = if held { 0.0 } else { y[1] };
+        (rates[1], rates[2]) = (acceleration, lost);
+        rates[MOTION..].copy_from_slice(&laws.rates(drives, &ports.acting_at(t), t, own));
+        rates
+    }
+
+    /// The norm of an error is over the components that there are, whatever the capacity.
+    fn scale(&mut self, y: &[f64; NETWORKED], f: &[f64; NETWORKED]) -> [f64; NETWORKED] {
+        let motion = System::<MOTION>::scale(self, &[y[0], y[1], y[2]], &[f[0], f[1], f[2]]);
+        let mut scale = [FREE; NETWORKED];
+        let Some(ports) = &self.network else { return scale };
+        let laws = &ports.drives.laws;
+        let share = ((MOTION + laws.layout.leading()) as f64 / NETWORKED as f64).sqrt();
+        (scale[0], scale[2]) = (share * motion[0], share * motion[2]);
+        scale[1] = share * y[1].abs().max(SPEED_FLOOR * motion[1]);
+        laws.sizes(&y[MOTION..], share, &mut scale[MOTION..]);
+        scale
+    }
+
+    /// The pressures are above absolute zero, the chambers have a volume beyond the ends of the cylinders too, where an
+    /// impact is located, and the totals are numbers: no error of a step counts them.
+    #[inline]
+    fn admits(&mut self, y: &[f64; NETWORKED]) -> bool {
+        let Some(ports) = &self.network else { return true };
+        let laws = &ports.drives.laws;
+        let has_room =
+            |cylinder: usize| laws.cylinders[cylinder].laws.has_room(length_of(self, ports, cylinder, y[0])[0]);
+        y[MOTION + laws.layout.leading()..].iter().sum::<f64>().is_finite()
+            && laws.has_pressures(&y[MOTION..])
+            && (0..laws.layout.cylinders).all(has_room)
+    }
+
+    fn take_kept(&mut self) -> Option<Box<Kept<NETWORKED>>> {
+        self.network.as_mut()?.kept.take()
+    }
+
+    fn give_kept(&mut self, kept: Box<Kept<NETWORKED>>) {
+        if let Some(ports) = &mut self.network {
+            ports.kept = Some(kept);
+        }
+    }
+
+    /// By one-sided differences along the components that the right-hand side depends on.
+    fn jacobian(&mut self, t: f64, y: &[f64; NETWORKED]) -> [[f64; NETWORKED]; NETWORKED] {
+        let leading = self.network.as_ref().map_or(0, |ports| ports.drives.laws.layout.leading());
+        let f = self.derivative(t, y);
+        let scale = self.scale(y, &f);
+        let mut rows = [[0.0; NETWORKED]; NETWORKED];
+        for j in [0, 1].into_iter().chain(MOTION..MOTION + leading) {
+            let mut beside = *y;
+            beside[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
+            let width = beside[j] - y[j];
+            let g = self.derivative(t, &beside);
+            for (row, (g, f)) in rows.iter_mut().zip(g.iter().zip(&f)) {
+                row[j] = (g - f) / width;
+            }
+        }
+        rows
+    }
+}

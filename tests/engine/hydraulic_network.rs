@@ -1,0 +1,281 @@
+//! A mechanism with a hydraulic network of two cylinders, as one system.
+
+use crate::support::{Run, assert_says, changed, read_all, refusal};
+use serde_json::{Value, json};
+
+const ARM: &str = include_str!("../networks/lift_arm.json");
+/// States of the arm and its network by another program: tests/networks/lift_arm.py, SciPy's DOP853 at 1e-12.
+const EXPECTED: &str = include_str!("../networks/lift_arm.txt");
+
+/// The arm under its commands, at a tolerance.
+fn lifting(tolerance: f64) -> Run {
+    let commands = [("lift_valve.command", 0.6), ("guy_valve.command", -0.35)];
+    Run::shared(ARM).with(&[("solver.tolerance", tolerance)]).with(&commands).started()
+}
+
+/// Name of the variable for a state of the other program, and the size to which a relative error refers.
+fn variable(name: &str, value: f64) -> Option<(String, f64)> {
+    let (owner, part) = name.rsplit_once('.').unwrap_or((name, ""));
+    Some(match part {
+        "a" | "b" => (format!("{owner}.chamber_{part}.pressure"), value + 101_325.0),
+        "" => (format!("{name}.pressure"), value + 101_325.0),
+        "angle" => (name.to_owned(), 0.1),
+        "speed" => (name.to_owned(), 0.1),
+        "position" => (name.to_owned(), 0.6),
+        _ => return None,
+    })
+}
+
+#[test]
+fn mechanism_and_network_meet_an_independent_integration() {
+    for step in [1e-3, 1e-2] {
+        let (mut arm, mut steps, mut largest) = (lifting(1e-12), 0, 0.0_f64);
+        for line in EXPECTED.lines() {
+            let [time, name, value] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+            let [time, value] = [time, value].map(|number| number.parse::<f64>().unwrap());
+            while f64::from(steps) * step < time - 1e-9 {
+                arm.step(step);
+                steps += 1;
+            }
+            let Some((name, size)) = variable(name, value) else { continue };
+            let error = (arm.get(&name) - value).abs() / size;
+            assert!(error < 1e-9, "{name} at {time} s in steps of {step} s: {error:e}");
+            largest = largest.max(error);
+        }
+        let moved = arm.get("volume.from_reservoirs").abs().max(1e-4);
+        assert!(arm.get("volume.balance").abs() < 1e-12 * moved, "{:e}", arm.get("volume.balance"));
+        let throttled = arm.get("energy.throttling");
+        assert!(arm.get("energy.balance").abs() < 1e-10 * throttled, "{:e}", arm.get("energy.balance"));
+        // The arm gains what the cylinders deliver.
+        assert!(arm.get("energy.drift").abs() < 1e-9 * arm.get("energy.piston").abs(), "{}", arm.get("energy.drift"));
+        println!("steps of {step} s: largest relative error {largest:.1e}");
+    }
+}
+
+/// Continuing from a saved state, from its bytes, and from the run itself gives the same numbers.
+#[test]
+fn a_saved_state_continues_as_the_run() {
+    let mut arm = lifting(1e-9);
+    arm.steps(100, 0.1);
+    let state = arm.saved();
+    arm.steps(37, 0.05);
+    let expected = read_all(&mut arm);
+    let mut other = lifting(1e-9);
+    other.take(&state);
+    other.steps(37, 0.05);
+    assert_eq!(read_all(&mut other), expected);
+    arm.take(&state);
+    arm.steps(37, 0.05);
+    assert_eq!(read_all(&mut arm), expected);
+}
+
+/// Time derivatives of outputs against differences.
+#[test]
+fn rates_of_outputs_are_those_of_differences() {
+    let names = [
+        "arm.angle",
+        "arm.speed",
+        "lift.force",
+        "guy.force",
+        "lift.chamber_a.pressure",
+        "gallery.pressure",
+        "pump.flow",
+        "lift_valve.position",
+        "lift_valve.flow_a",
+        "hose.flow",
+        "energy.throttling",
+        "volume.from_reservoirs",
+        "bottle.oil_volume",
+        "guy.stiffness",
+        "lift.stroke_position",
+        "lift.holding_force",
+    ];
+    let mut arm = lifting(1e-12);
+    arm.steps(60, 0.06);
+    let h = 2e-5;
+    let rates = names.map(|name| arm.derivative(name));
+    let before = {
+        let mut arm = lifting(1e-12);
+        arm.steps(60, 0.06 - h);
+        names.map(|name| arm.get(name))
+    };
+    arm.step(h);
+    let after = names.map(|name| arm.get(name));
+    for ((name, rate), (one, other)) in names.into_iter().zip(rates).zip(before.into_iter().zip(after)) {
+        let difference = (other - one) / (2.0 * h);
+        assert!((difference - rate).abs() <= 3e-4 * rate.abs().max(1e-3 * other.abs()), "{name}: {rate} {difference}");
+    }
+}
+
+/// Derivatives by the inputs of the network against central differences.
+#[test]
+fn derivatives_by_inputs_are_those_of_differences() {
+    let mut arm = lifting(1e-9);
+    arm.steps(60, 0.06);
+    let find = |arm: &Run, name: &str| arm.variables().find(name).unwrap_or_else(|| panic!("{name}"));
+    for (input, seed, outputs) in [
+        ("tank.pressure", 1e3, &["lift_valve.return_flow", "pump.flow", "relief.flow", "tank.flow"][..]),
+        ("pump.speed", 1e-4, &["pump.flow", "tank.flow"]),
+    ] {
+        let start = arm.get(input);
+        let unknowns: Vec<_> = outputs.iter().map(|name| find(&arm, name)).collect();
+        let mut exact = vec![0.0; outputs.len()];
+        let known = find(&arm, input);
+        arm.directional_derivative(&unknowns, &[known], &[1.0], &mut |i, value| exact[i] = value).unwrap();
+        let mut at = |value: f64| {
+            arm.set(input, value);
+            outputs.iter().map(|name| arm.get(name)).collect::<Vec<_>>()
+        };
+        let (low, high) = (at(start - seed), at(start + seed));
+        arm.set(input, start);
+        for (((name, exact), low), high) in outputs.iter().zip(exact).zip(low).zip(high) {
+            let difference = (high - low) / (2.0 * seed);
+            assert!(
+                (difference - exact).abs() <= 1e-5 * exact.abs() + 1e-20,
+                "d {name}/d {input}: {exact} {difference}"
+            );
+        }
+    }
+}
+
+/// The arm rises until the shorter cylinder is at its end, rests there, and leaves it under the opposite command.
+#[test]
+fn the_ends_of_the_cylinders_hold_the_mechanism() {
+    for restitution in [0.0, 0.4] {
+        let mut arm = Run::new(changed(ARM, |arm| {
+            arm["hydraulics"]["cylinders"]["lift"]["stroke"] = json!(0.36);
+            arm["hydraulics"]["cylinders"]["lift"]["restitution"] = json!(restitution);
+        }));
+        arm.set_all(&[("lift_valve.command", 0.9), ("solver.tolerance", 1e-9)]);
+        arm.initialize();
+        arm.steps(100, 2.0);
+        assert_eq!(arm.get("arm.speed"), 0.0);
+        assert!((arm.get("lift.stroke_position") - 0.36).abs() < 1e-12, "{}", arm.get("lift.stroke_position"));
+        let [oil, end, load] = ["lift.force", "lift.end_force", "lift.holding_force"].map(|name| arm.get(name));
+        assert!(end < -1e3 && (oil + end - load).abs() < 1e-9 * oil, "{oil} {end} {load}");
+        assert_eq!(arm.get("guy.end_force"), 0.0);
+        assert!(arm.get("volume.balance").abs() < 1e-15 && arm.get("energy.balance").abs() < 1e-5);
+        arm.set("lift_valve.command", -0.5);
+        arm.steps(100, 0.5);
+        assert!(arm.get("lift.stroke_position") < 0.35 && arm.get("lift.end_force") == 0.0);
+    }
+}
+
+/// A pressure lock with the name of a lock of the mechanism operates that lock: the arm is held until the pressure has
+/// risen.
+#[test]
+fn a_pressure_lock_operates_the_lock_of_its_name() {
+    let held = |engage: bool| {
+        let mut arm = Run::new(changed(ARM, |arm| {
+            arm["stops"] = json!({ "low": { "body": "arm", "limit": "lower", "angle": 0.1 } });
+            arm["locks"] = json!({ "latch": { "stop": "low", "at": "arm.end", "engage": engage } });
+            arm["hydraulics"]["pressure_locks"] = json!({ "latch": { "at": "lift.a", "release_pressure": 14e6 } });
+            arm["hydraulics"]["cylinders"]["lift"]["chamber_a"]["start_pressure"] = json!(2e6);
+            arm["solver"]["tolerance"] = json!(1e-9);
+        }));
+        arm.set("lift_valve.command", 1.0);
+        arm.initialize();
+        let (mut released, mut moved) = (0.0, 0.0);
+        for k in 1..=1000 {
+            let (before, was) = (arm.get("arm.angle"), arm.is("latch.engaged"));
+            arm.step(1e-3);
+            if engage && released == 0.0 {
+                assert_eq!(arm.get("arm.angle"), before, "{k}");
+            }
+            if released == 0.0 && was && !arm.is("latch.engaged") {
+                released = f64::from(k) * 1e-3;
+                assert!(arm.get("lift.chamber_a.pressure") >= 14e6);
+            }
+            if moved == 0.0 && arm.get("arm.angle") > 0.1 {
+                moved = f64::from(k) * 1e-3;
+            }
+        }
+        (released, moved)
+    };
+    let (released, moved) = held(true);
+    assert!(released > 0.0 && (moved - released - 1e-3).abs() < 1e-9, "{released} {moved}");
+    // Released by hand, the arm rises as soon as the oil carries it, below the pressure of the lock.
+    let (_, by_hand) = held(false);
+    assert!(by_hand > 0.0 && by_hand < moved, "{by_hand} {moved}");
+}
+
+#[test]
+fn faulty_networks_are_refused_by_name() {
+    let error = |change: &dyn Fn(&mut Value)| refusal(changed(ARM, |arm| change(arm)));
+    let cylinders = |arm: &mut Value| arm["hydraulics"]["cylinders"].take();
+    assert_says(
+        error(&|arm| {
+            let mut all = cylinders(arm);
+            all["brace"] = all["guy"].take();
+            all.as_object_mut().unwrap().remove("guy");
+            arm["hydraulics"]["valves"]["guy_valve"]["a"] = json!("brace.a");
+            arm["hydraulics"]["valves"]["guy_valve"]["b"] = json!("brace.b");
+            arm["hydraulics"]["cylinders"] = all;
+        }),
+        &["hydraulics.cylinders.brace", "actuators", "guy"],
+    );
+    for (key, value) in [("force", json!(3)), ("efficiency", json!(0.9)), ("points", json!([[0, 1], [1, 0]]))] {
+        let text = error(&|arm| arm["actuators"]["guy"][key] = value.clone());
+        assert_says(text, &["actuators.guy", key, "remove this key"]);
+    }
+    assert_says(
+        error(&|arm| arm["actuators"]["guy"] = json!({ "joint": "pivot" })),
+        &["actuators.guy", "cylinder of the network", "prismatic"],
+    );
+    assert_says(
+        error(&|arm| arm["actuators"]["lift"]["hydraulics"] = json!({})),
+        &["hydraulics", "actuators.lift already has a hydraulic circuit"],
+    );
+    assert_says(error(&|arm| arm["start"] = json!("equilibrium")), &["start.equilibrium", "hydraulic network"]);
+    assert_says(
+        error(&|arm| {
+            for k in 0..25 {
+                arm["hydraulics"]["nodes"][format!("node{k}")] = json!({ "volume": 1e-4 });
+            }
+        }),
+        &["hydraulics", "components of the state", "37", "two FMUs"],
+    );
+    assert_says(
+        error(&|arm| arm["hydraulics"]["cylinders"]["lift"]["rod"] = json!(0.06)),
+        &["cylinders.lift.rod", "bore"],
+    );
+    assert_says(
+        error(&|arm| arm["hydraulics"]["cylinders"]["lift"]["closed_length"] = json!(0.95)),
+        &["lift.length = 0.932", "0.95 m", "1.55 m"],
+    );
+    let mut arm = lifting(1e-9);
+    arm.set("tank.pressure", -2e5);
+    assert_says(arm.0.step(1e-3).unwrap_err(), &["tank.pressure", "fluid.ambient_pressure"]);
+    arm.set("tank.pressure", 0.4e6);
+    arm.set("pump.speed", -1.0);
+    assert_says(arm.0.step(1e-3).unwrap_err(), &["pump.speed", "0"]);
+    arm.set("pump.speed", 1.0);
+    arm.step(1e-3);
+    assert!(arm.0.set("lift.force", 1.0).is_err());
+    let warned = Run::new(changed(ARM, |arm| {
+        arm["hydraulics"]["cylinders"]["lift"]["reduced_mass"] = json!(10);
+        arm["hydraulics"]["solver"] = json!({ "tolerance": 1e-6 });
+    }));
+    let all = warned.warnings().join("\n");
+    assert_says(all, &["hydraulics.cylinders.lift.reduced_mass", "hydraulics.solver", "no effect"]);
+}
+
+/// Two runs in steps of another size, and one whose commands change with time.
+#[test]
+fn derivatives_of_inputs_count_and_steps_do_not() {
+    let run = |steps: u32| {
+        let mut arm = lifting(1e-11);
+        let h = 0.2 / f64::from(steps);
+        for k in 0..steps {
+            // A command that passes its limit: the ramp 0.6 + 4 t is clipped at 1 from 0.1 s on.
+            arm.set("lift_valve.command", 0.6 + 4.0 * h * f64::from(k));
+            arm.set_derivative("lift_valve.command", 1, 4.0);
+            arm.step(h);
+        }
+        [arm.get("arm.angle"), arm.get("lift.chamber_a.pressure"), arm.get("lift_valve.position")]
+    };
+    let (few, many) = (run(7), run(200));
+    for (one, other) in few.into_iter().zip(many) {
+        assert!((one / other - 1.0).abs() < 1e-9, "{few:?} {many:?}");
+    }
+}
