@@ -26,7 +26,7 @@ mod tables;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;
-use crate::format::{About, Described, Experiment, Json, Member, Table, parse};
+use crate::format::{About, Described, Experiment, Table};
 use crate::hydraulics::any::AnyModel;
 use crate::hydraulics::{self, network};
 use crate::inspection::{Finding, Inspection};
@@ -138,19 +138,18 @@ impl Component {
     }
 
     /// Name of the definition file of the kind of model that a text describes: the one of which it has the most keys
-    /// that no other kind has. None if no key tells, as in a text that is no JSON.
+    /// that no other kind has, even where the text is not quite JSON. None if no key tells.
     pub fn kind_of(text: &str) -> Option<&'static str> {
-        let Json::Object(members) = parse("definition", text).ok()?.json else { return None };
+        let keys = outermost_keys(text);
         let tables: [&Table; KINDS.len()] = [
             mechanism::definition::Mechanism::TABLE,
             hydraulics::definition::HydraulicActuator::TABLE,
             network::definition::HydraulicSystem::TABLE,
         ];
-        let has = |kind: usize, member: &Member| tables[kind].position(&member.key).is_some();
-        let is_own = |kind: usize, member: &Member| {
-            has(kind, member) && (0..tables.len()).all(|other| other == kind || !has(other, member))
-        };
-        let own = |kind: usize| members.iter().filter(|member| is_own(kind, member)).count();
+        let has = |kind: usize, key: &str| tables[kind].position(key).is_some();
+        let is_own =
+            |kind: usize, key: &str| has(kind, key) && (0..tables.len()).all(|other| other == kind || !has(other, key));
+        let own = |kind: usize| keys.iter().filter(|key| is_own(kind, key)).count();
         let counts: [usize; KINDS.len()] = std::array::from_fn(own);
         let most = counts.iter().copied().max().filter(|most| *most > 0)?;
         let mut kinds = (0..KINDS.len()).filter(|kind| counts[*kind] == most);
@@ -366,6 +365,33 @@ impl Component {
     }
 }
 
+/// Keys of the outermost object of a text that may be no JSON: words in quotation marks with a colon behind them.
+fn outermost_keys(text: &str) -> Vec<&str> {
+    let (mut keys, mut depth, mut rest) = (Vec::new(), 0, text);
+    while let Some(at) = rest.find(['{', '}', '[', ']', '"']) {
+        let (found, after) = (rest.as_bytes()[at], &rest[at + 1..]);
+        rest = after;
+        match found {
+            b'{' | b'[' => depth += 1,
+            b'}' | b']' => depth -= 1,
+            _ => {
+                let mut escaped = false;
+                let end = after.find(|c: char| {
+                    let ends = !escaped && (c == '"' || c == '\n');
+                    escaped = !escaped && c == '\\';
+                    ends
+                });
+                let Some(end) = end else { break };
+                rest = &after[end + 1..];
+                if depth == 1 && rest.trim_start().starts_with(':') {
+                    keys.push(&after[..end]);
+                }
+            }
+        }
+    }
+    keys
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -384,6 +410,17 @@ mod tests {
         assert_eq!(Component::kind_of(ram), Some("hydraulics.json"));
         assert_eq!(Component::kind_of(mechanism::GEAR), Some("mechanism.json"));
         assert_eq!(Component::kind_of(r#"{ "name": "Ram" }"#), None);
+        // Faults of JSON do not hide the kind.
+        for (from, to) in [
+            ("1e-3 } }", "1e-3 } "),
+            ("\"System\",", "\"System\""),
+            ("1e-3", "1e-3,"),
+            ("{ \"name\"", "// a\n{ \"name\""),
+        ] {
+            assert!(system.contains(from), "{from}");
+            assert_eq!(Component::kind_of(&system.replacen(from, to, 1)), Some("network.json"), "{to}");
+        }
+        assert_eq!(Component::kind_of(&ram.replace("}", "")), Some("hydraulics.json"));
         assert!(Component::from_definition("other.json", mechanism::GEAR).unwrap_err().0.contains("other.json"));
     }
 }

@@ -180,6 +180,7 @@ fn link(table: &'static Table, from: &str, places: &BTreeMap<String, String>) ->
         Some((element.name, mark(file, &element)))
     });
     let (name, mark) = found.unwrap_or_default();
+    let name = if name.is_empty() { mark.clone() } else { name.to_owned() };
     let folder = |path: &str| path.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
     // The parts of a circuit stand in its own table.
     let mark = if hydraulics::CIRCUIT.iter().any(|part| part.table == table) { CIRCUIT.to_owned() } else { mark };

@@ -3,14 +3,13 @@
 use crate::support::{Run, assert_says, changed, read_all, refusal};
 use serde_json::{Value, json};
 
-const ARM: &str = include_str!("../networks/lift_arm.json");
+const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
 /// States of the arm and its network by another program: tests/networks/lift_arm.py, SciPy's DOP853 at 1e-12.
 const EXPECTED: &str = include_str!("../networks/lift_arm.txt");
 
 /// The arm under its commands, at a tolerance.
 fn lifting(tolerance: f64) -> Run {
-    let commands = [("lift_valve.command", 0.6), ("guy_valve.command", -0.35)];
-    Run::shared(ARM).with(&[("solver.tolerance", tolerance)]).with(&commands).started()
+    Run::shared(ARM).with(&[("solver.tolerance", tolerance)]).started()
 }
 
 /// Name of the variable for a state of the other program, and the size to which a relative error refers.

@@ -1,4 +1,4 @@
-"""The arm of lift_arm.json with its network as one system, integrated by SciPy: the reference for one FMU of both.
+"""The arm of modelDescription/LiftArm with its network as one system, integrated by SciPy: the reference for one FMU of both.
 
 Usage: python lift_arm.py > lift_arm.txt writes times, names and values. The equations of the oil are those of
 integrate.py; the arm's are written here from the numbers of the file, without the code of the FMU.
@@ -13,7 +13,7 @@ import numpy as np
 from integrate import Element, Network, integrate
 
 TIMES = [0.01, 0.05, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0]
-COMMANDS = {"lift_valve": 0.6, "guy_valve": -0.35}
+FILE = Path(__file__).resolve().parents[2] / "modelDescription" / "LiftArm" / "resources" / "mechanism.json"
 G = 9.81
 
 
@@ -57,10 +57,7 @@ class Arm(Network):
 
 
 if __name__ == "__main__":
-    definition = json.loads((Path(__file__).parent / "lift_arm.json").read_text(encoding="utf-8"))
-    for valve, command in COMMANDS.items():
-        definition["hydraulics"]["valves"][valve]["command"] = command
-    own = Arm(definition)
+    own = Arm(json.loads(FILE.read_text(encoding="utf-8")))
     for time, state in zip(TIMES, integrate(own, TIMES), strict=True):
         for name, value in zip(own.names, state, strict=True):
             print(time, name, repr(float(value)))

@@ -4,6 +4,7 @@
 //! laws.
 
 use linkage_fmu::format::{Element, Json, Key, Kind, Names, Node, Range, Short, parse, quoted};
+use linkage_fmu::hydraulics::network::definition as network;
 use linkage_fmu::mechanism::definition::CouplingKind;
 
 /// Rules about keys that go together, which are merged into the elements of their names.
@@ -16,7 +17,7 @@ const SOUND: &str = "what is put together here is JSON";
 /// The text of the schema of this definition file.
 pub fn schema(definition_file: &str) -> String {
     let is_mechanism = definition_file == "mechanism.json";
-    let elements = crate::reference::elements(definition_file);
+    let elements = elements(definition_file);
     let schema = Schema { elements: &elements, takes_expressions: is_mechanism };
     let rules = if is_mechanism { Value::read(RULES) } else { Value::Object(Vec::new()) };
     let [first, end] = if is_mechanism { ["A-Za-z", ", \"maxLength\": 200"] } else { ["A-Za-z_", ""] };
@@ -41,24 +42,39 @@ pub fn schema(definition_file: &str) -> String {
         let point = r#"{ "type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*\\.[A-Za-z][A-Za-z0-9_]*$",
             "not": { "pattern": "\\n" } }"#;
         definitions.merge("point", Value::read(point));
-        let body = elements.iter().find(|element| element.name == "body").map(|body| schema.element(body));
+        let body = elements.iter().find(|(name, _)| name == "body").map(|(_, body)| schema.element(body));
         definitions.merge("ground", ground(&body.unwrap_or(Value::Raw(String::new()))));
     }
-    for element in &elements {
+    for (name, element) in &elements {
         let mut value = schema.element(element);
-        if element.name == "coupling" && is_mechanism {
+        if name == "coupling" && is_mechanism {
             value.merge("oneOf", kinds(element));
         }
         if let Value::Object(members) = &rules {
-            let own = members.iter().find(|(name, _)| name == element.name);
+            let own = members.iter().find(|(own, _)| own == name);
             own.into_iter().for_each(|(_, rule)| value.merge_all(rule.clone()));
         }
-        if element.name.is_empty() { all.merge_all(value) } else { definitions.merge(element.name, value) }
+        if name.is_empty() { all.merge_all(value) } else { definitions.merge(name, value) }
     }
     all.merge("$defs", definitions);
     let mut text = String::new();
     all.print("", "", &mut text);
     text + "\n"
+}
+
+/// The elements of a definition file with their names in its schema, the whole first. A mechanism may hold a network.
+fn elements(definition_file: &str) -> Vec<(String, Element)> {
+    let own = crate::reference::elements(definition_file).into_iter();
+    let mut all: Vec<_> = own.map(|element| (element.name.to_owned(), element)).collect();
+    if definition_file == "mechanism.json" {
+        for element in network::ELEMENTS {
+            if all.iter().all(|(_, known)| known.table != element.table) {
+                let name = if element.name.is_empty() { "network".into() } else { format!("network_{}", element.name) };
+                all.push((name, element));
+            }
+        }
+    }
+    all
 }
 
 /// The body that does not move: what of a body it may have.
@@ -96,7 +112,7 @@ fn kinds(coupling: &Element) -> Value {
 }
 
 struct Schema<'e> {
-    elements: &'e [Element],
+    elements: &'e [(String, Element)],
     /// Whether a text may stand in the place of a number.
     takes_expressions: bool,
 }
@@ -160,8 +176,8 @@ impl Schema<'_> {
                 Value::Object(vec![("enum".into(), Value::List(words.map(|word| Value::text(word)).collect()))])
             }
             Kind::Object(table) => {
-                let name =
-                    self.elements.iter().find(|element| element.table == *table).map_or("", |element| element.name);
+                let own = self.elements.iter().find(|(_, element)| element.table == *table);
+                let name = own.map_or("", |(name, _)| name.as_str());
                 let object = read(format!("{{ \"$ref\": \"#/$defs/{name}\" }}"));
                 let short = match table.short {
                     Short::None => return object,

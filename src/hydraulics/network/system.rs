@@ -49,7 +49,8 @@ macro_rules! sized {
 impl Memory {
     /// Before the first step of a network.
     pub fn new(layout: &Layout) -> Self {
-        match layout.components() <= SMALL {
+        let ports = layout.volumes() + layout.reservoirs;
+        match layout.components().max(layout.flow_inputs()).max(ports) <= SMALL {
             true => Self::Small(Box::default()),
             false => Self::Large(Box::default()),
         }

@@ -223,6 +223,21 @@ fn two_cylinders_meet_an_independent_integration() {
     }
 }
 
+/// More ports and inputs than components of the state.
+#[test]
+fn many_reservoirs_need_no_state() {
+    let reservoirs: Vec<String> = (0..60).map(|k| format!("\"r{k}\": {{}}")).collect();
+    let text = format!(
+        r#"{{ "name": "Many", "nodes": {{ "n": {{ "volume": 1e-3 }} }}, "reservoirs": {{ {} }},
+            "resistances": {{ "in": {{ "from": "r59", "to": "n" }} }} }}"#,
+        reservoirs.join(", ")
+    );
+    let mut host = Host::start(&text);
+    host.set("r59.pressure", 1e6);
+    host.0.step(1.0).unwrap();
+    assert!((host.get("n.pressure") - 1e6).abs() < 1.0, "{}", host.get("n.pressure"));
+}
+
 /// Faults of a definition by their texts.
 #[test]
 fn faults_of_a_network_are_named_with_a_remedy() {

@@ -281,8 +281,8 @@ impl Mechanism {
             let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
             all.extend(own.map(|finding| Finding { path: format!("hydraulics.{}", finding.path), ..finding }));
             all.extend(idle_keys(network).into_iter().map(|path| {
-                let message = "has no effect in a mechanism, which states the motion of its cylinders and the settings of \
-                               the integration";
+                let message = "has no effect in a mechanism, which states the motion of its cylinders and the settings \
+                               of the integration";
                 Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
             }));
         }

@@ -50,9 +50,9 @@ pub type NetworkMemory = HydraulicMemory<NETWORKED, CAPACITY>;
 pub struct CircuitState<const C: usize = CIRCUIT> {
     /// Time since the start.
     pub time: Elapsed,
-    /// Of a circuit: pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J], pressure
-    /// of the accumulator [Pa]. Of a network: its components, then the volume of all chambers at the start [m3], then
-    /// for each pressure lock 1 if it is engaged, else 0.
+    /// Of a circuit: pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J],
+    /// pressure of the accumulator [Pa]. Of a network: its components, then the volume of all chambers at the start
+    /// [m3], then for each pressure lock 1 if it is engaged, else 0.
     pub values: [f64; C],
 }
 

@@ -11,6 +11,9 @@ use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::variables::nearest;
 
+/// Least part of the travel over which a position valve opens [m]: less is no more than rounding of a length.
+const LEAST_WIDTH: f64 = 1e-9;
+
 /// A port that an element names.
 struct Link<'a> {
     group: &'static str,
@@ -133,10 +136,9 @@ impl HydraulicSystem {
     /// The number of components and the limit.
     pub fn check_size_in_mechanism(&self) -> Result<(), DefinitionError> {
         let ports = Ports::new(self);
-        let inputs = self.reservoirs.len() + self.pumps.len() + self.valves.len() + self.bypasses.len();
         for (what, count) in [
             ("components of the state", ports.volumes + 2 * self.spools() + TOTALS + 1 + self.pressure_locks.len()),
-            ("inputs", inputs),
+            ("inputs", self.inputs_of_flows()),
             ("ports", ports.names().len()),
         ] {
             if count > CAPACITY {
@@ -148,6 +150,11 @@ impl HydraulicSystem {
             }
         }
         Ok(())
+    }
+
+    /// Number of inputs that act on flows.
+    fn inputs_of_flows(&self) -> usize {
+        self.reservoirs.len() + self.pumps.len() + self.valves.len() + self.bypasses.len()
     }
 
     /// Number of valves with dynamics.
@@ -163,6 +170,7 @@ impl HydraulicSystem {
             ("valves", "valves", self.valves.len(), MOST_VALVES),
             ("nodes", "components of the state", components, MOST_COMPONENTS),
             ("nodes", "ports", ports.names().len(), MOST_COMPONENTS),
+            ("valves", "inputs of reservoirs, pumps, valves and by-passes", self.inputs_of_flows(), MOST_COMPONENTS),
             ("resistances", "flow paths (four in each valve)", paths, MOST_PATHS),
         ] {
             if count > most {
@@ -272,7 +280,10 @@ impl HydraulicSystem {
             match self.cylinders.iter().find(|(cylinder, _)| *cylinder == valve.cylinder) {
                 None => {
                     let near = nearest(self.cylinders.names().into_iter(), &valve.cylinder);
-                    let allowed = format!("a cylinder of this file; the nearest: {}", near.join(", "));
+                    let allowed = match near.is_empty() {
+                        true => "add a cylinder of this name under cylinders".to_owned(),
+                        false => format!("write the name of a cylinder of this file, such as {}", near.join(" or ")),
+                    };
                     faults.push(DefinitionError::unknown(path("cylinder"), &valve.cylinder, allowed));
                 }
                 Some((_, cylinder)) => {
@@ -281,6 +292,15 @@ impl HydraulicSystem {
                         let allowed =
                             format!("within the travel, {} m to {} m", Decimal(least), Decimal::rounded(most));
                         faults.push(DefinitionError::value(path("length"), Decimal(valve.length), allowed));
+                    }
+                    if !(LEAST_WIDTH..=cylinder.stroke).contains(&valve.width) {
+                        let allowed = format!(
+                            "from {LEAST_WIDTH:e} m to {} m, the stroke of {}, because the valve opens over this part of \
+                             the travel",
+                            Decimal(cylinder.stroke),
+                            valve.cylinder
+                        );
+                        faults.push(DefinitionError::value(path("width"), Decimal(valve.width), allowed));
                     }
                 }
             }
@@ -388,6 +408,22 @@ impl HydraulicSystem {
                 Decimal(highest)
             );
             warn(format!("accumulators.{name}.precharge_pressure"), message, "lower the precharge pressure");
+        }
+        for (name, valve) in self.position_valves.iter() {
+            let Some(cylinder) = self.cylinders.get(&valve.cylinder) else { continue };
+            let (lower, upper) = (cylinder.lower_limit, cylinder.upper_limit);
+            let is_beyond = |low: f64, high: f64| (low, high) != (0.0, 0.0) && !(low..=high).contains(&valve.length);
+            if is_beyond(lower, upper) {
+                let message = format!(
+                    "is {} m, but the limits of {} are {} m and {} m: the cylinder never operates this valve",
+                    Decimal(valve.length),
+                    valve.cylinder,
+                    Decimal(lower),
+                    Decimal(upper)
+                );
+                let remedy = "state a length between lower_limit and upper_limit of the cylinder";
+                warn(format!("position_valves.{name}.length"), message, remedy);
+            }
         }
         for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
             let message = format!(

@@ -152,27 +152,27 @@ impl HydraulicSystem {
         faults.first()
     }
 
-    /// Call `visit` with every numeric parameter and its value, in the order of the file.
+    /// Call `visit` with every numeric parameter of a separate FMU and its value, in the order of the file.
     pub fn parameters(&mut self, visit: &mut Visit) {
-        self.visit(&|_| true, visit);
+        self.visit(&|_| true, &|key| (key.name != "restitution").then_some(key), visit);
     }
 
-    /// Call `visit` with every numeric parameter of the oil and of the elements, and its value, in the order of the
-    /// file.
+    /// Call `visit` with every numeric parameter of the oil and of the elements in a mechanism, and its value, in the
+    /// order of the file.
     pub fn element_parameters(&mut self, visit: &mut Visit) {
-        self.visit(&|section| section != "solver", visit);
+        self.visit(&|section| section != "solver", &Some, visit);
     }
 
-    fn visit(&mut self, counts: &dyn Fn(&str) -> bool, visit: &mut Visit) {
+    fn visit(&mut self, counts: &dyn Fn(&str) -> bool, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
         for (index, key) in Self::TABLE.keys.iter().enumerate().filter(|(_, key)| counts(key.name)) {
             match self.slot(index) {
                 Slot::Object(section) => {
-                    Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
+                    Owner { group: None, name: key.name, is_rotary: false }.parameters(section, refine, visit);
                 }
                 Slot::Group(group) => {
                     let mut at = 0;
                     while let Some((name, Slot::Object(element))) = group.entry(at) {
-                        Owner { group: Some(key.name), name, is_rotary: false }.parameters(element, &Some, visit);
+                        Owner { group: Some(key.name), name, is_rotary: false }.parameters(element, refine, visit);
                         at += 1;
                     }
                 }
@@ -191,15 +191,14 @@ impl HydraulicSystem {
         }
         faults.keep(self.about.check());
         faults.keep(self.experiment.check());
+        check_ranges(faults, |visit| self.clone().visit(&|section| section == "solver", &Some, visit));
         self.find_element_faults(faults);
     }
 
     /// Faults of each number and of the connections.
     pub fn find_element_faults(&self, faults: &mut Faults) {
         let before = faults.len();
-        self.clone().parameters(&mut |parameter, value| {
-            faults.keep(parameter.range.check(parameter.key.concat(), *value));
-        });
+        check_ranges(faults, |visit| self.clone().element_parameters(visit));
         // Numbers in range are compared.
         if faults.len() == before {
             self.find_connection_faults(faults);
@@ -229,4 +228,13 @@ impl HydraulicSystem {
             }
         }
     }
+}
+
+/// Faults of the numbers that are out of range, each under its key.
+fn check_ranges(faults: &mut Faults, parameters: impl FnOnce(&mut Visit)) {
+    parameters(&mut |parameter, value| {
+        if !parameter.range.contains(*value) {
+            faults.keep(parameter.range.check(parameter.key.concat(), *value));
+        }
+    });
 }

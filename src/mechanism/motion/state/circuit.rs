@@ -1,7 +1,7 @@
 //! Steps with the hydraulic circuit of a drive or the network of the mechanism, and what they refuse.
 //!
-//! In: an equation of motion, the state of the circuit or network, inputs. Out: the state after the step, or what keeps the motion
-//! from going on. It must not know outputs.
+//! In: an equation of motion, the state of the circuit or network, inputs. Out: the state after the step, or what keeps
+//! the motion from going on. It must not know outputs.
 use super::State;
 use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
@@ -35,8 +35,8 @@ pub struct Driven<'a, 'e, const N: usize, const C: usize> {
 
 /// A motion with the hydraulics that drive it.
 pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
-    /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a length
-    /// is not smooth along the motion.
+    /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a
+    /// length is not smooth along the motion.
     fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<N>>>) -> Option<()>;
 
     /// Why the integration came no further from the state z.
@@ -74,8 +74,8 @@ impl<'e, const N: usize, const C: usize> Driven<'_, 'e, N, C>
 where
     EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
 {
-    /// Advance (sigma, sigma_dot) and the circuit or network by exactly `h` [s]. Returns the energy lost in impacts [J],
-    /// and sigma, sigma_dot and the energy lost in the state reached.
+    /// Advance (sigma, sigma_dot) and the circuit or network by exactly `h` [s]. Returns the energy lost in impacts
+    /// [J], and sigma, sigma_dot and the energy lost in the state reached.
     pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; MOTION]) {
         let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
         let HydraulicMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
