@@ -1,6 +1,7 @@
 //! The present parameters of a mechanism, and a hash of what no parameter changes.
 use crate::codec::checksum::fnv1a;
 use crate::format::{About, written};
+use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::mechanism::definition::{Experiment, Expressions, Mechanism, Method};
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
@@ -153,6 +154,7 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
             (circuit.supply.pressure, circuit.tank.pressure) = (0.0, 0.0);
         }
     }
+    bare.hydraulics.iter_mut().for_each(HydraulicSystem::clear_in_mechanism);
     bare.forces.iter_mut().for_each(|(_, force)| force.force = [0.0; 2]);
     bare.torques.iter_mut().for_each(|(_, torque)| torque.torque = 0.0);
     bare.locks.iter_mut().for_each(|(_, lock)| lock.engage = false);

@@ -242,6 +242,12 @@ fn faulty_networks_are_refused_by_name() {
         error(&|arm| arm["hydraulics"]["cylinders"]["lift"]["closed_length"] = json!(0.95)),
         &["lift.length = 0.932", "0.95 m", "1.55 m"],
     );
+    // Numbers may be expressions of parameters.
+    let mut arm = Run::new(changed(ARM, |arm| {
+        arm["parameters"] = json!({ "size": 2.5e-4 });
+        arm["hydraulics"]["nodes"]["gallery"]["volume"] = json!("2 * size");
+    }));
+    assert_eq!(arm.get("gallery.volume"), 5e-4);
     let mut arm = lifting(1e-9);
     arm.set("tank.pressure", -2e5);
     assert_says(arm.0.step(1e-3).unwrap_err(), &["tank.pressure", "fluid.ambient_pressure"]);
@@ -249,7 +255,11 @@ fn faulty_networks_are_refused_by_name() {
     arm.set("pump.speed", -1.0);
     assert_says(arm.0.step(1e-3).unwrap_err(), &["pump.speed", "0"]);
     arm.set("pump.speed", 1.0);
+    arm.set("lift_valve.command", -1.5);
     arm.step(1e-3);
+    assert_says(arm.take_warning().unwrap(), &["lift_valve.command is -1.5", "clipped"]);
+    arm.step(1e-3);
+    assert_eq!(arm.take_warning(), None);
     assert!(arm.0.set("lift.force", 1.0).is_err());
     let warned = Run::new(changed(ARM, |arm| {
         arm["hydraulics"]["cylinders"]["lift"]["reduced_mass"] = json!(10);

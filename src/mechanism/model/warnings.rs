@@ -10,6 +10,7 @@ use crate::mechanism::definition::{CouplingKind, Mechanism};
 use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::linkage::{Coupling, Kind};
+use crate::mechanism::loads::resolved::NetworkDrives;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
@@ -21,22 +22,34 @@ use crate::numerics::decimal::Decimal;
 pub struct Clipped {
     /// Whether a step has met one.
     is_known: bool,
-    /// The command, until it is told.
-    pending: Option<f64>,
+    /// The command, with the index of its input if it is one of a network, until it is told.
+    pending: Option<(Option<usize>, f64)>,
 }
 
 impl Clipped {
-    /// The command that a step of size h [s] from this state is to clip, unless one was met before; None without a
-    /// circuit.
+    /// The command that a step of size h [s] from this state is to clip, with the index of its input if it is one of a
+    /// network, unless one was met before; None without hydraulics.
     #[inline]
-    pub fn look(&self, (reduced, state): (&Reduced, &Formulation), inputs: &Inputs, h: f64) -> Option<f64> {
-        let drive = reduced.loading().hydraulics.as_ref().filter(|_| !self.is_known)?;
-        command(drive, inputs, state.along_curve().memory.circuit()?.time.now).clipped(h)
+    pub fn look(
+        &self,
+        (reduced, state): (&Reduced, &Formulation),
+        inputs: &Inputs,
+        h: f64,
+    ) -> Option<(Option<usize>, f64)> {
+        if self.is_known {
+            return None;
+        }
+        let loading = reduced.loading();
+        if let Some(network) = &loading.network {
+            return clipped_command(network, inputs, h).map(|(input, command)| (Some(input), command));
+        }
+        let drive = loading.hydraulics.as_ref()?;
+        command(drive, inputs, state.along_curve().memory.circuit()?.time.now).clipped(h).map(|command| (None, command))
     }
 
     /// A step has clipped this command.
     #[cold]
-    pub fn raise(&mut self, command: f64) {
+    pub fn raise(&mut self, command: (Option<usize>, f64)) {
         *self = Self { is_known: true, pending: Some(command) };
     }
 
@@ -47,6 +60,17 @@ impl Clipped {
         }
         record.flag("command clipped before", &mut self.is_known)
     }
+}
+
+/// The first command of a network that is beyond its limits at the beginning or at the end of a step of size h [s], by
+/// the index of its input.
+fn clipped_command(network: &NetworkDrives, inputs: &Inputs, h: f64) -> Option<(usize, f64)> {
+    let layout = &network.laws.layout;
+    (layout.command(0)..layout.open(0)).find_map(|index| {
+        let input = network.first_input + index;
+        let largest = inputs.size_at(input, h);
+        (largest > 1.0).then_some((index, largest.copysign(inputs.reals[input])))
+    })
 }
 
 /// Part of the natural size of a force of the mechanism below which a contact force is rounding.
@@ -133,7 +157,16 @@ impl Model {
     /// A warning that came up since the last call; None if there is none.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
-        let clipped = self.clipped.pending.take().map(clipping);
+        let clipped = self.clipped.pending.take().map(|(input, command)| {
+            let network = self.original.reduced.loading().network.as_ref();
+            match input.zip(network).and_then(|(input, network)| network.inputs.get(input)) {
+                Some(name) => {
+                    let command = Decimal::rounded(command);
+                    format!("{name} is {command}: the command was clipped to the range from -1 to 1")
+                }
+                None => clipping(command),
+            }
+        });
         clipped.or_else(|| {
             let (joint, force, time) = self.parting.take()?;
             let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));

@@ -295,8 +295,8 @@ impl HydraulicSystem {
                     }
                     if !(LEAST_WIDTH..=cylinder.stroke).contains(&valve.width) {
                         let allowed = format!(
-                            "from {LEAST_WIDTH:e} m to {} m, the stroke of {}, because the valve opens over this part of \
-                             the travel",
+                            "from {LEAST_WIDTH:e} m to {} m, the stroke of {}: the valve opens over this part of the \
+                             travel",
                             Decimal(cylinder.stroke),
                             valve.cylinder
                         );

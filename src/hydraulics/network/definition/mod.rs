@@ -205,6 +205,15 @@ impl HydraulicSystem {
         }
     }
 
+    /// Faults of the connections, if each number is in range.
+    pub fn find_connection_faults_in_mechanism(&self, faults: &mut Faults) {
+        let mut ranges = Faults::default();
+        check_ranges(&mut ranges, |visit| self.clone().element_parameters(visit));
+        if ranges.is_empty() {
+            self.find_connection_faults(faults);
+        }
+    }
+
     /// Check each number and the connections.
     ///
     /// # Errors
@@ -213,6 +222,22 @@ impl HydraulicSystem {
         let mut faults = Faults::default();
         self.find_element_faults(&mut faults);
         faults.first()
+    }
+
+    /// Start values of inputs become 0, and texts and what has no effect in a mechanism their defaults: the rest is the
+    /// structure of the network.
+    pub fn clear_in_mechanism(&mut self) {
+        let default = Self::default();
+        (self.schema, self.description, self.about) = (None, String::new(), About::default());
+        (self.coupling, self.solver, self.experiment) = (default.coupling, default.solver, default.experiment);
+        self.reservoirs.iter_mut().for_each(|(_, reservoir)| reservoir.pressure = 0.0);
+        self.valves.iter_mut().for_each(|(_, valve)| valve.command = 0.0);
+        self.bypasses.iter_mut().for_each(|(_, bypass)| bypass.open = 0.0);
+        for (_, cylinder) in self.cylinders.iter_mut() {
+            cylinder.length = None;
+            (cylinder.speed, cylinder.reduced_mass, cylinder.holding_force) = (0.0, 0.0, 0.0);
+            (cylinder.lower_limit, cylinder.upper_limit) = (0.0, 0.0);
+        }
     }
 
     /// Calls `visit` with the group and the name of every element, in the order of the file.

@@ -397,10 +397,10 @@ keys! {
         /// Distance between the attachment points of the fully retracted cylinder [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
-        /// In a mechanism: speed of the piston after an impact on a rigid end of the travel, divided by the speed before
-        /// [1], from 0 to 1. 0: the piston does not rebound.
-        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the travel of \
-            @");
+        /// In a mechanism: speed of the piston after an impact on a rigid end of the travel, divided by the speed
+        /// before [1], from 0 to 1. 0: the piston does not rebound.
+        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
+            travel of @");
         /// Start value of the input `<name>.length` [m], >= 0. Without this key, the cylinder starts in the middle of
         /// the travel.
         length: Option<f64> => number(Metre, NonNegative);

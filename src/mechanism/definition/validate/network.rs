@@ -18,7 +18,7 @@ impl Mechanism {
             );
             faults.keep::<()>(refused("hydraulics", message));
         }
-        network.find_element_faults(faults);
+        network.find_connection_faults_in_mechanism(faults);
         faults.keep(network.check_size_in_mechanism());
         for (name, _) in network.cylinders.iter() {
             let key = format!("hydraulics.cylinders.{name}");

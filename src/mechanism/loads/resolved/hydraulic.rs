@@ -1,7 +1,7 @@
 //! Drives with a hydraulic circuit or with a cylinder of a hydraulic network.
 //!
-//! In: a definition. Out: the laws of its hydraulics, the loads of its cylinders, their rigid ends. It must not know the
-//! state.
+//! In: a definition. Out: the laws of its hydraulics, the loads of its cylinders, their rigid ends. It must not know
+//! the state.
 use super::Loading;
 use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::{Circuit, Command};
