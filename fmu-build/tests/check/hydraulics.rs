@@ -41,3 +41,27 @@ fn a_circuit_in_a_drive_is_checked_at_its_place() {
         assert!(found.iter().any(|(own, _, text)| *own == path && text == shown), "{found:#?}");
     }
 }
+
+#[test]
+fn a_fault_of_a_network_stands_at_its_key() {
+    let network = include_str!("../../../modelDescription/HydraulicSystem/resources/network.json");
+    let arm = include_str!("../../../modelDescription/LiftArm/resources/mechanism.json");
+    for (file, text, from, to, path) in [
+        ("network.json", network, "\"bore\": 0.045", "\"bore\": -0.045", "cylinders.gear.bore"),
+        ("network.json", network, "\"max_flow\": 1.5e-4", "\"max_flow\": -1", "pumps.engine_pump.max_flow"),
+        ("mechanism.json", arm, "\"bore\": 0.05", "\"bore\": -0.05", "hydraulics.cylinders.lift.bore"),
+        ("mechanism.json", arm, "\"rod\": 0.03", "\"rod\": 0.3", "hydraulics.cylinders.lift.rod"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let text = text.replacen(from, to, 1);
+        let all = check::check("x.json".into(), file, text.clone()).unwrap();
+        let errors = all.findings.iter().filter(|located| located.finding.severity == Severity::Error);
+        let places: Vec<_> = errors.map(|one| (one.finding.path.as_str(), &text[one.span.clone()])).collect();
+        assert_eq!(places, [(path, to.split(": ").last().unwrap())], "{}", check::findings(&all));
+    }
+    // A fault of JSON is one error, in a file of any name.
+    let text = network.replacen("\"HydraulicSystem\",", "\"HydraulicSystem\"", 1);
+    let kind = linkage_fmu::component::Component::kind_of(&text).unwrap();
+    let all = check::check("my.json".into(), kind, text).unwrap();
+    assert_eq!(all.findings.len(), 1, "{}", check::findings(&all));
+}

@@ -56,7 +56,7 @@ keys! {
         actuators: Named<Actuator>;
         /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
         /// moves the actuator of the same name. Mechanism and network are integrated as one system.
-        hydraulics: Option<HydraulicSystem>;
+        hydraulics: Option<HydraulicSystem> => Key::PLAIN.brief();
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;
         /// Torques on bodies by name.
