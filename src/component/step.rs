@@ -5,6 +5,7 @@
 use super::{Component, Refused};
 use crate::hydraulics::HydraulicsError;
 use crate::mechanism::{Line, ModelError, Pauses, Reached};
+use crate::numerics::decimal::Decimal;
 
 /// How far a step has come.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,11 +101,11 @@ impl Component {
         }
     }
 
-    /// Whether a step may come to an event: a stop is met or lets go.
+    /// Whether a step may come to an event, as where a stop is met or lets go, or a valve opens.
     pub fn has_events(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_events(),
-            Self::Hydraulic(_) => false,
+            Self::Hydraulic(model) => model.has_events(),
         }
     }
 
@@ -126,6 +127,10 @@ impl Component {
                 Ok(Reached::Pause(time)) => Ok(Paused::AtStep(time)),
                 Err(error) => stepped(error).map(Paused::from),
             },
+            Self::Hydraulic(model) if pauses.at_events => match model.step_to_event(h) {
+                Ok(event) => Ok(event.map_or(Paused::AtEnd, Paused::AtEvent)),
+                Err(error) => stepped_hydraulic(error).map(Paused::from),
+            },
             Self::Hydraulic(_) => self.step_from(Some(point), h).map(Paused::from),
         }
     }
@@ -138,7 +143,10 @@ impl Component {
     pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
-            Self::Hydraulic(_) => Ok(false),
+            Self::Hydraulic(model) => {
+                model.handle_event();
+                Ok(false)
+            }
         }
     }
 
@@ -155,7 +163,13 @@ impl Component {
     pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
         match self {
             Self::Mechanism(model) => model.take_occurrences(point),
-            Self::Hydraulic(_) => Vec::new(),
+            Self::Hydraulic(model) => {
+                let line = |(time, text)| {
+                    let text = format!("at t = {} s {text}", Decimal::rounded(point + time));
+                    Line { is_detail: false, text }
+                };
+                model.take_event().map(line).into_iter().collect()
+            }
         }
     }
 

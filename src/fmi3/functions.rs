@@ -61,8 +61,8 @@ pub unsafe fn instantiate_co_simulation(
             let loaded = resources::load(kinds, "instantiationToken", token, path)?;
             if usage.event_mode && !loaded.component.has_events() {
                 return Err(Refusal::error(
-                    "eventModeUsed is true, but this FMU has no stop and therefore no event mode (hasEventMode is \
-                     false); pass false",
+                    "eventModeUsed is true, but this FMU has no events and therefore no event mode (hasEventMode \
+                     is false); pass false",
                 ));
             }
             Ok(loaded)

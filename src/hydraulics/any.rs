@@ -119,6 +119,10 @@ methods! {
     fn set_tolerance(self: &mut Self, tolerance: f64) -> Done;
     fn initialize(self: &mut Self) -> Done;
     fn step(self: &mut Self, h: f64) -> Done;
+    fn has_events(self: &Self) -> bool;
+    fn step_to_event(self: &mut Self, h: f64) -> Result<Option<f64>, HydraulicsError>;
+    fn handle_event(self: &mut Self);
+    fn take_event(self: &mut Self) -> Option<(f64, String)>;
     fn take_warning(self: &mut Self) -> Option<String>;
     fn reset(self: &mut Self);
     fn statistics(self: &Self) -> Statistics;

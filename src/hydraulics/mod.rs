@@ -11,6 +11,7 @@ pub mod any;
 pub mod circuit;
 pub mod definition;
 mod error;
+mod events;
 pub(crate) mod inputs;
 pub mod inspection;
 mod interface;

@@ -51,14 +51,15 @@ pub(super) struct Cache {
     preview: Option<Preview<f64>>,
     /// Whether the host has read the foreseen motion since the last step.
     read: bool,
+    /// The event to which the last step has led, and its time in the step [s].
+    event: Option<(f64, usize)>,
 }
 
 impl Cache {
     /// The state, the parameters or all inputs have changed.
     pub fn clear(&mut self) {
-        self.present = None;
         self.forget_foresight();
-        self.read = false;
+        (self.present, self.read) = (None, false);
     }
 
     /// The motion over the next step is another one.

@@ -103,6 +103,8 @@ pub struct Setting<'a> {
     pub circuit: &'a Circuit,
     pub solver: &'a Solver,
     pub inputs: &'a Inputs,
+    /// Whether integrations end at the first event.
+    pub watches: bool,
 }
 
 impl Setting<'_> {
@@ -203,7 +205,8 @@ impl State {
     }
 
     /// A step of size h [s] under the motion of the inputs. `rates`: those of the circuit at its beginning, if somebody
-    /// has evaluated them. Returns the time reached: h, or less where `solver.max_steps` was met.
+    /// has evaluated them. Returns the time reached: h, or less where `solver.max_steps` was met; or, if events are
+    /// looked for, at the first one, and this event.
     ///
     /// # Errors
     /// No motion of the circuit was found, or an energy overflows; pressures, spool, energies and the memory of this
@@ -213,7 +216,7 @@ impl State {
         setting: &Setting<'_>,
         h: f64,
         rates: Option<&[f64; CIRCUIT]>,
-    ) -> Result<f64, HydraulicsError> {
+    ) -> Result<(f64, Option<usize>), HydraulicsError> {
         let (length, speed) = (setting.inputs.length(), setting.inputs.polynomial(Input::Speed));
         let surroundings = setting.surroundings(self.time());
         let mut instants = Instants::none();
@@ -238,7 +241,7 @@ impl State {
             }
         }
         finite(&self.circuit, march.t)?;
-        Ok(march.t)
+        Ok((march.t, march.event()))
     }
 
     /// The step of size h is done: what it leaves to the next. `end`: length at its end.

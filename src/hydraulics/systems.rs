@@ -3,6 +3,7 @@
 //! In: the laws of a circuit, inputs as functions of time, a point-mass model of what the actuator moves. Out:
 //! right-hand sides, Jacobians and error weights for the integration. It must not know how steps are made, nor events.
 use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Point, Rates};
+use super::events::Guard;
 use super::inputs::{Polynomial, Surroundings};
 use crate::integrator::System;
 use crate::numerics::dual::{Dual, Number};
@@ -35,6 +36,26 @@ pub fn without_element<T: Copy>(y: &[T; ELEMENT]) -> [T; CIRCUIT] {
 
 /// Speed of the element below which errors are absolute [m/s].
 const SPEED_FLOOR: f64 = 0.01;
+
+/// A system whose integration can end at an event of the circuit.
+pub trait Watched<const N: usize>: System<N> + Copy {
+    /// Guard of an event of [`EVENTS`](super::circuit::EVENTS) at a time [s] and a state, for a tolerance.
+    fn guard(&self, event: usize, t: f64, y: &[f64; N], tolerance: f64) -> Guard;
+}
+
+impl Watched<CIRCUIT> for Driven<'_> {
+    fn guard(&self, event: usize, t: f64, y: &[f64; CIRCUIT], tolerance: f64) -> Guard {
+        let [a, b, spool, rate, supply, ..] = *y;
+        self.laws.guard(event, [a, b, spool, rate, supply], self.length.at(t), tolerance)
+    }
+}
+
+impl Watched<ELEMENT> for Coupled<'_> {
+    fn guard(&self, event: usize, _t: f64, y: &[f64; ELEMENT], tolerance: f64) -> Guard {
+        let [a, b, spool, rate, supply, length, ..] = *y;
+        self.laws.guard(event, [a, b, spool, rate, supply], length, tolerance)
+    }
+}
 
 /// A circuit under a prescribed motion.
 #[derive(Clone, Copy, Debug)]

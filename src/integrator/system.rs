@@ -14,6 +14,13 @@ pub trait System<const N: usize> {
     /// stages leave them as they are at the start of a step, and the scale is to give them no weight in its error.
     const LEADING: usize = N;
 
+    /// Number of leading components on which f depends where only the system at hand knows it: at most
+    /// [`Self::LEADING`]. Linear systems of implicit steps have so many unknowns.
+    #[inline]
+    fn leading_components(&self) -> usize {
+        Self::LEADING
+    }
+
     /// f(t, y); t is counted from the start of the span [s].
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 

@@ -167,7 +167,8 @@ def test_steps_return_early_at_the_stop(folder: Path) -> None:
     description = read_model_description(str(folder / f"{NAME}.fmi3.fmu"))
     assert description.coSimulation.hasEventMode
     assert description.coSimulation.mightReturnEarlyFromDoStep
-    assert not read_model_description(str(folder / "HydraulicActuator.fmi3.fmu")).coSimulation.hasEventMode
+    assert read_model_description(str(folder / "HydraulicActuator.fmi3.fmu")).coSimulation.hasEventMode
+    assert not read_model_description(str(folder / "SliderCrank.fmi3.fmu")).coSimulation.hasEventMode
 
     def run(**arguments: bool) -> np.ndarray:
         return simulate_fmu(

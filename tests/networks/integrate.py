@@ -1,7 +1,8 @@
 """A hydraulic network by the equations of docs/explanation/hydraulic-network.md, integrated by SciPy.
 
-Usage: python integrate.py network.json TIME... prints the state at these times. The cylinders move their reduced mass
-against their holding force; limits are not looked at. It shares nothing with the FMU but the definition file.
+Usage: python integrate.py network.json TIME... [VALVE=COMMAND] [--radau] prints the state at these times. The cylinders
+move their reduced mass against their holding force; limits are not looked at. It shares nothing with the FMU but the
+definition file.
 """
 
 from __future__ import annotations
@@ -30,9 +31,10 @@ def gate(x: float, w: float) -> float:
     return 0.5 * (1 + x / sqrt(x * x + w * w))
 
 
-def orifice(d: float, k: float, laminar: float, transition: float) -> float:
+def orifice(d: float, k: float, laminar: float, transition: float, switches: bool = False) -> float:
     series = k * laminar
-    return 2 * d * k / (series + sqrt(series**2 + 4 * sqrt(d * d + transition**2)))
+    head = max(abs(d), transition) if switches else sqrt(d * d + transition**2)
+    return 2 * d * k / (series + sqrt(series**2 + 4 * head))
 
 
 class Network:
@@ -122,7 +124,8 @@ class Network:
                 if length > 0 and chamber.get("cushion_flow", 0.0) > 0:
                     flows.append((max(0.0, 1 - way[side] / length) ** 3, chamber["cushion_flow"]))
                 resistance[port] = sum(part * drop / flow**2 for part, flow in flows)
-                volume = chamber.get("dead_volume", 6e-5) + area[side] * way[side]
+                volume = chamber.get("dead_volume", 6e-5)
+                volume += 0 if one.get("oil_volume") == "constant" else area[side] * way[side]
                 hose, walls = chamber.get("hose_volume", 0.0), one.get("wall_modulus", 0.0)
                 compliance[port] = volume / self.modulus(p[port]) + hose / one.get("hose_modulus", 5e8)
                 compliance[port] += (volume - hose) / walls if walls > 0 else 0.0
@@ -151,7 +154,8 @@ class Network:
             d = p[start] - p[end]
             outlets = resistance.get(start, 0.0) * gate(d, CHECK_WIDTH)
             outlets += resistance.get(end, 0.0) * gate(-d, CHECK_WIDTH)
-            q = orifice(d, k / sqrt(1 + k * k * outlets), laminar, one.get("transition_pressure", 1e5))
+            switches = one.get("transition") == "switch"
+            q = orifice(d, k / sqrt(1 + k * k * outlets), laminar, one.get("transition_pressure", 1e5), switches)
             net[start] -= q
             net[end] += q
 
@@ -247,7 +251,12 @@ def integrate(network: Network, times: list[float], method: str = "DOP853", rtol
 
 
 if __name__ == "__main__":
-    own = Network(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
-    for time, state in zip(sys.argv[2:], integrate(own, [float(time) for time in sys.argv[2:]]), strict=True):
+    definition = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    for valve, _, command in (one.partition("=") for one in sys.argv[2:] if "=" in one):
+        definition["valves"][valve]["command"] = float(command)
+    own = Network(definition)
+    times = [time for time in sys.argv[2:] if time != "--radau" and "=" not in time]
+    method = "Radau" if "--radau" in sys.argv else "DOP853"
+    for time, state in zip(times, integrate(own, [float(time) for time in times], method), strict=True):
         for name, value in zip(own.names, state, strict=True):
             print(time, name, repr(float(value)))

@@ -48,13 +48,16 @@ impl Writer {
         let (blocks, waiting): (_, Receiver<Vec<f64>>) = sync_channel(WAITING);
         let (done, empty): (Sender<Vec<f64>>, _) = channel();
         let thread = std::thread::spawn(move || {
+            let mut has_rows = false;
             for block in waiting {
+                has_rows |= !block.is_empty();
                 format.write(&block)?;
                 // The run may be over.
                 let _ = done.send(block);
             }
             format.end()?;
-            Ok(replacement.finish()?)
+            // Of a run that has not started nothing is left, nor is a file of before replaced.
+            if has_rows { Ok(replacement.finish()?) } else { Ok(()) }
         });
         Ok(Self { blocks: Some(blocks), empty, thread: Some(thread), path: path.to_path_buf() })
     }

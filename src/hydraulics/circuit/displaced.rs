@@ -16,7 +16,7 @@ impl Equations {
     /// same state where a chamber would come to absolute zero.
     pub fn displaced(&self, circuit: &[f64; CIRCUIT], length: f64, way: f64) -> [f64; CIRCUIT] {
         let slopes = |s: f64, [a, b, _]: [f64; 3]| {
-            let [v_a, v_b] = self.volumes(s);
+            let [v_a, v_b] = self.oil_volumes(self.volumes(s));
             let [e_a, e_b] = [self.chamber_modulus(0, a, v_a), self.chamber_modulus(1, b, v_b)];
             let [area_a, area_b] = self.areas();
             [-e_a * area_a / v_a, e_b * area_b / v_b, a * area_a - b * area_b]

@@ -2,7 +2,7 @@
 //!
 //! In: a point. Out: flows into the chambers and through the ports, rates of the pressures and the spool, powers. It
 //! must not know the supply behind its port.
-use super::smooth::{gate, soft};
+use super::smooth::{gate, head, soft};
 use super::{Equations, Flows, Point, Powers};
 use crate::numerics::dual::Number;
 
@@ -22,10 +22,11 @@ impl Equations {
     }
 
     /// Flow [m3/s] through an edge of flow coefficient `edge` under the pressure drop d, with a resistance for the flow
-    /// out of the chamber: root(d) / sqrt(1/edge^2 + resistance gate(-d)), root(d) = d / (d^2 + d_t^2)^(1/4).
+    /// out of the chamber: root(d) / sqrt(1/edge^2 + resistance gate(-d)), root(d) = d / (d^2 + d_t^2)^(1/4), or with
+    /// [`head`] in place of sqrt(d^2 + d_t^2).
     #[inline]
     fn path<T: Number>(&self, d: T, edge: T, resistance: T) -> T {
-        let root = (d * d + T::constant(self.transition * self.transition)).sqrt();
+        let root = head(d, self.transition, self.switches);
         let series = if resistance.value() == 0.0 {
             root
         } else {
@@ -73,10 +74,11 @@ impl Equations {
             throttling = throttling + fall * q_p + rise * (q_t + suction - relief) + p * external;
         }
         let volumes = self.volumes(at.length);
-        let bulk_moduli = std::array::from_fn(|side| self.chamber_modulus(side, at.pressures[side], volumes[side]));
+        let oil = self.oil_volumes(volumes);
+        let bulk_moduli = std::array::from_fn(|side| self.chamber_modulus(side, at.pressures[side], oil[side]));
         let swept = [at.speed * -self.areas[0], at.speed * self.areas[1]];
         Flows {
-            pressure_rates: std::array::from_fn(|i| bulk_moduli[i] / volumes[i] * (chambers[i] + swept[i])),
+            pressure_rates: std::array::from_fn(|i| bulk_moduli[i] / oil[i] * (chambers[i] + swept[i])),
             spool_acceleration: self.spool_acceleration(at),
             chambers,
             supply,

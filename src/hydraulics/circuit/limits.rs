@@ -3,6 +3,7 @@
 //! In: pressures, length of the actuator. Out: whether the laws hold there. It must not know
 //! steps.
 use super::{DYNAMIC, Equations};
+use crate::hydraulics::events::Guard;
 
 /// Length beyond the ends of the cylinder's travel that rounding explains [m].
 pub const SLACK: f64 = 1e-9;
@@ -12,7 +13,45 @@ const NEAR_VACUUM: f64 = 1e-3;
 /// Absolute pressure, as a part of the ambient pressure, below which a chamber cavitates.
 const CAVITATES: f64 = 0.1;
 
+/// Events of a circuit, by their index.
+pub const EVENTS: [&str; 11] = [
+    "the spool is at the edge at valve.overlap",
+    "the spool is at the edge at -valve.overlap",
+    "the spool is at its end, 1",
+    "the spool is at its end, -1",
+    "the piston is at the border of cushion_a",
+    "the piston is at the border of cushion_b",
+    "chamber_a.pressure passes relief.pressure",
+    "chamber_b.pressure passes relief.pressure",
+    "supply.pressure passes pump.full_pressure",
+    "supply.pressure passes pump.max_pressure",
+    "the lock valve opens or closes",
+];
+
 impl Equations {
+    /// Guard of an event of [`EVENTS`], for a tolerance of the integration.
+    pub fn guard(
+        &self,
+        event: usize,
+        [p_a, p_b, spool, _, supply]: [f64; DYNAMIC],
+        length: f64,
+        tolerance: f64,
+    ) -> Guard {
+        let spool_at = |edge: f64| Guard::of(spool, edge, 1.0, tolerance);
+        let pressure = |p: f64, level: f64| Guard::of(p, level, level + self.ambient, tolerance);
+        let guard = match event {
+            0 => Some(spool_at(self.overlap)),
+            1 => (self.overlap != 0.0).then(|| spool_at(-self.overlap)),
+            2 => Some(spool_at(1.0)),
+            3 => Some(spool_at(-1.0)),
+            4 | 5 => self.borders()[event - 4].map(|border| Guard::of(length, border, self.stroke, tolerance)),
+            6 | 7 => (self.relief > 0.0).then(|| pressure([p_a, p_b][event - 6], self.relief_pressure)),
+            8 | 9 => self.unit.as_ref().map(|unit| pressure(supply, unit.borders()[event - 8])),
+            _ => (self.pilot_ratio > 0.0).then(|| pressure(p_b - p_a * self.pilot_ratio, 0.0)),
+        };
+        guard.unwrap_or(Guard::NONE)
+    }
+
     /// Whether all absolute pressures are above 0, as those of oil with air always are: a step that ends elsewhere was
     /// too long. Oil without air comes to 0 where the laws end.
     #[inline]

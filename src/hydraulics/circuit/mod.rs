@@ -23,10 +23,10 @@ mod supply;
 #[cfg(test)]
 mod tests;
 
-use super::definition::Circuit;
-pub use limits::SLACK;
+use super::definition::{Circuit, OilVolume, Transition};
+pub use limits::{EVENTS, SLACK};
 pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SPOOL, SUPPLY};
-pub use smooth::{gate, soft};
+pub use smooth::{gate, head, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};
 pub use supply::SupplyUnit;
 
@@ -100,6 +100,8 @@ pub struct Equations {
     /// Areas A_A and A_B [m2].
     areas: [f64; 2],
     dead_volumes: [f64; 2],
+    /// Whether the oil that makes a chamber elastic is that of the dead volume.
+    keeps_volume: bool,
     closed_length: f64,
     stroke: f64,
     /// Restitution at the ends of the travel [1].
@@ -111,6 +113,7 @@ pub struct Equations {
     /// K of the valve's edges [m3/(s sqrt(Pa))].
     edge: f64,
     transition: f64,
+    switches: bool,
     clearance: f64,
     overlap: f64,
     /// Natural frequency of the spool [rad/s] and its damping ratio.
@@ -160,6 +163,7 @@ impl Equations {
         Self {
             areas: [piston, piston - FRAC_PI_4 * cylinder.rod * cylinder.rod],
             dead_volumes: [circuit.chamber_a.dead_volume, circuit.chamber_b.dead_volume],
+            keeps_volume: cylinder.oil_volume == OilVolume::Constant,
             closed_length: cylinder.closed_length,
             stroke: cylinder.stroke,
             restitution: cylinder.restitution,
@@ -169,6 +173,7 @@ impl Equations {
             exponent: fluid.polytropic_exponent,
             edge: valve.rated_flow / valve.rated_pressure_drop.sqrt(),
             transition: valve.transition_pressure,
+            switches: valve.transition == Transition::Switch,
             clearance: valve.clearance,
             overlap: valve.overlap,
             omega: TAU * valve.frequency,

@@ -16,6 +16,12 @@ impl Equations {
         ]
     }
 
+    /// Volumes of the oil that makes the chambers elastic [m3], of their volumes.
+    #[inline]
+    pub fn oil_volumes<T: Number>(&self, volumes: [T; 2]) -> [T; 2] {
+        if self.keeps_volume { self.dead_volumes.map(T::constant) } else { volumes }
+    }
+
     /// Effective bulk modulus of oil with entrained air [Pa] at a gauge pressure: with r = air (p_0/p_abs)^(1/n), E =
     /// bulk (1 + r) / (1 + r bulk/(n p_abs)); NaN at or below absolute zero if there is air.
     #[inline]
@@ -51,7 +57,7 @@ impl Equations {
     /// Stiffness of the oil [N/m]: k = E(p_A) A_A^2/V_A + E(p_B) A_B^2/V_B.
     #[inline]
     pub fn stiffness<T: Number>(&self, pressures: [T; 2], length: T) -> T {
-        let [a, b] = self.volumes(length);
+        let [a, b] = self.oil_volumes(self.volumes(length));
         self.chamber_modulus(0, pressures[0], a) / a * (self.areas[0] * self.areas[0])
             + self.chamber_modulus(1, pressures[1], b) / b * (self.areas[1] * self.areas[1])
     }

@@ -18,3 +18,13 @@ pub fn gate<T: Number>(x: T, w: f64) -> T {
     let root = square.sqrt();
     x.chain(0.5 + 0.5 * x.value() / root, 0.5 * w * w / (square * root))
 }
+
+/// Pressure [Pa] whose square root divides a pressure drop d in the law of an orifice: sqrt(d^2 + d_t^2), or, where the
+/// flow switches from laminar to turbulent, the larger one of |d| and d_t.
+#[inline]
+pub fn head<T: Number>(d: T, transition: f64, switches: bool) -> T {
+    if !switches {
+        return (d * d + T::constant(transition * transition)).sqrt();
+    }
+    if d.value().abs() < transition { T::constant(transition) } else { d * d.value().signum() }
+}

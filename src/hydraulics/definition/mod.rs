@@ -109,6 +109,22 @@ keys! {
 }
 
 words! {
+    /// Law of a flow between laminar and turbulent flow.
+    pub enum Transition {
+        /// The flow changes smoothly from laminar to turbulent about `transition_pressure`.
+        Smooth = "smooth",
+        /// The flow is proportional to the pressure drop below `transition_pressure`, and to its square root above.
+        Switch = "switch",
+    }
+
+    /// Volume of the oil that makes a chamber elastic.
+    pub enum OilVolume {
+        /// The volume of the chamber, which changes with the length of the cylinder.
+        Changes = "changes",
+        /// The dead volume, whatever the length.
+        Constant = "constant",
+    }
+
     /// Motion of the actuator within a step.
     pub enum Mode {
         /// The actuator moves as predicted.

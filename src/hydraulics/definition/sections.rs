@@ -2,6 +2,7 @@
 //!
 //! In: JSON objects. Out: one struct of numbers for each section, with its keys. It must not know what the numbers must
 //! be to each other.
+use super::{OilVolume, Transition};
 use crate::format::keys;
 use crate::format::{
     Range::{Finite, Length, NonNegative, Positive, Unit},
@@ -47,6 +48,9 @@ keys! {
         /// Restitution at the ends of the travel, which are rigid: speed after an impact of the piston divided by the
         /// speed before [1], from 0 to 1.
         restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
+        /// Oil volume in the elasticity of a chamber. `changes`: the volume of the chamber, which changes with the
+        /// length. `constant`: the `dead_volume`.
+        oil_volume: OilVolume;
     }
 
     /// Chamber A, on the piston side.
@@ -82,6 +86,10 @@ keys! {
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
+        /// Law of the flow about `transition_pressure`. `smooth`: the flow changes smoothly from laminar to turbulent.
+        /// `switch`: the flow is proportional to the pressure drop below `transition_pressure`, and to its square root
+        /// above.
+        transition: Transition;
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance rounds the
         /// curve of the opening over the spool position: at the position `overlap`, an edge is open by half of the
         /// clearance.

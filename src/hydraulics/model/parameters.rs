@@ -45,7 +45,7 @@ impl Parameters {
 
     pub fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {
         let HydraulicActuator { circuit, solver, .. } = &self.actuator;
-        Setting { laws: &self.laws, circuit, solver, inputs }
+        Setting { laws: &self.laws, circuit, solver, inputs, watches: false }
     }
 
     /// The next step of the host [s]: that of the input; without one as the last step, at first that of the experiment.

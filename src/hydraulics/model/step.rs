@@ -5,12 +5,12 @@
 use super::warnings::{self, Warning, Warnings};
 use super::{Model, is_same_step, point};
 use crate::format::Range;
-use crate::hydraulics::circuit::SLACK;
+use crate::hydraulics::circuit::{EVENTS, SLACK};
 use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::interface::Quantity;
-use crate::hydraulics::state::{self, Blind, Foreseen, Setting, interrupted};
+use crate::hydraulics::state::{self, Blind, Foreseen, Setting, State, interrupted};
 use crate::hydraulics::systems::{LENGTH, SPEED};
 use crate::integrator::SHORTEST;
 use crate::variables::{Reference, Variables};
@@ -46,6 +46,35 @@ impl Model {
     /// Not initialised, h out of range, a length that the cylinder does not have, the integration stopped, an absolute
     /// pressure came to 0 in oil without air, or `solver.max_steps` was met.
     pub fn step(&mut self, h: f64) -> Result<(), HydraulicsError> {
+        self.advance(h, false).map(|_| ())
+    }
+
+    /// [`Self::step`], but to the first event within it, if there is one, whose time since its beginning [s] is
+    /// returned. The events are those of [`EVENTS`](crate::hydraulics::circuit::EVENTS), and the ends of the travel. In
+    /// the mode `delayed` a step with preview has no events, as the mechanism has the force of the whole step already.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_to_event(&mut self, h: f64) -> Result<Option<f64>, HydraulicsError> {
+        self.advance(h, true)
+    }
+
+    /// The event to which the last step has led: its time since the beginning of the step [s], and its words.
+    pub fn take_event(&mut self) -> Option<(f64, String)> {
+        let (time, event) = self.cache.event.take()?;
+        let words = EVENTS.get(event).copied().unwrap_or("the piston reaches an end of its travel");
+        Some((time, words.to_owned()))
+    }
+
+    /// Whether a step can come to an event.
+    pub fn has_events(&self) -> bool {
+        true
+    }
+
+    /// The event to which a step has led is handled. No state jumps at an event of an actuator.
+    pub fn handle_event(&mut self) {}
+
+    fn advance(&mut self, h: f64, to_event: bool) -> Result<Option<f64>, HydraulicsError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(HydraulicsError::StepSize { h });
         }
@@ -67,13 +96,16 @@ impl Model {
         if h < SHORTEST {
             inputs.leave(h, None);
             cache.clear();
-            return Ok(());
+            return Ok(None);
         }
         let (read, announced) = (cache.read, parameters.horizon(inputs, state));
         let mode = parameters.actuator.coupling.mode;
+        let whole = h;
+        cache.event = if to_event { first_event(&setting, state, mode, h, overrun, &original.variables) } else { None };
+        let h = cache.event.map_or(h, |(time, _)| time);
         let is_announced = is_same_step(announced, h);
         let seen = if inputs.get(Input::Mass) > 0.0 {
-            if !is_announced && inputs.get(Input::Horizon) > 0.0 {
+            if !is_same_step(announced, whole) && !is_announced && inputs.get(Input::Horizon) > 0.0 {
                 warnings.raise(Warning::Horizon, [announced, h]);
             }
             cache.foresee(parameters, inputs, state, h)
@@ -116,7 +148,7 @@ impl Model {
                 let followed = state.follow(&setting, h, rates).inspect_err(|_| {
                     (state.circuit, state.driven) = (before, memory);
                 });
-                (followed?, None)
+                (followed?.0, None)
             }
         };
         warnings.count_step();
@@ -140,8 +172,38 @@ impl Model {
             let seen = state.tell(&parameters.setting(inputs), &predicted, (h, lead), horizon);
             cache.foreseen = seen.map(|seen| (horizon, Ok(seen)));
         }
-        if reached < h { Err(interrupted(&parameters.actuator.solver, reached, h)) } else { Ok(()) }
+        if reached < h {
+            cache.event = None;
+            return Err(interrupted(&parameters.actuator.solver, reached, h));
+        }
+        Ok(cache.event.map(|(time, _)| time))
     }
+}
+
+/// The first event within a step of size h and its time [s], by a motion of which nothing is kept; none if the motion
+/// of the step is not found.
+#[cold]
+fn first_event(
+    setting: &Setting<'_>,
+    state: &State,
+    mode: Mode,
+    h: f64,
+    overrun: f64,
+    variables: &Variables<Quantity>,
+) -> Option<(f64, usize)> {
+    let watching = Setting { watches: true, ..*setting };
+    if mode != Mode::Follow && setting.inputs.get(Input::Mass) > 0.0 {
+        match state.foresee(&watching, h) {
+            _ if mode == Mode::Delayed => return None,
+            Ok(foreseen) => return foreseen.event.map(|event| (foreseen.reached, event)),
+            Err((Blind::Failed, _)) => return None,
+            Err(_) => {}
+        }
+    }
+    check_inputs_at(setting, variables, h, Some(overrun)).ok()?;
+    let mut trial = *state;
+    let (reached, event) = trial.follow(&watching, h, None).ok()?;
+    event.map(|event| (reached, event))
 }
 
 /// Refuse a step of size h at the end of which an input is out of range. `follows`: how far beyond the ends of the

@@ -257,6 +257,35 @@ impl State {
         into.end_motions = job.motions;
     }
 
+    /// The first event within a step of size h, and its time [s], by the foreseen motion or, if the step `follows`, by
+    /// those of the inputs, in `work`; none if the motion of the step is not found.
+    #[cold]
+    pub fn first_event(
+        &self,
+        setting: &Setting<'_>,
+        (h, follows): (f64, bool),
+        work: &mut Foreseen,
+    ) -> Option<(f64, usize)> {
+        work.motions = setting.given();
+        if !follows {
+            for cylinder in 0..setting.laws.layout.cylinders {
+                if let Ok(motion) = self.motion(setting, cylinder, h) {
+                    work.motions[cylinder] = motion;
+                }
+            }
+        }
+        setting.check_lengths(h, &work.motions).ok()?;
+        work.h = f64::NAN;
+        work.end.copy_from_slice(&self.y);
+        begin(setting, &mut work.end);
+        work.memory.copy_from(&self.memory);
+        work.memory.branch_off();
+        let mut job = setting.job(work.motions);
+        job.watched = Some(&self.locks);
+        let reached = job.advance(&mut work.memory, &mut work.end, h).ok()?;
+        job.event.map(|event| (reached, event))
+    }
+
     /// Derivative of the foreseen motion along a direction: of the state at the end of a step of size h. `change`: of
     /// the present state; `inputs`: of each input. None if no motion is foreseen.
     pub fn foresee_change(
@@ -288,11 +317,11 @@ impl State {
         Some((end, drives))
     }
 
-    /// A step by the foreseen motion. Returns the time reached.
-    pub fn keep(&mut self, setting: &Setting<'_>, foreseen: &Foreseen) -> f64 {
+    /// A step by the foreseen motion, whose memory is then of no use. Returns the time reached.
+    pub fn keep(&mut self, setting: &Setting<'_>, foreseen: &mut Foreseen) -> f64 {
         self.take_motion(setting.laws, setting.inputs);
         self.y.copy_from_slice(&foreseen.end);
-        self.memory.copy_from(&foreseen.memory);
+        std::mem::swap(&mut self.memory, &mut foreseen.memory);
         foreseen.reached
     }
 
@@ -311,13 +340,14 @@ impl State {
         let reached = setting.job(motions).advance(&mut work.memory, &mut work.end, h)?;
         self.take_motion(setting.laws, setting.inputs);
         self.y.copy_from_slice(&work.end);
-        self.memory.copy_from(&work.memory);
+        std::mem::swap(&mut self.memory, &mut work.memory);
         Ok(reached)
     }
 
     /// A step of size h is done: locks, time, and what the step leaves to the next. `speeds`: of all cylinders at the
-    /// end of the motion that was foreseen, if it was.
-    pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, foreseen: Option<&Predicted>) {
+    /// end of the motion that was foreseen, if it was. `switches`: whether locks release and engage; else that is an
+    /// event of the host.
+    pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, foreseen: Option<&Predicted>, switches: bool) {
         for (cylinder, last) in self.last.iter_mut().enumerate() {
             let known = foreseen.and_then(|foreseen| foreseen.of[cylinder]);
             *last = known.map_or(Last::default(), |(speed, correction)| Last {
@@ -328,8 +358,8 @@ impl State {
                 load: setting.get(cylinder, Part::Load),
             });
         }
-        for (lock, engaged) in setting.laws.locks.iter().zip(&mut self.locks) {
-            *engaged = lock.holds(*engaged, self.y[lock.at]);
+        if switches {
+            self.switch_locks(setting.laws, 0.0);
         }
         self.last_step = h;
         // Two-sum, so that many short steps do not lose the time.
@@ -337,6 +367,14 @@ impl State {
         let delta = h + lost;
         let sum = time + delta;
         self.time = [sum, delta - (sum - time)];
+    }
+
+    /// Locks release and engage by their pressures; those that are near the pressure of the change, as a part of it, too.
+    pub fn switch_locks(&mut self, laws: &Laws, near: f64) {
+        for (lock, engaged) in laws.locks.iter().zip(&mut self.locks) {
+            let (p, near) = (self.y[lock.at], near * lock.release);
+            *engaged = if *engaged { p < lock.release - near } else { p < lock.engage + near };
+        }
     }
 
     /// All fields, written or read.

@@ -3,6 +3,7 @@
 //! In: laws, inputs as functions of time, what moves the cylinders, a state. Out: the state at the end of a step. A
 //! step of the integration ends where an input is clipped, a cushion begins or an edge of a valve opens. It must not
 //! know variables, nor what the host does with the motion.
+mod events;
 mod tangent;
 
 use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
@@ -107,6 +108,10 @@ pub struct Job<'a> {
     pub tolerance: f64,
     /// Attempts at steps after which it is interrupted.
     pub max_steps: f64,
+    /// Which locks are engaged, if the step ends at the first event.
+    pub watched: Option<&'a [bool]>,
+    /// This event.
+    pub event: Option<usize>,
 }
 
 /// Flow inputs that act on a network at the time t [s].
@@ -146,6 +151,11 @@ impl<T: Number> Drive<T> {
 
 impl<const N: usize> System<N> for Job<'_> {
     const CAN_BE_STIFF: bool = true;
+
+    #[inline]
+    fn leading_components(&self) -> usize {
+        self.laws.layout.leading()
+    }
 
     #[inline]
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
@@ -295,6 +305,9 @@ impl Job<'_> {
                     met = Some((cylinder, limit));
                     step = to_limit(memory, &mut system, step, cylinder, limit);
                 }
+                if system.watched.is_some() {
+                    step = system.cut_at_event(memory, step, &mut met);
+                }
                 y = step.end;
                 t = if step.reached { end } else { t + step.h };
                 if let Some((cylinder, limit)) = met {
@@ -303,9 +316,12 @@ impl Job<'_> {
                     system.motions[cylinder] = Motion::Own(Drive::Held(limit));
                     memory.restart();
                 }
+                if system.event.is_some() {
+                    break 'step;
+                }
             }
         }
-        self.motions = system.motions;
+        (self.motions, self.event) = (system.motions, system.event);
         state.copy_from_slice(&y[..state.len()]);
         Ok(t)
     }

@@ -1,6 +1,7 @@
 //! Networks against reference values, balances, differences, and other ways through the same steps.
 #![allow(clippy::unwrap_used)]
 mod derivatives;
+mod events;
 mod limits;
 
 use super::Model;
@@ -188,6 +189,33 @@ fn the_capacity_does_not_matter() {
     assert!((host.get("door.length") - large.get("door.length")).abs() < 1e-9);
 }
 
+/// Largest error of a network over the values of an integration by SciPy, in steps of a size, and its balances.
+fn error(host: &mut Host, expected: &str, step: f64) -> f64 {
+    let (mut steps, mut largest) = (0, 0.0_f64);
+    for line in expected.lines() {
+        let [time, name, value] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
+        let [time, value] = [time, value].map(|number| number.parse::<f64>().unwrap());
+        while f64::from(steps) * step < time - 1e-9 {
+            host.0.step(step).unwrap();
+            steps += 1;
+        }
+        let (owner, part) = name.rsplit_once('.').unwrap_or((name, ""));
+        let (variable, size) = match part {
+            "a" | "b" => (format!("{owner}.chamber_{part}.pressure"), value + 101_325.0),
+            "" => (format!("{name}.pressure"), value + 101_325.0),
+            "length" => (name.to_owned(), value),
+            "speed" => (name.to_owned(), 0.1),
+            "position" => (name.to_owned(), 0.6),
+            _ => continue,
+        };
+        largest = largest.max((host.get(&variable) - value).abs() / size);
+    }
+    let moved = host.get("volume.from_reservoirs").abs().max(1e-4);
+    assert!(host.get("volume.balance").abs() < 1e-12 * moved, "{}", host.get("volume.balance"));
+    assert!(host.get("energy.balance").abs() < 1e-10 * host.get("energy.throttling"));
+    largest
+}
+
 /// A network with every kind of element and two cylinders that move a mass each, against an integration by SciPy of the
 /// equations of the documentation (tests/networks/integrate.py, DOP853 at 1e-12).
 #[test]
@@ -195,31 +223,39 @@ fn two_cylinders_meet_an_independent_integration() {
     let text = include_str!("../../../tests/networks/two_cylinders.json");
     let expected = include_str!("../../../tests/networks/two_cylinders.txt");
     for step in [2e-3, 1e-2] {
-        let mut host = Host::start(text);
-        let mut steps = 0;
-        let mut largest: f64 = 0.0;
-        for line in expected.lines() {
-            let [time, name, value] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
-            let [time, value] = [time, value].map(|number| number.parse::<f64>().unwrap());
-            while f64::from(steps) * step < time - 1e-9 {
-                host.0.step(step).unwrap();
-                steps += 1;
-            }
-            let (owner, part) = name.rsplit_once('.').unwrap_or((name, ""));
-            let (variable, size) = match part {
-                "a" | "b" => (format!("{owner}.chamber_{part}.pressure"), value + 101_325.0),
-                "" => (format!("{name}.pressure"), value + 101_325.0),
-                "length" => (name.to_owned(), value),
-                "speed" => (name.to_owned(), 0.1),
-                "position" => (name.to_owned(), 0.6),
-                _ => continue,
-            };
-            largest = largest.max((host.get(&variable) - value).abs() / size);
-        }
+        let largest = error(&mut Host::start(text), expected, step);
         assert!(largest < 1e-9, "{step} {largest:e}");
-        let moved = host.get("volume.from_reservoirs").abs().max(1e-4);
-        assert!(host.get("volume.balance").abs() < 1e-12 * moved, "{}", host.get("volume.balance"));
-        assert!(host.get("energy.balance").abs() < 1e-10 * host.get("energy.throttling"));
+    }
+}
+
+/// Valves without dynamics, with unequal edges, underlap and a switched law, and a chamber of constant volume
+/// (tests/networks/integrate.py, Radau at 1e-12).
+#[test]
+fn options_of_valves_meet_an_independent_integration() {
+    let text = include_str!("../../../tests/networks/valve_options.json");
+    let expected = include_str!("../../../tests/networks/valve_options.txt");
+    for step in [2e-3, 1e-2] {
+        let largest = error(&mut Host::start(text), expected, step);
+        assert!(largest < 1e-9, "{step} {largest:e}");
+    }
+    // A spool without dynamics is no component of the state.
+    let host = Host::start(text);
+    assert_eq!(host.0.parameters.laws.layout.spools, 0);
+}
+
+/// The cylinder of a published crane with the mass and the load of its boom, its valve open
+/// (tests/networks/integrate.py with valve=1, Radau at 1e-12).
+#[test]
+fn the_lift_cylinder_meets_an_independent_integration() {
+    let text = include_str!("../../../examples/lift_boom/network.json");
+    let expected = include_str!("../../../tests/networks/lift_boom.txt");
+    for step in [1e-3, 1e-2] {
+        let mut host = Host::start(text);
+        host.set("solver.tolerance", 1e-12);
+        host.set("valve.command", 1.0);
+        host.0.initialize().unwrap();
+        let largest = error(&mut host, expected, step);
+        assert!(largest < 1e-9, "{step} {largest:e}");
     }
 }
 

@@ -148,6 +148,7 @@ impl March<'_> {
         let limits = [lower.max(least), upper.min(most)];
         while self.t < end {
             let Some(step) = self.once(end, memory, system, y, levels)? else { return Ok(false) };
+            let step = self.cut_at_event(memory, system, step);
             if system.hold.is_held() {
                 let at = |s: f64, y: &[f64; ELEMENT], system: &Coupled<'_>| {
                     system.hold_at(y[LENGTH], net(system, y, step.t + s * step.h)).is_held()
@@ -155,22 +156,30 @@ impl March<'_> {
                 if at(1.0, &step.end, system) {
                     self.take(&step, y, end);
                 } else {
+                    self.forget_event();
                     let step = leave(memory, system, step, &at);
                     self.take(&step, y, end);
                     self.leave(memory, system, y, course);
                 }
             } else if let Some((limit, direction)) = passed(limits, step.end[LENGTH]) {
+                self.forget_event();
                 let step = meet(memory, system, step, limit, direction);
                 self.take(&step, y, end);
                 system.arrive(y, self.t, (limit, direction), course);
                 memory.restart();
+                if system.laws.lengths().contains(&limit) {
+                    self.meet_end(step.start[LENGTH], limit);
+                }
             } else {
                 self.take(&step, y, end);
+            }
+            if self.event().is_some() {
+                break;
             }
         }
         course.held_at_end = system.hold.is_held();
         course.rests_on_end = system.hold == Hold::End;
-        Ok(true)
+        Ok(self.t >= end && self.event().is_none())
     }
 
     /// The element leaves the limit at the present instant. Where a stop has held it since the beginning, a force that

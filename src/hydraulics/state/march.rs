@@ -3,10 +3,11 @@
 //! In: a system, its memory, the state. Out: the state at an instant of the step. It must not know the motion of the
 //! actuator, nor what it moves.
 use super::Setting;
-use crate::hydraulics::circuit::{Equations, SPOOL, SUPPLY};
+use crate::hydraulics::circuit::{EVENTS, Equations, SPOOL, SUPPLY};
 use crate::hydraulics::definition::Solver;
 use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::systems::LENGTH;
+use crate::hydraulics::events;
+use crate::hydraulics::systems::{LENGTH, Watched};
 use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::order;
@@ -98,19 +99,22 @@ pub struct March<'a> {
     pub t: f64,
     /// Attempts at steps after which it is interrupted.
     most: u64,
+    /// Whether it ends at the first event, and this event.
+    watches: bool,
+    event: Option<usize>,
 }
 
 impl<'a> March<'a> {
     pub fn new<const N: usize>(setting: &Setting<'a>, memory: &Integrator<N>) -> Self {
         let Solver { tolerance, max_steps } = *setting.solver;
         let most = memory.attempts().saturating_add(max_steps as u64);
-        Self { laws: setting.laws, tolerance, t: 0.0, most }
+        Self { laws: setting.laws, tolerance, t: 0.0, most, watches: setting.watches, event: None }
     }
 
     /// Integrate up to `end` [s] since the beginning of the step; a step that passes one of the levels ends there.
-    /// Returns whether the end is reached.
+    /// Returns whether the end is reached: not where an event was looked for and found.
     #[inline]
-    pub fn to<S: System<N>, const N: usize>(
+    pub fn to<S: Watched<N>, const N: usize>(
         &mut self,
         end: f64,
         memory: &mut Integrator<N>,
@@ -120,7 +124,11 @@ impl<'a> March<'a> {
     ) -> Result<bool, HydraulicsError> {
         while self.t < end {
             let Some(step) = self.once(end, memory, system, y, levels)? else { return Ok(false) };
+            let step = self.cut_at_event(memory, system, step);
             self.take(&step, y, end);
+            if self.event.is_some() {
+                return Ok(false);
+            }
         }
         Ok(true)
     }
@@ -143,6 +151,44 @@ impl<'a> March<'a> {
             None => step,
             Some(level) => to_level(memory, system, step, level),
         }))
+    }
+
+    /// A step up to the first event in it, if events are looked for.
+    #[inline]
+    pub fn cut_at_event<S: Watched<N>, const N: usize>(
+        &mut self,
+        memory: &mut Integrator<N>,
+        system: &mut S,
+        step: Step<N>,
+    ) -> Step<N> {
+        if !self.watches {
+            return step;
+        }
+        let (watched, tolerance) = (*system, self.tolerance);
+        let guard = |event: usize, t: f64, y: &[f64; N]| watched.guard(event, t, y, tolerance);
+        let Some((event, part)) = events::first(EVENTS.len(), &step, &guard, || memory.dense(system, &step)) else {
+            return step;
+        };
+        self.event = Some(event);
+        if part < 1.0 { memory.retake(system, &step, part * step.h) } else { step }
+    }
+
+    /// A step was cut before the event that was found in it.
+    pub fn forget_event(&mut self) {
+        self.event = None;
+    }
+
+    /// The piston has come from a length to an end of its travel, which is an event unless it was there.
+    pub fn meet_end(&mut self, from: f64, end: f64) {
+        let [least, most] = self.laws.lengths();
+        if self.watches && (from - end).abs() > events::nearness(self.tolerance) * (most - least) {
+            self.event = Some(EVENTS.len());
+        }
+    }
+
+    /// The event at which it has ended, an index of [`EVENTS`], or their number for an end of the travel.
+    pub fn event(&self) -> Option<usize> {
+        self.event
     }
 
     /// Go on from the end of a step.

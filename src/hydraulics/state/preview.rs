@@ -46,6 +46,9 @@ pub struct Foreseen {
     pub reached: f64,
     /// What stops and locks did to the element.
     pub course: Course,
+    /// The event at which it ends, if events are looked for: an index of
+    /// [`EVENTS`](crate::hydraulics::circuit::EVENTS) or their number.
+    pub event: Option<usize>,
 }
 
 /// Why no motion is foreseen.
@@ -255,7 +258,8 @@ impl State {
         }
         finite(&end, march.t).map_err(|error| (Blind::Failed, Some(error)))?;
         let (start, start_force, start_rates) = (motion, first[IMPULSE], without_element(&first));
-        Ok(Foreseen { h, start, end, memory, element, correction, start_force, start_rates, reached: march.t, course })
+        let (reached, event) = (march.t, march.event());
+        Ok(Foreseen { h, start, end, memory, element, correction, start_force, start_rates, reached, course, event })
     }
 
     /// Derivative of the foreseen motion along one direction: of the state at the end of a step of size h, and of the

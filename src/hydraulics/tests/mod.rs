@@ -4,6 +4,7 @@ use super::{HydraulicsError, Model};
 
 mod derivatives;
 mod ends;
+mod events;
 mod foresight;
 mod options;
 mod refusals;

@@ -159,7 +159,7 @@ impl<const N: usize> Integrator<N> {
     fn renew<S: System<N>>(&mut self, system: &mut S, start: &Start<N>, kept: &mut Kept<N>) {
         let jacobian = system.jacobian(start.t, &start.y);
         self.statistics.jacobians += 1;
-        kept.take(jacobian, largest_eigenvalue(&jacobian, S::LEADING));
+        kept.take(jacobian, largest_eigenvalue(&jacobian, system.leading_components()));
     }
 
     /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by
@@ -207,7 +207,8 @@ pub fn starting_step<S: System<N>, const N: usize>(
     let mut h = h1.min(100.0 * h0);
     if S::CAN_BE_STIFF {
         statistics.jacobians += 1;
-        let lambda = largest_eigenvalue(&system.jacobian(t, y), S::LEADING);
+        let jacobian = system.jacobian(t, y);
+        let lambda = largest_eigenvalue(&jacobian, system.leading_components());
         if h * lambda > STABLE_TO {
             h = STABLE_TO / lambda;
         }

@@ -49,7 +49,7 @@ impl<'a, N: Reading> View<'a, N> {
             Hydraulic::Balance => (1..ENERGIES).fold(energy(self, 0), |sum, k| sum - energy(self, k)),
             Hydraulic::Volume(chamber) => laws.volumes(self.point(circuit, false)?.length)[chamber],
             Hydraulic::BulkModulus(chamber) => {
-                let volume = laws.volumes(self.point(circuit, false)?.length)[chamber];
+                let volume = laws.oil_volumes(laws.volumes(self.point(circuit, false)?.length))[chamber];
                 laws.chamber_modulus(chamber, self.component_of(circuit, chamber), volume)
             }
             Hydraulic::StrokePosition => self.point(circuit, false)?.length - N::constant(laws.lengths()[0]),

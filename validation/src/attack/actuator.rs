@@ -12,7 +12,7 @@ const CIRCUIT: &str = example!("LandingGearRetractionHydraulic");
 const DEPTH: usize = 6;
 
 /// Multiply each number below a value by a random factor, one in three.
-fn scale(random: &mut Random, value: &mut Value, factor: f64, depth: usize) {
+pub fn scale(random: &mut Random, value: &mut Value, factor: f64, depth: usize) {
     match value {
         Value::Object(members) if depth > 0 => {
             members.values_mut().for_each(|member| scale(random, member, factor, depth - 1));

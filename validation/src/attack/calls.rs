@@ -164,17 +164,18 @@ impl Player {
 /// exist, told without a warning.
 pub fn second(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let name = random.pick(&["HydraulicActuator", "LandingGearRetractionHydraulic"]);
+    let name = random.pick(&["HydraulicActuator", "LandingGearRetractionHydraulic", "HydraulicSystem"]);
     let player = probe.timed("fmi2Instantiate", || Player::new(name, false, Use::CoSimulation, true, false, None))?;
     player.play(0, probe, &mut random)
 }
 
 /// A part's case: one instance of FMI 3.0, with event mode, early return and intermediate updates or without.
 pub fn third(probe: &mut Probe) -> Result<(), String> {
-    const MODELS: [&str; 6] = [
+    const MODELS: [&str; 7] = [
         "LandingGearRetraction",
         "LandingGearRetractionHydraulic",
         "HydraulicActuator",
+        "HydraulicSystem",
         "FourBar",
         "SliderCrank",
         "CraneJib",

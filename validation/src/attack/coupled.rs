@@ -1,10 +1,10 @@
 //! Twins of a coupling: a landing gear and an actuator with random options exchange motion and force in steps; one of
 //! both pairs is besides read, saved and restored between any two calls of the exchange.
-use super::actuator;
 use super::histories::{difference, outputs, written};
 use super::mechanism::{Definition, Prepared};
 use super::probe::Probe;
 use super::random::Random;
+use super::{actuator, network};
 use linkage_fmu::component::{Component, Refused, Stepped};
 use linkage_fmu::hydraulics::ACTUATOR;
 use linkage_fmu::variables::{Causality, Reference};
@@ -16,6 +16,8 @@ const STEPS: usize = 24;
 /// What the actuator foresees.
 const FORESEEN: [&str; 5] =
     ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
+/// Share of the couplings with a network instead of an actuator alone.
+const NETWORKS: f64 = 0.4;
 
 /// How force and motion are exchanged.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +58,17 @@ impl Start {
         json["solver"] = serde_json::json!({ "tolerance": random.decades(1e-11, 1e-5) });
         let text = json.to_string();
         let gear = Prepared::new(Definition { file: "mechanism.json", text, force: 1e4, torque: 1e3, h: 1e-3 })?;
-        let (actuator, _) = Prepared::random(random, actuator::definition);
+        let is_network = random.chance(NETWORKS);
+        let drawn = if is_network { network::driving } else { actuator::definition };
+        let (actuator, _) = Prepared::random(random, drawn);
         let find = |of: &Prepared, name: &str| of.start.interface().find(name).ok_or(format!("no variable {name}"));
         let inputs = (0..).zip(actuator.start.interface().list()).filter(|(_, v)| v.causality == Causality::Input);
         let inputs = inputs.filter(|(_, v)| v.name.starts_with(ACTUATOR));
         let told = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
         let mut foreseen = [0; FORESEEN.len()];
         for (reference, name) in foreseen.iter_mut().zip(FORESEEN) {
-            *reference = find(&actuator, name)?;
+            let own = if is_network { format!("{ACTUATOR}{name}") } else { name.to_owned() };
+            *reference = find(&actuator, &own)?;
         }
         let force = [find(&gear, "actuator.force")?, find(&actuator, "actuator.force")?];
         let horizon = find(&actuator, "preview.horizon")?;
@@ -163,9 +168,10 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let kind = random.pick(&kinds);
     let h = random.decades(1e-4, 2e-2);
     let (mut late, mut late_twin) = (None, None);
-    let command = start.actuator.start.interface().find("valve.command").unwrap_or_default();
+    let interface = start.actuator.start.interface();
+    let command = interface.find("valve.command").or_else(|| interface.find("selector.command"));
     for n in 0..=random.below(STEPS) {
-        if random.chance(0.2) {
+        if let (true, Some(command)) = (random.chance(0.2), command) {
             let u = random.within(-1.1, 1.1);
             for pair in [&mut one, &mut twin] {
                 pair.actuator.set_real(command, u).map_err(|e| e.to_string())?;

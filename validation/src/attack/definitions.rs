@@ -1,10 +1,10 @@
 //! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each
 //! is refused in words, or is a model that starts and steps.
-use super::actuator;
 use super::histories::outputs;
 use super::mechanism::{self, Definition, Prepared};
 use super::probe::Probe;
 use super::random::Random;
+use super::{actuator, network};
 use linkage_fmu::component::{Component, Stepped};
 use serde_json::Value;
 
@@ -27,10 +27,11 @@ const PLACE: &str = "\"@@place@@\"";
 /// A part's case: one definition.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
-    let (file, text) = match random.below(8) {
+    let (file, text) = match random.below(9) {
         0..=2 => ("mechanism.json", random.pick(&GIVEN).to_owned()),
         3..=5 => ("mechanism.json", mechanism::definition(&mut random).text),
         6 => ("hydraulics.json", actuator::definition(&mut random).text),
+        7 => ("network.json", network::definition(&mut random).text),
         _ => ("mechanism.json", actuator::gear(&mut random).text),
     };
     let text = spoiled(&mut random, &text);

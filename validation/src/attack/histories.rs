@@ -1,9 +1,9 @@
 //! Random histories as twins: two instances get the same inputs, derivatives, locks and steps; one of them is besides
 //! read, saved, restored and written to bytes in between. Their outputs and their states must agree to the bit.
-use super::actuator;
 use super::mechanism::{Prepared, definition};
 use super::probe::Probe;
 use super::random::Random;
+use super::{actuator, network};
 use linkage_fmu::component::{Component, Stepped};
 use linkage_fmu::variables::Reference;
 
@@ -42,6 +42,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let prepared = prepared(probe);
     probe.count(match prepared.1.definition.file {
         "hydraulics.json" => "histories of actuators",
+        "network.json" => "histories of networks",
         _ if prepared.1.has_circuit() => "histories of gears with a circuit",
         _ => "histories of mechanisms",
     });
@@ -57,10 +58,11 @@ pub fn prepared(probe: &mut Probe) -> (u64, Prepared) {
         Some(own) if own.0 == key => own,
         _ => {
             let mut random = Random::new(!key);
-            // Every third is an actuator, or a gear with a circuit.
-            let (what, definition): (_, fn(&mut Random) -> _) = match key % 6 {
+            // Every third is an actuator, a network, or a gear with a circuit.
+            let (what, definition): (_, fn(&mut Random) -> _) = match key % 12 {
                 2 => ("actuators", actuator::definition),
-                5 => ("gears with a circuit", actuator::gear),
+                8 => ("networks", network::definition),
+                5 | 11 => ("gears with a circuit", actuator::gear),
                 _ => ("mechanisms", definition),
             };
             let (prepared, refused) = probe.timed("instantiation", || Prepared::random(&mut random, definition));

@@ -79,7 +79,8 @@ impl Prepared {
 impl Definition {
     /// Middle and size of an input's values.
     fn size(&self, name: &str) -> [f64; 2] {
-        if let Some(size) = super::actuator::size(self, name) {
+        let hydraulic = super::network::size(self, name).or_else(|| super::actuator::size(self, name));
+        if let Some(size) = hydraulic {
             return size;
         }
         let size = match name {

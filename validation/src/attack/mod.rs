@@ -12,6 +12,7 @@ mod histories;
 mod kinds;
 mod mechanism;
 mod metamorphic;
+mod network;
 mod page;
 mod player;
 mod probe;

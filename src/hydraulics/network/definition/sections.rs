@@ -9,7 +9,7 @@ use crate::format::{
     Role::{Circuit, CircuitStart},
     keys, line, number,
 };
-use crate::hydraulics::definition::{Leakage, Seal};
+use crate::hydraulics::definition::{Leakage, OilVolume, Seal, Transition};
 use crate::variables::Unit::{
     CubicMetre, CubicMetrePerSecond, CubicMetrePerSecondPascal, Hertz, Kilogram, Metre, MetrePerSecond, Newton, One,
     Pascal,
@@ -344,6 +344,10 @@ keys! {
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
+        /// Law of the flow about `transition_pressure`. `smooth`: the flow changes smoothly from laminar to turbulent.
+        /// `switch`: the flow is proportional to the pressure drop below `transition_pressure`, and to its square root
+        /// above.
+        transition: Transition;
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
         /// `overlap`, an edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
@@ -428,6 +432,9 @@ keys! {
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
         hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Modulus of the hoses of @: pressure \
             divided by the relative growth of the hose volume");
+        /// Oil volume in the elasticity of a chamber. `changes`: the volume of the chamber, which changes with the
+        /// length. `constant`: the `dead_volume`.
+        oil_volume: OilVolume;
         /// Chamber A, on the piston side.
         chamber_a: Chamber;
         /// Chamber B, on the rod side.

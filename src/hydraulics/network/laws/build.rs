@@ -3,7 +3,7 @@
 //! In: a definition. Out: its laws, with ports by index. It must not know values of the state.
 use super::{Accumulator, Cylinder, Law, Laws, Lock, Node, Path, Pilot, Pump, Valve};
 use crate::hydraulics::circuit::Equations;
-use crate::hydraulics::definition::{Circuit, Leakage, Seal};
+use crate::hydraulics::definition::{Circuit, Leakage, Seal, Transition};
 use crate::hydraulics::network::definition::{self, HydraulicSystem, Opens, Ports, PumpType};
 use crate::hydraulics::network::layout::Layout;
 use std::f64::consts::TAU;
@@ -24,7 +24,7 @@ impl Laws {
         };
         let ends = |from: &str, to: &str, law: Law, transition: f64| {
             let (from, to) = (at(from), at(to));
-            Path { from, to, law, transition, outlets: [outlet(from), outlet(to)] }
+            Path { from, to, law, transition, switches: false, outlets: [outlet(from), outlet(to)] }
         };
         let k = |flow: f64, drop: f64| flow / drop.sqrt();
         let gated = |[forward, back]: [f64; 2], drop: f64, pilot: Pilot| Law::Gated {
@@ -103,7 +103,8 @@ impl Laws {
                 (&one.b, &one.r#return, b_return, 0),
             ] {
                 let law = Law::Edge { k: k(flow, one.rated_pressure_drop), valve, side };
-                paths.push(ends(from, to, law, one.transition_pressure));
+                let switches = one.transition == Transition::Switch;
+                paths.push(Path { switches, ..ends(from, to, law, one.transition_pressure) });
             }
         }
         let mut spools = 0..;
@@ -175,6 +176,7 @@ impl Cylinder {
         (cylinder.bore, cylinder.rod, cylinder.stroke) = (one.bore, one.rod, one.stroke);
         (cylinder.closed_length, cylinder.wall_modulus) = (one.closed_length, one.wall_modulus);
         cylinder.restitution = one.restitution;
+        cylinder.oil_volume = one.oil_volume;
         circuit.valve.rated_pressure_drop = one.rated_pressure_drop;
         let (a, b) = (&one.chamber_a, &one.chamber_b);
         (circuit.chamber_a.dead_volume, circuit.chamber_b.dead_volume) = (a.dead_volume, b.dead_volume);

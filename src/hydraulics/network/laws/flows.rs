@@ -2,7 +2,7 @@
 //!
 //! In: a point. Out: the net flow into each port, the flow of each path and pump, powers. It must not know elasticity.
 use super::{Accumulator, Law, Laws, Path, Pilot};
-use crate::hydraulics::circuit::{gate, soft};
+use crate::hydraulics::circuit::{gate, head, soft};
 use crate::hydraulics::network::definition::{MOST_CYLINDERS, MOST_VALVES};
 use crate::numerics::dual::Number;
 
@@ -39,11 +39,11 @@ impl<T: Number> Point<'_, T> {
     }
 }
 
-/// Flow through a path of flow coefficient k under the pressure drop d, with a laminar resistance R in series: d = R Q
+/// Flow through a path of flow coefficient k under the pressure drop d, whose [`head`] is `root`, with a laminar
+/// resistance R in series: d = R Q
 /// + Q sqrt(d^2 + d_t^2)^(1/2) / k^2 of which Q = 2 d k / (R k + sqrt((R k)^2 + 4 sqrt(d^2 + d_t^2))).
 #[inline]
-fn path<T: Number>(d: T, k: T, laminar: f64, transition: f64) -> T {
-    let root = (d * d + T::constant(transition * transition)).sqrt();
+fn path<T: Number>(d: T, k: T, laminar: f64, root: T) -> T {
     if laminar == 0.0 {
         return k * d / root.sqrt();
     }
@@ -121,7 +121,7 @@ impl Path {
                 k / (T::constant(1.0) + k * k * resistance).sqrt()
             }
         };
-        path(d, k, laminar, self.transition)
+        path(d, k, laminar, head(d, self.transition, self.switches))
     }
 }
 

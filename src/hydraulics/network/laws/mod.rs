@@ -4,6 +4,7 @@
 //! state, forces, powers. All laws are smooth and generic over [`Number`], so that values and exact derivatives share
 //! one law. It must not know time, nor how the laws are integrated.
 mod build;
+mod events;
 mod flows;
 mod rates;
 
@@ -14,6 +15,7 @@ use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
+pub use events::Surroundings;
 pub use flows::Point;
 pub use rates::{Drive, Element};
 
@@ -78,6 +80,8 @@ struct Path {
     law: Law,
     /// Pressure drop d_t between laminar and turbulent flow [Pa].
     transition: f64,
+    /// Whether the flow switches there.
+    switches: bool,
     /// Chambers at its ends whose restrictors and cushions throttle it, by their index among all chambers.
     outlets: [Option<usize>; 2],
 }

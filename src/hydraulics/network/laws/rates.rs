@@ -85,7 +85,7 @@ impl Laws {
         for (index, (cylinder, drive)) in self.cylinders.iter().zip(drives).enumerate() {
             let ([length, speed], chamber) = (motion[index], layout.chamber(index));
             let (laws, pressures) = (&cylinder.laws, [y[chamber], y[chamber + 1]]);
-            let (volumes, areas) = (laws.volumes(length), laws.areas());
+            let (volumes, areas) = (laws.oil_volumes(laws.volumes(length)), laws.areas());
             for side in 0..2 {
                 let modulus = laws.chamber_modulus(side, pressures[side], volumes[side]);
                 compliances[chamber + side] = volumes[side] / modulus;

@@ -13,18 +13,26 @@ pub struct Cache {
     /// Room for a foreseen motion, and whether it is one from here.
     pub(super) foreseen: Box<Foreseen>,
     pub(super) is_foreseen: bool,
+    /// The event to which the last step has led, and its time since the beginning of the step [s].
+    pub(super) event: Option<(f64, usize)>,
 }
 
 impl Clone for Cache {
     /// A copy computes its own results.
     fn clone(&self) -> Self {
-        Self { present: None, is_present: false, foreseen: self.foreseen.clone(), is_foreseen: false }
+        Self { present: None, is_present: false, foreseen: self.foreseen.clone(), is_foreseen: false, event: None }
     }
 }
 
 impl Cache {
     pub fn new(layout: &Layout) -> Self {
-        Self { present: None, is_present: false, foreseen: Box::new(Foreseen::nothing(layout)), is_foreseen: false }
+        Self {
+            present: None,
+            is_present: false,
+            foreseen: Box::new(Foreseen::nothing(layout)),
+            is_foreseen: false,
+            event: None,
+        }
     }
 
     /// Room for the largest network.

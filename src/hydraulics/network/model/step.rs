@@ -6,6 +6,7 @@ use super::{Model, Warnings};
 use crate::format::Range;
 use crate::hydraulics::definition::{ABOVE_VACUUM, check_pressure, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
+use crate::hydraulics::events::nearness;
 use crate::hydraulics::network::definition::Mode;
 use crate::hydraulics::network::inputs::range;
 use crate::hydraulics::network::layout::{Input, Part};
@@ -52,6 +53,36 @@ impl Model {
     /// Not initialised, h out of range, a length that a cylinder does not have, the integration stopped, or
     /// `solver.max_steps` was met.
     pub fn step(&mut self, h: f64) -> Result<(), HydraulicsError> {
+        self.advance(h, false).map(|_| ())
+    }
+
+    /// [`Self::step`], but to the first event within it, if there is one, whose time since its beginning [s] is
+    /// returned. Locks do not release or engage within the step; [`Self::handle_event`] does that.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn step_to_event(&mut self, h: f64) -> Result<Option<f64>, HydraulicsError> {
+        self.advance(h, true)
+    }
+
+    /// The event to which a step has led is handled: locks release or engage.
+    pub fn handle_event(&mut self) {
+        let Self { parameters, state: Some(state), .. } = self else { return };
+        state.switch_locks(&parameters.laws, nearness(parameters.system.solver.tolerance));
+    }
+
+    /// The event to which the last step has led: its time since the beginning of the step [s], and its words.
+    pub fn take_event(&mut self) -> Option<(f64, String)> {
+        let (time, event) = self.cache.event.take()?;
+        Some((time, self.parameters.laws.event_words(event, &self.parameters.system)))
+    }
+
+    /// Whether a step can come to an event.
+    pub fn has_events(&self) -> bool {
+        self.parameters.laws.has_events()
+    }
+
+    fn advance(&mut self, h: f64, to_event: bool) -> Result<Option<f64>, HydraulicsError> {
         if !(h.is_finite() && h > 0.0) {
             return Err(HydraulicsError::StepSize { h });
         }
@@ -65,21 +96,31 @@ impl Model {
             let y = state.y.clone();
             inputs.leave(layout, h, &y);
             cache.clear();
-            return Ok(());
+            return Ok(None);
         }
         let moves = (0..layout.cylinders).any(|index| setting.get(index, Part::Mass) > 0.0);
         let follows = parameters.system.coupling.mode == Mode::Follow;
+        let whole = h;
+        cache.event = None;
+        if to_event {
+            cache.is_foreseen = false;
+            cache.event = state.first_event(&setting, (h, follows), &mut cache.foreseen);
+        }
+        let h = cache.event.map_or(h, |(time, _)| time);
         // A step that fails leaves no trace.
         let warned = *warnings;
         let mut predicted = None;
         if moves || !follows {
             let said = inputs.values[layout.horizon()];
-            if moves && said > 0.0 && (said - h).abs() > SAME_STEP * h {
+            let is_said = |h: f64| (said - h).abs() <= SAME_STEP * h;
+            if moves && said > 0.0 && !is_said(h) && !is_said(whole) {
                 warnings.horizon(said, h);
             }
             let foreseen = cache.foresee(&setting, state, h);
             warnings.foreseen(&setting, foreseen);
-            predicted = foreseen.error.is_none().then(|| foreseen.predicted(layout));
+            // The mechanisms had another force if an event has ended the step that was announced.
+            let is_known = foreseen.error.is_none() && (h == whole || is_said(h));
+            predicted = is_known.then(|| foreseen.predicted(layout));
         }
         let reached = if follows {
             cache.is_foreseen = false;
@@ -94,10 +135,14 @@ impl Model {
             state.keep(&setting, foreseen)
         };
         warnings.watch(&setting, state, h);
-        state.arrive(&setting, reached, predicted.as_ref().filter(|_| reached == h));
+        state.arrive(&setting, reached, predicted.as_ref().filter(|_| reached == h), !to_event);
         inputs.leave(layout, reached, &state.y);
         cache.clear();
-        if reached < h { Err(interrupted(&parameters.system.solver, reached, h)) } else { Ok(()) }
+        if reached < h {
+            Err(interrupted(&parameters.system.solver, reached, h))
+        } else {
+            Ok(cache.event.map(|(time, _)| time))
+        }
     }
 
     /// Refuse a step of size h at the end of which an input is out of range.

@@ -39,7 +39,8 @@ impl Setting<'_> {
             true => self.limits(index),
             false => NO_LIMITS,
         });
-        Job { laws: self.laws, inputs: self.inputs, motions, limits, tolerance, max_steps }
+        let (watched, event) = (None, None);
+        Job { laws: self.laws, inputs: self.inputs, motions, limits, tolerance, max_steps, watched, event }
     }
 
     /// Least and largest length that stops leave to a cylinder [m]; both inputs 0: none are known.

@@ -135,7 +135,7 @@ impl<const N: usize> Radau<N> {
         statistics: &mut Statistics,
     ) -> Option<(Outcome<Self, N>, f64)> {
         let guess = newton.before.map_or([[0.0; N]; STAGES], |before| before.guess(1.0, h));
-        let solved = kept.factored(h, S::LEADING).and_then(|factored| {
+        let solved = kept.factored(h, system.leading_components()).and_then(|factored| {
             let found = collocate(system, start, (newton, factored), h, guess, ITERATIONS, statistics)?;
             Some((found, error(start, h, &found.0, factored)))
         });
@@ -159,7 +159,7 @@ impl<const N: usize> Radau<N> {
         statistics.jacobians += 1;
         let newton = Newton { scale: &scale, tolerance: self.tolerance, before: None };
         let guess = whole.guess(0.0, h);
-        let found = Factored::new(&jacobian, h, S::LEADING)
+        let found = Factored::new(&jacobian, h, system.leading_components())
             .and_then(|f| collocate(system, start, (&newton, &f), h, guess, 3 * ITERATIONS, statistics));
         let z = found.map_or(guess, |(z, _)| z);
         Self::outcome(system, start, self.tolerance, h, (&z, self.error), statistics)
