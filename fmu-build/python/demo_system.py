@@ -3,7 +3,8 @@
 The host does nothing but copy outputs to inputs, as the package says, and move the levers of the pilot: selector,
 pump, by-passes, hand pump. The order of door, locks and gear is that of the valves in the hydraulic system.
 
-Run by `cargo fmu demo --system`. Writes a table and a picture of pressures, positions, flows and states over time.
+Run by `cargo fmu demo --system`. Writes a table and a picture of pressures, positions, flows and states over time, and
+a film of gear and door.
 """
 
 from __future__ import annotations
@@ -25,11 +26,16 @@ from part import Part
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt
+from matplotlib.animation import PillowWriter
 
 STEP = 2e-3
 """Communication step [s]."""
 END = 38.0
 """End of the run [s]."""
+FRAME = 0.25
+"""Time from one picture of the film to the next [s]."""
+FRAMES_PER_SECOND = 12
+"""Pictures of the film in a second."""
 PUMP_PRESSURE = 10e6
 """Pressure of the hand pump while the pilot works it [Pa]."""
 LEVERS: tuple[tuple[float, str, dict[str, float]], ...] = (
@@ -61,7 +67,7 @@ STATES: tuple[tuple[str, str, str, str], ...] = (
 )
 """Boolean outputs, and what it means that they become true or false."""
 CURVES: dict[str, tuple[str, ...]] = {
-    "gear": ("crank.angle", "actuator.length"),
+    "gear": ("crank.angle", "follower.angle", "actuator.length"),
     "door": ("door.angle", "actuator.length"),
     "hydraulics": (
         "supply.pressure",
@@ -275,7 +281,7 @@ def write_plot(found: Run, path: Path) -> None:
             for part, name, words in curves:
                 axis.plot(time, found.column(part, name, factor), linewidth=1.0, label=words)
             axis.set_ylabel(label)
-            axis.legend(fontsize=8, loc="upper right", ncols=2)
+            axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
         for row, (part, name, *_) in enumerate(reversed(STATES)):
             state = [row + 0.7 * value for value in found.state(part, name)]
             axes[3].fill_between(time, row, state, step="pre", linewidth=0)
@@ -290,12 +296,88 @@ def write_plot(found: Run, path: Path) -> None:
         plt.close(figure)
 
 
+def turned(angle: float, x: float, y: float) -> complex:
+    """A point of a body that is turned by an angle [rad]."""
+    return complex(x, y) * complex(math.cos(angle), math.sin(angle))
+
+
+def gear_lines(crank: float, follower: float) -> list[tuple[list[complex], str, float]]:
+    """Lines of the gear from the side [m], with colour and width: as its definition states them, with up upwards."""
+    base, top = complex(0.5729, 0), turned(crank, 0.1755, 0)
+    end = base + turned(follower, 0.34, 0)
+    wheel = turned(crank - 2.4, 0.759, 0)
+    jack = [turned(crank, -0.05, -0.138), base + turned(follower, 0.02, 0.12)]
+    upright = turned(math.pi / 2 - 1.13, 1, 0)
+    lines = [([0j, wheel], "black", 3.0), ([0j, top], "black", 2.0), ([top, end, base], "grey", 2.0)]
+    return [([upright * at for at in line], *look) for line, *look in [*lines, (jack, "tab:orange", 4.0)]]
+
+
+def door_lines(angle: float) -> list[tuple[list[complex], str, float]]:
+    """Lines of the door from the front [m]."""
+    jack = [complex(-0.2, 0.3464), turned(angle, 0, 0.15)]
+    return [([0j, turned(angle, 0.5, 0)], "tab:blue", 4.0), (jack, "tab:orange", 3.0)]
+
+
+def write_film(found: Run, path: Path) -> None:
+    """Draw gear, door, locks and the pressures of the gear's cylinder as a GIF, faster than in reality."""
+    time = [row[0] for row in found.rows]
+    every = max(1, round(FRAME / (time[1] - time[0])))
+    columns = {
+        name: found.column(part, name)[::every]
+        for part, name in (("gear", "crank.angle"), ("gear", "follower.angle"), ("door", "door.angle"))
+    }
+    pressures = {
+        words: found.column("hydraulics", f"{name}.pressure", 1e-6)[::every]
+        for words, name in (
+            ("supply", "supply"),
+            ("gear, piston", "gear.chamber_a"),
+            ("gear, rod", "gear.chamber_b"),
+            ("door, piston", "door.chamber_a"),
+            ("door, rod", "door.chamber_b"),
+        )
+    }
+    locks = {one: found.state("hydraulics", f"{one}.engaged")[::every] for one in ("uplock", "downlock", "doorlock")}
+    with plt.rc_context({"font.size": 8}):
+        figure, axes = plt.subplots(1, 3, figsize=(7.2, 3.0), width_ratios=(3, 2, 2))
+        figure.subplots_adjust(left=0.02, right=0.98, bottom=0.16, top=0.92, wspace=0.5)
+        writer = PillowWriter(fps=FRAMES_PER_SECOND)
+        with writer.saving(figure, str(path), dpi=80):
+            for k, at in enumerate(time[::every]):
+                act = [words for begin, words, _ in LEVERS if begin <= at][-1].split(":")[0]
+                for axis in axes:
+                    axis.clear()
+                views = (
+                    (gear_lines(columns["crank.angle"][k], columns["follower.angle"][k]), (-1.0, 0.8, -1.2, 0.75)),
+                    (door_lines(columns["door.angle"][k]), (-0.3, 0.6, -0.55, 0.45)),
+                )
+                for axis, (lines, window), title in zip(
+                    axes, views, ("gear, side view", "door, front view"), strict=False
+                ):
+                    for line, color, width in lines:
+                        axis.plot([p.real for p in line], [p.imag for p in line], color=color, linewidth=width)
+                    axis.set_title(title, fontsize=8)
+                    axis.set_aspect("equal")
+                    axis.axis(window)
+                    axis.axis("off")
+                wheel = views[0][0][0][0][1]
+                axes[0].add_patch(plt.Circle((wheel.real, wheel.imag), 0.12, fill=False, linewidth=2.0))
+                axes[0].text(-1.0, 0.65, f"{at:4.1f} s  {act}")
+                held = ", ".join(one for one, state in locks.items() if state[k]) or "none"
+                axes[0].text(-1.0, -1.18, f"locks engaged: {held}")
+                axes[2].barh(list(pressures), [values[k] for values in pressures.values()], color="tab:red")
+                axes[2].set_xlim(0, 25)
+                axes[2].invert_yaxis()
+                axes[2].set_xlabel("pressure [MPa]")
+                writer.grab_frame()
+        plt.close(figure)
+
+
 def main() -> None:
     """Run the demo."""
     parser = argparse.ArgumentParser(description="Retract and extend a landing gear with door, locks and hydraulics.")
     parser.add_argument("package", type=Path, help="LandingGearSystem.ssp")
     parser.add_argument("--step", type=float, default=STEP, help="communication step [s]")
-    parser.add_argument("--out", type=Path, default=Path(), help="folder for system.csv and system.png")
+    parser.add_argument("--out", type=Path, default=Path(), help="folder for system.csv, system.png and system.gif")
     arguments = parser.parse_args()
     found = run(arguments.package, arguments.step)
     print(f"steps of {1e3 * arguments.step:g} ms")
@@ -306,10 +388,11 @@ def main() -> None:
     throttled = found.column("hydraulics", "energy.throttling")[-1]
     print(f"volume.balance at most {1e6 * volume:.1e} ml, energy.balance at most {energy:.1e} J of {throttled:.0f} J")
     arguments.out.mkdir(parents=True, exist_ok=True)
-    table, plot = arguments.out / "system.csv", arguments.out / "system.png"
+    table, plot, film = (arguments.out / f"system.{kind}" for kind in ("csv", "png", "gif"))
     write_table(found, table)
     write_plot(found, plot)
-    print(f"table {table}\nplot  {plot}")
+    write_film(found, film)
+    print(f"table {table}\nplot  {plot}\nfilm  {film}")
 
 
 if __name__ == "__main__":

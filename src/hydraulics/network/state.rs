@@ -373,7 +373,7 @@ impl State {
     pub fn switch_locks(&mut self, laws: &Laws, near: f64) {
         for (lock, engaged) in laws.locks.iter().zip(&mut self.locks) {
             let (p, near) = (self.y[lock.at], near * lock.release);
-            *engaged = if *engaged { p < lock.release - near } else { p < lock.engage + near };
+            *engaged = lock.holds(*engaged, if *engaged { p + near } else { p - near });
         }
     }
 
