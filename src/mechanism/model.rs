@@ -7,6 +7,7 @@ mod events;
 mod exchange;
 mod linearisation;
 mod occurrences;
+mod shared;
 mod tune;
 mod undefined;
 mod values;
@@ -55,6 +56,8 @@ pub struct Model {
     /// What follows from the parameters that were present last; a next set keeps of it what does not change.
     pub(super) designs: Designs,
     pub(super) state: Option<Formulation>,
+    /// The motion before the last [`Self::reset`], with its reduced model: the next start is put in its place.
+    spare: Option<(Arc<Reduced>, Box<ReducedMotion>)>,
     /// Whether inputs leave the mechanism where it is: after the initialisation also one that starts at an equilibrium.
     pub(super) is_placed: bool,
     /// Whether [`Self::take_growth`] has told that the curve grows.
@@ -91,6 +94,8 @@ pub(super) struct Original {
     pub(super) reduced: Arc<Reduced>,
     /// What the definition gives reason to warn of.
     pub(super) warnings: Vec<Finding>,
+    /// At the start of a run.
+    parting: Parting,
 }
 
 impl Model {
@@ -145,29 +150,36 @@ impl Model {
         let parting = Parting::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
-        let original = Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found };
-        let mut model = Self {
-            parameter_values: Arc::clone(&original.parameter_values),
-            inputs: original.inputs.clone(),
-            reduced: Some(Arc::clone(&original.reduced)),
-            designs: Designs::new(Arc::clone(&original.parameter_values), Arc::clone(&original.reduced)),
-            state: None,
-            is_placed: false,
-            has_told: false,
-            clipped: Clipped::default(),
-            parting,
-            told: Told::default(),
-            lacks_drift: false,
-            untuned: None,
-            exchange: None,
-            original: Arc::new(original),
-        };
+        let original =
+            Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found, parting };
+        let mut model = Self::of(Arc::new(original));
         // Tables are kept of what has a start.
         if !is_stored {
             model.state()?;
             model.state = None;
         }
         Ok(model)
+    }
+
+    /// A model of a definition as read.
+    pub(super) fn of(original: Arc<Original>) -> Self {
+        Self {
+            parameter_values: Arc::clone(&original.parameter_values),
+            inputs: original.inputs.clone(),
+            reduced: Some(Arc::clone(&original.reduced)),
+            designs: Designs::new(Arc::clone(&original.parameter_values), Arc::clone(&original.reduced)),
+            state: None,
+            spare: None,
+            is_placed: false,
+            has_told: false,
+            clipped: Clipped::default(),
+            parting: original.parting.clone(),
+            told: Told::default(),
+            lacks_drift: false,
+            untuned: None,
+            exchange: None,
+            original,
+        }
     }
 
     /// The reduced model for the present parameters.
@@ -195,11 +207,37 @@ impl Model {
         }
     }
 
-    /// Put the mechanism at its start under the present parameters and inputs.
+    /// Put the mechanism at its start under the present parameters and inputs, with all tables if `solver.prepare` asks
+    /// for them.
     ///
     /// # Errors
     /// The present parameters give no mechanism, or the start cannot be reached.
     pub fn initialize(&mut self) -> Result<(), ModelError> {
+        self.place()?;
+        if self.parameter_values.mechanism().solver.prepare {
+            self.prepare()?;
+        }
+        Ok(())
+    }
+
+    /// Make what steps and outputs would otherwise make when they first need it.
+    #[cold]
+    fn prepare(&mut self) -> Result<(), ModelError> {
+        let reduced = Arc::clone(self.reduced()?);
+        reduced.prepare();
+        if let Some(Formulation::Reduced(motion)) = &mut self.state {
+            let variables = &self.original.variables;
+            let outputs =
+                (0..).zip(variables.list()).filter_map(|(reference, _)| match variables.quantity(reference) {
+                    Some(Quantity::Output(output)) => Some(output),
+                    _ => None,
+                });
+            motion.prepare(&reduced, &self.inputs, outputs);
+        }
+        Ok(())
+    }
+
+    fn place(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
         self.untuned = None;
         self.parting.restart();
@@ -302,10 +340,12 @@ impl Model {
 
     /// Back to what [`Self::from_json`] gave.
     pub fn reset(&mut self) {
+        if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (self.state.take(), self.reduced.take()) {
+            self.spare = Some((reduced, motion));
+        }
         self.parameter_values = Arc::clone(&self.original.parameter_values);
         self.inputs.clone_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
-        self.state = None;
         self.is_placed = false;
         self.untuned = None;
         self.has_told = false;
@@ -356,11 +396,15 @@ impl Model {
             self.designs.settle(&mut self.parameter_values);
             let start = self.designs.start(&self.parameter_values, &reduced, &self.original.ranges)?;
             let (mechanism, inputs) = (self.parameter_values.mechanism(), &self.inputs);
-            let at_start = match self.parameter_values.method() {
-                Method::Reduced => Formulation::reduced,
-                Method::RigidFem => Formulation::rigid_fem,
-            };
-            self.state = Some(at_start(start, &reduced, mechanism, inputs)?);
+            let spare = self.spare.take().filter(|(of, _)| Arc::ptr_eq(of, &reduced));
+            self.state = Some(match (self.parameter_values.method(), spare) {
+                (Method::Reduced, Some((_, mut motion))) => {
+                    motion.put_at_start(start, &reduced, mechanism, inputs)?;
+                    Formulation::Reduced(motion)
+                }
+                (Method::Reduced, None) => Formulation::reduced(start, &reduced, mechanism, inputs)?,
+                (Method::RigidFem, _) => Formulation::rigid_fem(start, &reduced, mechanism, inputs)?,
+            });
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }

@@ -79,6 +79,11 @@ pub struct Columns {
 }
 
 impl Columns {
+    /// The reactions found last, as [`Self::fill`] returns them.
+    pub fn reactions(&self) -> &[Reaction] {
+        &self.reactions
+    }
+
     /// Reactions of all joints, term by term from the term `skipped`: sigma_ddot = 1, sigma_dot^2 = 1, each load = 1.
     pub fn fill(&mut self, closure: &Closure, c: &Configuration, loads: &[Load], skipped: usize) -> &[Reaction] {
         let linkage = &*closure.linkage;

@@ -24,6 +24,14 @@ impl Row {
     pub fn of(functions: [&Series; ROW]) -> Self {
         Self(std::array::from_fn(|power| functions.map(|series| series[power])))
     }
+
+    /// Add `size` times other functions.
+    #[inline]
+    pub fn add(&mut self, size: f64, row: &Self) {
+        for (sum, c) in self.0.as_flattened_mut().iter_mut().zip(row.0.as_flattened()) {
+            *sum += size * c;
+        }
+    }
 }
 
 /// Functions of a table side by side, panel by panel; zeros fill the last row of a panel.
@@ -76,11 +84,7 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
         sums.extend(rows.iter().map(|row| Row(row.0.map(|power| power.map(|c| size * c)))));
         return;
     }
-    for (sum, row) in sums.iter_mut().zip(rows) {
-        for (sum, c) in sum.0.as_flattened_mut().iter_mut().zip(row.0.as_flattened()) {
-            *sum += size * c;
-        }
-    }
+    sums.iter_mut().zip(rows).for_each(|(sum, row)| sum.add(size, row));
 }
 
 /// Values of functions side by side at x, with derivatives if x carries some.

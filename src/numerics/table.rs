@@ -264,18 +264,26 @@ impl Table {
     }
 
     /// [`Self::panel`], with the search starting at a panel and its neighbours.
-    #[inline]
+    #[inline(always)]
     pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
-        let holds = |p: usize| p + 1 < self.borders.len() && self.borders[p] <= sigma && sigma < self.borders[p + 1];
-        if holds(panel) {
-            panel
-        } else if holds(panel + 1) {
+        if self.holds(panel, sigma) { panel } else { self.panel_beside(sigma, panel) }
+    }
+
+    #[inline(never)]
+    fn panel_beside(&self, sigma: f64, panel: usize) -> usize {
+        if self.holds(panel + 1, sigma) {
             panel + 1
-        } else if panel > 0 && holds(panel - 1) {
+        } else if panel > 0 && self.holds(panel - 1, sigma) {
             panel - 1
         } else {
             self.panel(sigma)
         }
+    }
+
+    /// Whether there is this panel and sigma is on it.
+    #[inline(always)]
+    fn holds(&self, panel: usize, sigma: f64) -> bool {
+        panel + 1 < self.borders.len() && self.borders[panel] <= sigma && sigma < self.borders[panel + 1]
     }
 
     /// Position of sigma.

@@ -273,6 +273,12 @@ impl<Q: Copy> Variables<Q> {
         Self { interface: Interface { list, guid }, quantities }
     }
 
+    /// [`Self::quantity`], in its place.
+    #[inline]
+    pub fn quantity_of(&self, reference: Reference) -> Option<&Q> {
+        self.quantities.get(reference as usize)
+    }
+
     /// Quantity of the variable with this reference.
     #[inline]
     pub fn quantity(&self, reference: Reference) -> Option<Q> {

@@ -7,6 +7,7 @@ mod exchange;
 mod fmi3;
 #[path = "../fmi2/host.rs"]
 mod host;
+mod prepared;
 
 use counting::{allocations, live};
 use host::Gear;

@@ -74,8 +74,8 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 #[test]
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
-    assert_eq!(gear.variables().guid(), "{1070686d-535d-5ce0-75c0-c49ecb59b8af}");
-    assert_eq!(gear.identity(), [0xA925_7504_327D_CFA3, 0x734F_ECE4_E8AF_AE83]);
+    assert_eq!(gear.variables().guid(), "{9aa3b748-7e2b-5e3f-92e1-57c893ee1630}");
+    assert_eq!(gear.identity(), [0x6384_0A38_BDB9_9731, 0xB3EB_6788_404E_7043]);
 }
 
 /// The gear in one formulation only.

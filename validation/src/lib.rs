@@ -20,6 +20,7 @@ mod instructions;
 pub mod kinds;
 mod linear;
 mod measure;
+mod realtime;
 mod rigid_fem;
 mod scene;
 mod scenes;
@@ -69,11 +70,12 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
 /// The tables of run times.
-const TABLES: [Table; 10] = [
+const TABLES: [Table; 11] = [
     ("setup", setup::table),
     ("designs", designs::table),
     ("steps", steps::table),
     ("scenes", scenes::table),
+    ("realtime", realtime::table),
     ("bodies", |_| bodies::table()),
     ("untabled", benchmarks::untabled),
     ("retraction", benchmarks::retraction),

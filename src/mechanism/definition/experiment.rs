@@ -50,6 +50,14 @@ keys! {
             "true: the equation of motion is evaluated from tables; false: each evaluation solves the loop equations, \
              which is slower",
         );
+        /// Start value of the Boolean variable `solver.prepare`. true: the initialisation makes all tables that a step
+        /// or an output can need, for simulation in real time. An open motion is prepared up to 100 turns from the
+        /// guess. false: a table is made when it is first needed.
+        prepare: bool = false => Key::PLAIN.parameter(
+            Role::Load,
+            "true: the initialisation makes all tables that a step or an output can need; false: a table is made when \
+             it is first needed",
+        );
     }
 }
 

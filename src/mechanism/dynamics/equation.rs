@@ -82,7 +82,8 @@ fn stretch_at<'a>(whole: &'a Reduced, present: Stretch<'a>, air: bool, sigma: f6
     whole.with_state_loads(sigma, air)
 }
 
-/// Enter the panel at sigma, on its stretch of the curve, which is returned. Not a method: as no reference to the
+/// Enter the panel at sigma, on its stretch of the curve, which is returned; `varies`: for values with derivatives. Not
+/// a method: as no reference to the
 /// equation of motion escapes, its other fields stay in registers between evaluations.
 #[cold]
 fn enter<'a, T: Differentiable>(
@@ -91,10 +92,11 @@ fn enter<'a, T: Differentiable>(
     applied: &AppliedLoads,
     scratch: &mut Scratch<T>,
     sigma: f64,
+    varies: bool,
 ) -> Stretch<'a> {
-    let (reduced, state_loads) = stretch_at(whole, present, scratch.air, sigma);
-    scratch.panel_force.enter(reduced, state_loads, applied, sigma);
-    (reduced, state_loads)
+    let stretch = stretch_at(whole, present, scratch.air, sigma);
+    scratch.panel_force.enter(stretch, applied, sigma, varies);
+    stretch
 }
 
 impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
@@ -103,7 +105,8 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn locate(&mut self, sigma: f64) -> f64 {
         if !self.scratch.panel_force.holds(sigma) {
             let present = (self.reduced, self.state_loads);
-            (self.reduced, self.state_loads) = enter(self.whole, present, &self.applied, self.scratch, sigma);
+            (self.reduced, self.state_loads) =
+                enter(self.whole, present, &self.applied, self.scratch, sigma, T::CARRIES);
         }
         self.scratch.panel_force.x(sigma)
     }
@@ -269,7 +272,11 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
 
     /// Evaluation at (t, sigma, sigma_dot) in numbers with derivatives along sigma.
     fn along(&mut self, y: [T::Along; 3]) -> Result<Evaluation<T::Along>, Locked> {
-        self.locate(y[1].value());
+        let sigma = y[1].value();
+        if !self.scratch.panel_force.has_slopes(sigma) {
+            let present = (self.reduced, self.state_loads);
+            (self.reduced, self.state_loads) = enter(self.whole, present, &self.applied, self.scratch, sigma, true);
+        }
         let Scratch { panel_force, tangent, .. } = &mut *self.scratch;
         let Some(state_loads) = self.state_loads else { return Ok(of_applied_loads(panel_force, y)) };
         tangent.evaluate((self.reduced, state_loads), &self.applied, panel_force, &self.mode, y)

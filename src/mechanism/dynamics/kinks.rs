@@ -33,15 +33,30 @@ impl EquationOfMotion<'_> {
         if beyond.abs() <= kink.near { 0.0 } else { beyond }
     }
 
+    /// Whether bounds show that each surface faces the air alike in two states (t, sigma, sigma_dot).
+    #[inline]
+    pub fn faces_alike(&self, states: [[f64; 3]; 2]) -> bool {
+        let facings = states.map(|[t, sigma, sigma_dot]| {
+            let (reduced, Some(state_loads)) = self.stretch_at(sigma) else { return None };
+            let at = self.scratch.panel_force.position((reduced, &state_loads.table), sigma);
+            let (facings, airspeed) = (state_loads.facings(at.panel), self.applied.air(t));
+            (sigma_dot.abs() < facings.speed * airspeed.abs()).then_some((facings.backs, airspeed > 0.0))
+        });
+        facings[0].is_some() && facings[0] == facings[1]
+    }
+
     /// Component across a surface of the flow relative to a place on it, over the speed of that flow and [`SLOW`]:
     /// without a jump where the flow turns round.
     fn facing(&self, (surface, place): (usize, f64), [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
-        let (Some(state_loads), Some(air)) = (self.state_loads, &self.reduced.loading().air) else { return 0.0 };
+        let (reduced, Some(state_loads)) = self.stretch_at(sigma) else { return 0.0 };
+        let Some(air) = &self.reduced.loading().air else { return 0.0 };
         let airspeed = self.applied.air(t);
         let mut wind = [air.flow.x * airspeed, air.flow.y * airspeed];
-        let [line_x, line_y] = [0, 1].map(|k| self.component(state_loads.line(surface) + k, sigma));
+        let at = self.scratch.panel_force.position((reduced, &state_loads.table), sigma);
+        let component = |component: usize| state_loads.table.value(at, component);
+        let [line_x, line_y] = [0, 1].map(|k| component(state_loads.line(surface) + k));
         if air.relative_wind {
-            let [x, y, omega] = [0, 1, 2].map(|k| self.component(3 * surface + k, sigma) * sigma_dot);
+            let [x, y, omega] = [0, 1, 2].map(|k| component(3 * surface + k) * sigma_dot);
             wind = [wind[0] - x + omega * place * line_y, wind[1] - y - omega * place * line_x];
         }
         (wind[1] * line_x - wind[0] * line_y) / (wind[0].hypot(wind[1]) + SLOW)

@@ -4,7 +4,7 @@
 //! In: tables of the reduced model and its state loads, sizes of loads. Out: the force along the curve and the
 //! reactions of friction joints on one panel. It must not know the loads that the state decides.
 use crate::mechanism::dynamics::inputs::Change;
-use crate::mechanism::reduced::{Reduced, StateLoads};
+use crate::mechanism::reduced::{ExactMotion, Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::dual::{Dual, Number};
@@ -83,6 +83,10 @@ pub struct PanelForce {
     rates: Vec<[Series; 2]>,
     /// Without tables, or in a gap of the table: value and slope of all components at the one sigma for which it holds.
     exact: Vec<Series>,
+    /// Scratch for these values.
+    exact_motion: Option<Box<ExactMotion>>,
+    /// Whether these slopes are 0 because nothing has asked for derivatives.
+    lacks_slopes: bool,
     /// Without tables: the components that are read together, side by side.
     exact_bundle: Vec<Row>,
     /// Without tables: the effects of an applied load on the friction joints' reactions, side by side.
@@ -94,6 +98,19 @@ impl PanelForce {
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let rows = state_loads.map_or(0, |s| Bundle::rows(s.rows() - 1));
         Self { reactions: Vec::with_capacity(rows), ..Self::default() }
+    }
+
+    /// Allocate what inputs that change with time and gaps of the table need.
+    pub fn prepare(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>) {
+        self.rates.reserve(state_loads.map_or(1, StateLoads::rows));
+        let Some(state_loads) = state_loads else { return };
+        if let Some((first, last)) = state_loads.table.gaps().next() {
+            self.exact.reserve(state_loads.table.components());
+            self.exact_bundle.reserve(Bundle::rows(state_loads.bundled()));
+            self.exact_applied.reserve(Bundle::rows(state_loads.rows() - 1));
+            let exact = self.exact_motion.get_or_insert_default();
+            reduced.exact_motion(Some(state_loads), 0.5 * (first + last), exact);
+        }
     }
 
     /// Hold for no sigma: sizes or revolutions are others.
@@ -113,6 +130,12 @@ impl PanelForce {
     #[inline(always)]
     pub fn holds(&self, sigma: f64) -> bool {
         self.low <= sigma && sigma < self.high
+    }
+
+    /// The panel used last.
+    #[inline(always)]
+    pub fn panel(&self) -> usize {
+        self.panel
     }
 
     /// x at sigma on the present panel, with derivatives if sigma has some.
@@ -201,8 +224,20 @@ impl PanelForce {
         [Interval::around(0.0, f64::MAX); 2]
     }
 
-    /// Enter the panel at sigma, on this stretch of the curve.
-    pub fn enter(&mut self, reduced: &Reduced, state_loads: Option<&StateLoads>, applied: &AppliedLoads, sigma: f64) {
+    /// Whether the present panel holds sigma, for values with derivatives.
+    #[inline]
+    pub fn has_slopes(&self, sigma: f64) -> bool {
+        self.holds(sigma) && !self.lacks_slopes
+    }
+
+    /// Enter the panel at sigma, on this stretch of the curve. `varies`: for values with derivatives.
+    pub fn enter(
+        &mut self,
+        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
+        applied: &AppliedLoads,
+        sigma: f64,
+        varies: bool,
+    ) {
         self.stretch = reduced.stretch;
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range;
@@ -224,8 +259,9 @@ impl PanelForce {
             (self.low, self.high) = if sigma < first { (f64::NEG_INFINITY, first) } else { (last, f64::INFINITY) };
         }
         self.exact.clear();
+        self.lacks_slopes = false;
         if (reduced.exact || table.is_gap(self.panel)) && self.inverse != 0.0 {
-            self.enter_exactly(reduced, state_loads, table, sigma, shift);
+            self.enter_exactly((reduced, state_loads), table, [sigma, shift], varies);
         }
         let own = [(reduced.components().springs, 1.0), (reduced.components().winding, self.revolutions)];
         let own = own.into_iter().filter_map(|(k, size)| Some((k?, size)));
@@ -262,33 +298,35 @@ impl PanelForce {
     }
 
     /// Hold at sigma alone, with values from the exact evaluator. Slopes come from the table, and in a gap of it from
-    /// differences of values.
+    /// differences of values, if they are asked for.
     fn enter_exactly(
         &mut self,
-        reduced: &Reduced,
-        state_loads: Option<&StateLoads>,
+        (reduced, state_loads): (&Reduced, Option<&StateLoads>),
         table: &Table,
-        sigma: f64,
-        shift: f64,
+        [sigma, shift]: [f64; 2],
+        varies: bool,
     ) {
         let x = Dual::<1>::variable(self.x(sigma), 0);
-        let values = reduced.exact_motion(state_loads, sigma - shift);
-        let around = table.is_gap(self.panel).then(|| {
-            let (a, b) = table.borders(self.panel);
+        let (a, b) = table.borders(self.panel);
+        let is_gap = table.is_gap(self.panel);
+        self.lacks_slopes = is_gap && !varies;
+        let exact = self.exact_motion.get_or_insert_default();
+        self.exact.resize(table.components(), [0.0; NODES]);
+        if is_gap && varies {
             let h = DIFFERENCE * (b - a);
             // For each unit of x, which is half the width of the panel.
-            let ends = [h, -h].map(|h| reduced.exact_motion(state_loads, sigma - shift + h));
-            (ends, (b - a) / (4.0 * h))
-        });
-        self.exact.extend(values.iter().enumerate().map(|(component, &value)| {
-            let slope = match &around {
-                Some(([after, before], scale)) => (after[component] - before[component]) * scale,
-                None => polynomial_at(table.series(self.panel, component), x).slope[0],
-            };
-            let mut series = [0.0; NODES];
-            (series[0], series[1]) = (value, slope);
-            series
-        }));
+            for (h, factor) in [(h, (b - a) / (4.0 * h)), (-h, -(b - a) / (4.0 * h))] {
+                reduced.exact_motion(state_loads, sigma - shift + h, exact);
+                self.exact.iter_mut().zip(exact.values()).for_each(|(series, value)| series[1] += factor * value);
+            }
+        }
+        reduced.exact_motion(state_loads, sigma - shift, exact);
+        for (component, (series, &value)) in self.exact.iter_mut().zip(exact.values()).enumerate() {
+            series[0] = value;
+            if !is_gap {
+                series[1] = polynomial_at(table.series(self.panel, component), x).slope[0];
+            }
+        }
         if let Some(state_loads) = state_loads {
             self.exact_bundle.clear();
             side_by_side(&self.exact[..state_loads.bundled()], &mut self.exact_bundle);

@@ -22,7 +22,7 @@ impl RigidFemMotion {
     /// # Errors
     /// [`OutputError`].
     pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
-        evaluate(&mut View { motion: self, reduced, inputs }, reduced.loading(), output)
+        evaluate(&mut View { motion: self, reduced, inputs }, reduced.loading(), &output)
     }
 
     /// The finite elements and their state; for the order 2 with accelerations in balance with the present sizes.

@@ -149,7 +149,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
     let applied = reduced.sizes(inputs).into_iter().enumerate();
     let applied = applied.map(|(load, size)| size.abs() * unit(load) * influence(load));
     let springs = loading.springs.iter().map(|spring| {
-        let force = spring.force(reduced.displacement_at(spring.load, sigma));
+        let force = spring.force(reduced.displacement_at(spring.load, sigma, 0));
         force.abs() * influence(spring.load)
     });
     applied.chain(springs).sum()

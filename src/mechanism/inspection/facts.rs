@@ -187,11 +187,12 @@ fn bends(linkage: &Linkage) -> Vec<Bend> {
 /// What is watched over the travel: coordinates, then for each drive its displacement and its influence, then the
 /// bends.
 fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2]>) + use<'_> {
-    let bends = bends(reduced.linkage());
+    let (linkage, loading) = (reduced.linkage(), reduced.loading());
+    let bends = bends(linkage);
+    let followed = linkage.coordinates.len().min(FOLLOWED);
+    let offsets: Vec<f64> = (0..followed).map(|i| of_coordinate(linkage, i).1).collect();
     move |c, revolutions, out| {
-        let (linkage, loading) = (reduced.linkage(), reduced.loading());
-        for i in 0..c.q.len().min(FOLLOWED) {
-            let offset = of_coordinate(linkage, i).1;
+        for (i, offset) in offsets.iter().enumerate() {
             out.push([c.q[i] + revolutions * reduced.curve().growth(i) + offset, c.q_sigma[i]]);
         }
         for (drive, load) in loading.loads.iter().take(loading.drives.len().min(FOLLOWED)).enumerate() {
@@ -227,7 +228,7 @@ fn add_travel(
     let mut toggles = Vec::new();
     for (i, name) in linkage.coordinates.iter().enumerate().take(FOLLOWED) {
         let unit = of_coordinate(linkage, i).0;
-        let Extremes { range, stationary } = walk.extremes(i);
+        let Extremes { range, stationary } = walk.extremes(i, 1.0);
         let growth = reduced.curve().growth(i);
         let ([least, most], start) = (from_start(range, at_start[i][0], growth), at_start[i][0]);
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
@@ -245,7 +246,8 @@ fn add_travel(
     }
     add_ends(reduced, state, &walk, file_units, out);
     for (drive, defined) in loading.drives.iter().enumerate().take(FOLLOWED) {
-        let (motion, influence) = (walk.extremes(coordinates + 2 * drive), walk.extremes(coordinates + 2 * drive + 1));
+        let (motion, influence) =
+            (walk.extremes(coordinates + 2 * drive, 1.0), walk.extremes(coordinates + 2 * drive + 1, 0.0));
         let (length, mass) = match defined.is_rotary {
             true => (Unit::Radian, Unit::KilogramSquareMetre),
             false => (Unit::Metre, Unit::Kilogram),
@@ -275,7 +277,7 @@ fn add_travel(
         out.facts.push(Fact::new("Toggles", "").saying(format!("and {} more", told - PLACES)));
     }
     for (k, bend) in bends(linkage).iter().enumerate().take(FOLLOWED) {
-        let [low, high] = walk.extremes(coordinates + 2 * drives + k).range;
+        let [low, high] = walk.extremes(coordinates + 2 * drives + k, 1.0).range;
         if low * high > 0.0 {
             let fact = Fact::new("Assembly mode", &linkage.joints[bend.joints[1]].name);
             out.facts.push(fact.saying("bends to the same side over the whole travel"));
@@ -323,7 +325,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
         }
         let values = walk.positions.iter().map(|&sigma| {
             let (on_curve, revolutions) = reduced.unwound(sigma);
-            reduced.displacement_at(stop.load, on_curve) + revolutions * reduced.load_growth(stop.load)
+            reduced.displacement_at(stop.load, on_curve, 0) + revolutions * reduced.load_growth(stop.load)
         });
         let nearest = values.fold(f64::NEG_INFINITY, |most: f64, s| most.max(stop.beyond(s)));
         let unit = if stop.quantity == "angle" { "rad" } else { "m" };

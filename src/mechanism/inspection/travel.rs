@@ -5,7 +5,10 @@
 use crate::mechanism::curve::{Configuration, Scratch};
 use crate::mechanism::motion::samples::positions;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::bracket::bisect;
+use crate::numerics::bracket::false_position;
+
+/// Part of the distance between two samples to which a stationary place is located.
+const CLOSE: f64 = 1e-13;
 
 /// A travel between two values of sigma, counted on over whole revolutions, with the functions to be watched.
 pub struct Walk<'a, F> {
@@ -55,20 +58,24 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
         values
     }
 
-    /// Extremes of a function by its index.
-    pub fn extremes(&mut self, function: usize) -> Extremes {
+    /// Extremes of a function by its index, and of this natural size: one that changes by less than 1e-9 of that and of
+    /// its value is stationary by rounding only.
+    pub fn extremes(&mut self, function: usize, natural: f64) -> Extremes {
         let values: Vec<[f64; 2]> = self.values.iter().map(|values| values[function]).collect();
         let (mut range, mut stationary) = ([f64::INFINITY, f64::NEG_INFINITY], Vec::new());
         let mut widen = |value: f64| range = [range[0].min(value), range[1].max(value)];
         values.iter().for_each(|value| widen(value[0]));
         let largest = values.iter().fold(0.0, |most: f64, value| most.max(value[1].abs()));
+        if range[1] - range[0] <= 1e-9 * (natural + range[1].abs()) {
+            return Extremes { range, stationary };
+        }
+        let mut widen = |value: f64| range = [range[0].min(value), range[1].max(value)];
         for k in 1..values.len() {
             let [one, other] = [values[k - 1][1], values[k][1]];
-            // A function that never changes is stationary by rounding only.
             if one * other < 0.0 && one.abs().max(other.abs()) > 1e-9 * largest {
-                let (rises, from, to) = (other > 0.0, self.positions[k - 1], self.positions[k]);
-                let [a, b] = bisect(|sigma| (self.at(sigma)[function][1] > 0.0) == rises, from, to);
-                let sigma = 0.5 * (a + b);
+                let (sign, from, to) = (other.signum(), self.positions[k - 1], self.positions[k]);
+                let slope = |sigma: f64| self.at(sigma)[function][1] * sign;
+                let sigma = false_position(slope, (from, one * sign), (to, other * sign), CLOSE * (to - from));
                 widen(self.at(sigma)[function][0]);
                 stationary.push(sigma);
             }

@@ -37,6 +37,9 @@ pub const MOST_DEPENDENCIES: usize = 50_000_000;
 /// Most comparisons that [`initial_dependencies`] makes: some seconds of work.
 const MOST_COMPARISONS: usize = 10_000_000;
 
+/// Most bytes of the numbers of variables that [`initial_dependencies`] lists: 1 MB in `modelDescription.xml`.
+const MOST_LISTED: usize = 1 << 20;
+
 /// The variables of a mechanism: inputs, outputs, parameters, then local variables.
 ///
 /// # Errors
@@ -57,8 +60,8 @@ pub fn variables(mechanism: &Mechanism) -> Result<Variables<Quantity>, Definitio
 
 /// For each output of the mechanism the inputs and parameters on which its initial value depends, ascending; for each
 /// other variable none. Each parameter is compared with each element and with each output, so this is not part of
-/// [`variables`]. None if the definition is so large that the comparisons would take minutes: an output may then depend
-/// on every input and every parameter.
+/// [`variables`]. None if the definition is so large that the comparisons would take minutes or the list would have
+/// more than 1 MB in `modelDescription.xml`: an output may then depend on every input and every parameter.
 ///
 /// # Errors
 /// As [`variables`].
@@ -72,7 +75,10 @@ pub fn initial_dependencies(mechanism: &Mechanism) -> Result<Option<Vec<Vec<Refe
         return Ok(None);
     }
     let causes = causes(&source);
-    Ok(Some(build(&source, parameters(), Some((first as Reference, causes)), false).initial))
+    let initial = build(&source, parameters(), Some((first as Reference, causes)), false).initial;
+    // Each number and a blank.
+    let listed = initial.iter().flatten().map(|reference| 2 + (reference + 1).ilog10() as usize).sum::<usize>();
+    Ok(Some(initial).filter(|_| listed <= MOST_LISTED))
 }
 
 /// The variables of a mechanism of which this reduced linkage and the GUID of the interface are kept, without their

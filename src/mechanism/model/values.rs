@@ -51,14 +51,14 @@ impl Model {
         let mut done = 0;
         if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
             (&mut self.state, &self.reduced, self.exchange)
-            && references.iter().any(|r| matches!(variables.quantity(*r), Some(Quantity::Output(_))))
+            && references.iter().any(|r| matches!(variables.quantity_of(*r), Some(Quantity::Output(_))))
         {
             let (mut outputs, inputs) = (motion.outputs(reduced, &self.inputs), &self.inputs.reals);
             for &reference in references {
-                give(match variables.quantity(reference) {
+                give(match variables.quantity_of(reference) {
                     Some(Quantity::Output(output)) => outputs.value(output),
-                    Some(Quantity::Input(i)) => inputs[i],
-                    Some(Quantity::Parameter(i)) => self.parameter_values.parameters[i],
+                    Some(&Quantity::Input(i)) => inputs[i],
+                    Some(&Quantity::Parameter(i)) => self.parameter_values.parameters[i],
                     _ => break,
                 });
                 done += 1;

@@ -12,6 +12,7 @@ use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::{TablePosition, polynomial};
+use std::ops::Range;
 
 /// A motion along sigma whose right-hand side is smooth between events. The state is (sigma, sigma_dot), or (sigma,
 /// sigma_dot, energy lost), or these with more that goes on with them. Bumpers, drives with an efficiency and friction
@@ -51,6 +52,11 @@ pub trait Dynamics<const N: usize>: System<N> {
     /// Number of borders in the space of states at which the right-hand side is less smooth than elsewhere.
     fn borders(&self) -> usize {
         0
+    }
+
+    /// Borders none of which is passed between two states (t, z) of a step, as bounds show. It may be others, too.
+    fn distant_borders(&self, _states: [(f64, &[f64; N]); 2]) -> Range<usize> {
+        0..0
     }
 
     /// Whether a border is a kink of the law that sizes a load.
@@ -277,6 +283,17 @@ where
             Some(network) if N == NETWORKED => own + network.borders(),
             _ if N == DRIVEN => own + BORDERS,
             _ => own,
+        }
+    }
+
+    #[inline]
+    fn distant_borders(&self, states: [(f64, &[f64; N]); 2]) -> Range<usize> {
+        match self.deciding::<N>().filter(|state_loads| state_loads.edges > 0) {
+            Some(state_loads) if self.faces_alike(states.map(|(t, z)| [t, z[0], z[1]])) => {
+                let gaps = state_loads.gap_borders();
+                gaps..gaps + state_loads.edges
+            }
+            _ => 0..0,
         }
     }
 

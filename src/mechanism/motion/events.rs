@@ -115,12 +115,14 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         held != Some(Event::Regime(joint)) && slips.as_ref().is_some_and(|slips| slips.may_leave(dynamics, joint))
     };
     let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
+    let borders = dynamics.borders();
+    let both = [(step.t, &step.start), (step.t + step.h, &step.end)];
+    let distant = if borders > 0 { dynamics.distant_borders(both) } else { 0..0 };
     let passed = |dynamics: &mut D, border: usize| {
-        let ends = [(step.t, &step.start), (step.t + step.h, &step.end)];
-        let [before, after] = ends.map(|(t, z)| dynamics.beyond_border(border, t, z));
+        let [before, after] = both.map(|(t, z)| dynamics.beyond_border(border, t, z));
         before * after < 0.0
     };
-    let is_passed = (0..dynamics.borders()).any(|border| passed(dynamics, border));
+    let is_passed = (0..borders).any(|border| !distant.contains(&border) && passed(dynamics, border));
     let is_held = |switch: usize| held == Some(Event::Switch(switch));
     let mut switching = 0_u64;
     for switch in (0..dynamics.switches().min(64)).filter(|&switch| !is_held(switch)) {
@@ -153,7 +155,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         offer(passage_of_switch(dynamics, integrator, step, dense, switch), Event::Switch(switch));
     }
     if is_passed {
-        for border in 0..dynamics.borders() {
+        for border in 0..borders {
             if passed(dynamics, border) {
                 offer(Some(border_passage(dynamics, step, dense, border)), Event::Border(border));
             }
@@ -334,7 +336,8 @@ fn bumper_event<D: Dynamics<N>, const N: usize>(
     Bounded { f, bounds, locate }.first_rise(start, PARTS)
 }
 
-/// Part of a step after which a border is passed that is between its ends.
+/// Part of a step after which a border is passed that is between its ends: where a state is at it, or else located as a
+/// change of regime.
 #[cold]
 fn border_passage<D: Dynamics<N>, const N: usize>(
     dynamics: &mut D,
@@ -343,8 +346,19 @@ fn border_passage<D: Dynamics<N>, const N: usize>(
     border: usize,
 ) -> f64 {
     let mut beyond = |part: f64| dynamics.beyond_border(border, step.t + part * step.h, &dense.at(part));
-    let after = beyond(1.0);
-    bisect(|part| beyond(part) * after > 0.0, 0.0, 1.0)[1]
+    let [before, after] = [0.0, 1.0].map(&mut beyond);
+    let mut there = None;
+    let excess = |part: f64| {
+        if there.is_none() {
+            match beyond(part) * after.signum() {
+                0.0 => there = Some(part),
+                excess => return excess,
+            }
+        }
+        1.0
+    };
+    let passed = false_position(excess, (0.0, before * after.signum()), (1.0, after.abs()), REGIME_TOLERANCE);
+    there.unwrap_or(passed)
 }
 
 /// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.

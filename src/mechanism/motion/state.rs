@@ -374,6 +374,12 @@ impl State {
         saved.time.pass(h);
     }
 
+    /// Allocate what a step may need later than the first one.
+    pub fn prepare(&mut self, reduced: &Reduced) {
+        let state_loads = self.state_loads(reduced).ok().flatten();
+        self.scratch.panel_force.prepare(reduced.at(self.sigma), state_loads);
+    }
+
     /// The whole revolutions before sigma are others: what was counted on over them no longer holds.
     pub fn recount(&mut self) {
         self.memory.recount();
@@ -437,6 +443,6 @@ impl State {
     /// Displacement of a load, counted on over whole revolutions.
     pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
         let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
-        reduced.displacement_at(load, self.sigma) + growth
+        reduced.displacement_at(load, self.sigma, self.scratch.panel_force.panel()) + growth
     }
 }

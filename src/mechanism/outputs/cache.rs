@@ -7,7 +7,7 @@ use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::outputs::evaluator::OutputError;
-use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
+use crate::mechanism::reduced::{ExactReactions, PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
 use crate::numerics::table::TablePosition;
@@ -23,6 +23,8 @@ pub struct OutputCache<N: Differentiable> {
     pub position: Option<TablePosition>,
     /// Panel of the table of the coordinates in which sigma was last.
     pub panel: usize,
+    /// S_sigma and S_sigma_sigma of the drive asked for last, once evaluated in this state.
+    pub slopes: Option<(usize, [N; 2])>,
     /// Reaction of each joint, once evaluated in this state.
     pub reactions: Vec<Option<[N; 3]>>,
     /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
@@ -33,6 +35,8 @@ pub struct OutputCache<N: Differentiable> {
     pub has_reactions: bool,
     /// What reactions are sums of, once one has been evaluated in this state.
     pub shares: Shares<N>,
+    /// Reactions that have no table.
+    pub exact: ExactReactions,
     /// Values of the polynomials of a reaction.
     pub values: Vec<[N; ROW]>,
     /// Flows of the network, with room for them where there is one, and whether they are those of this state.
@@ -74,11 +78,13 @@ impl<N: Differentiable> OutputCache<N> {
             forces: None,
             position: None,
             panel: 0,
+            slopes: None,
             reactions: vec![None; reduced.linkage().joints.len()],
             groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
             transmitted: vec![None; reduced.loading().meshes.len()],
             has_reactions: false,
             shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
+            exact: ExactReactions::default(),
             values: Vec::new(),
             network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
             computed: Computed::default(),
@@ -96,7 +102,7 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.position) = (None, None);
+        (self.forces, self.position, self.slopes) = (None, None, None);
         if let Some((_, is_known)) = &mut self.network {
             *is_known = false;
         }
@@ -207,6 +213,11 @@ pub struct GroupReactions {
     pub given: GroupRows,
     /// Whether the first term is that of the present sizes.
     pub has_applied: bool,
+    /// The loads of which the reactions to size 1 are kept on this panel, so that another size needs sums alone; none
+    /// where many act.
+    pub kept: Vec<usize>,
+    /// These reactions, load by load.
+    pub units: Vec<Row>,
     /// The reactions to the loads that the state sizes, which [`Shares::state`] multiplies.
     pub state: GroupRows,
     /// Whether the loads that the state sizes include those of moving air.

@@ -147,9 +147,9 @@ pub trait Kinematics<N: Number> {
 pub fn evaluate<N: Number, K: Kinematics<N>>(
     motion: &mut K,
     loading: &Loading,
-    output: Output,
+    output: &Output,
 ) -> Result<N, OutputError> {
-    Ok(match output {
+    Ok(match *output {
         Output::Angle { body, order } => motion.angle(body, order)?,
         Output::JointPosition { coordinate, order } => motion.joint_position(coordinate, order)?,
         Output::Displacement { load, order } => motion.displacement(load, order)?,

@@ -19,9 +19,7 @@ impl<N: Reading> View<'_, N> {
             return self.limit(drive, term == OneElement::UpperLimit).map(N::constant);
         }
         let loading = self.reduced.loading();
-        let (table, position) = self.reduced.displacement_around(drive, self.state.sigma)?;
-        let slope = self.before_derivative(table, position, 1);
-        let curvature = self.component(table, position, 2);
+        let [slope, curvature] = self.slopes_of(drive)?;
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);
         let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
@@ -64,14 +62,27 @@ impl<N: Reading> View<'_, N> {
         Ok(finite(value))
     }
 
+    /// S_sigma and S_sigma_sigma of a drive; found once for a state.
+    #[inline]
+    fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
+        if let Some((own, slopes)) = self.cache.slopes
+            && own == drive
+        {
+            return Ok(slopes);
+        }
+        let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
+        let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
+        self.cache.slopes = Some((drive, slopes));
+        Ok(slopes)
+    }
+
     /// Least or largest displacement of a drive that stops and locks leave [m] or [rad]: the present one while a rigid
     /// stop or a lock holds the mechanism, else that at the rigid stop that ends the travel in this sense.
     /// -[`NO_LIMIT`] or [`NO_LIMIT`] where none does, and where the drive is at a dead centre or passes one before.
-    fn limit(&self, drive: usize, upper: bool) -> Result<f64, OutputError> {
+    fn limit(&mut self, drive: usize, upper: bool) -> Result<f64, OutputError> {
         let (reduced, state) = (self.reduced, self.state);
         let none = if upper { NO_LIMIT } else { -NO_LIMIT };
-        let (table, position) = reduced.displacement_around(drive, state.sigma)?;
-        let slope = table.value(position, 1);
+        let slope = self.slopes_of(drive)?[0].value();
         if slope == 0.0 {
             return Ok(none);
         }
@@ -88,7 +99,7 @@ impl<N: Reading> View<'_, N> {
         let (sigma, revolutions) = reduced.unwound(end.position);
         let stretch = reduced.at(sigma);
         let (table, position) = stretch.displacement_around(drive, sigma)?;
-        let there = reduced.displacement_at(drive, sigma) + revolutions * reduced.load_growth(drive);
+        let there = reduced.displacement_at(drive, sigma, position.panel) + revolutions * reduced.load_growth(drive);
         // The displacement rises or falls on all the way.
         let ahead = (there - here) * slope * outward(side) >= 0.0 && table.value(position, 1) * slope > 0.0;
         Ok(if ahead { there } else { none })
@@ -125,9 +136,7 @@ impl<N: Reading> View<'_, N> {
 
     /// Force of a drive for an acceleration of it: inverse dynamics, [CK16] eqs. (16), (37).
     pub fn force_for(&mut self, drive: usize, acceleration: N) -> Result<N, OutputError> {
-        let (table, position) = self.reduced.displacement_around(drive, self.state.sigma)?;
-        let slope = self.before_derivative(table, position, 1);
-        let curvature = self.component(table, position, 2);
+        let [slope, curvature] = self.slopes_of(drive)?;
         let (sigma_dot, efficiency) = (self.sigma_dot(), self.reduced.loading().drives[drive].efficiency);
         let speed = (slope * sigma_dot).value();
         let along = (acceleration - curvature * sigma_dot * sigma_dot) / slope;

@@ -8,7 +8,7 @@ use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spri
 use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
-use crate::mechanism::reduced::PanelTable;
+use crate::mechanism::reduced::{PanelTable, Reduced};
 use crate::numerics::bundle::{ROW, each_at};
 
 /// Force x, force y, moment.
@@ -74,18 +74,33 @@ impl<'a, N: Reading> View<'a, N> {
             // The exact evaluator has no derivative along sigma.
             Err(at) if !sigma.is_constant() => return Err(at.into()),
             Err(_) => {
-                let units = reduced.exact_reaction(joint, at);
-                let applied = (0..reduced.components().sized).filter(|load| !self.causes().decided().contains(load));
-                let applied = applied.map(|load| (2 + load, self.size(load)));
-                let given = self.causes().given_columns().zip(self.cache.shares.given.iter().copied());
-                let state = self.causes().state_columns().zip(self.cache.shares.state.iter().copied());
-                for (column, size) in applied.chain(given).chain(state) {
-                    add(&units[column], size, &mut value[..parts]);
-                }
+                reduced.exact_reactions(at, &mut self.cache.exact);
+                self.add_exactly(joint, &mut value[..parts])?;
             }
         }
         self.add_held(joint, &mut value[..parts])?;
         Ok(value)
+    }
+
+    /// Add the reaction to all that causes it, of a joint that has no table at sigma.
+    #[cold]
+    fn add_exactly(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
+        let reduced = self.reduced;
+        let loading = reduced.loading();
+        let mut passive = Vec::new();
+        for spring in reduced.passive_springs() {
+            passive.push((2 + loading.springs[spring].load, -spring_force(self, loading, spring)?));
+        }
+        let applied = (0..reduced.components().sized).filter(|load| !self.causes().decided().contains(load));
+        let applied = applied.map(|load| (2 + load, self.size(load)));
+        let given = self.causes().given_columns().zip(self.cache.shares.given.iter().copied());
+        let given = given.filter(|(column, _)| *column < 2 + loading.base());
+        let state = self.causes().state_columns().zip(self.cache.shares.state.iter().copied());
+        let units = of_joint(self.cache.exact.reactions(), reduced, joint);
+        for (column, size) in applied.chain(given).chain(passive).chain(state) {
+            add(units(column), size, value);
+        }
+        Ok(())
     }
 
     /// What causes reactions in this state.
@@ -106,8 +121,11 @@ impl<'a, N: Reading> View<'a, N> {
         given.push(sigma_dot * sigma_dot);
         given.extend(self.causes().decided().iter().map(|&load| self.delivered(load)));
         let loading = self.reduced.loading();
-        for spring in 0..loading.springs.len() {
+        for &spring in self.reduced.active_springs() {
             given.push(-spring_force(self, loading, spring)?);
+        }
+        if self.reduced.sums_springs() {
+            given.push(N::constant(1.0));
         }
         let shares = &mut self.cache.shares;
         (shares.given, shares.are_known) = (given, true);
@@ -191,25 +209,28 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// Add the reaction to what belongs to one column, of this size.
-    fn add_column(&self, joint: usize, column: usize, size: N, value: &mut [N]) -> Result<(), OutputError> {
+    fn add_column(&mut self, joint: usize, column: usize, size: N, value: &mut [N]) -> Result<(), OutputError> {
         if size.value() == 0.0 && size.is_constant() {
             return Ok(());
         }
         let (reduced, given) = (self.reduced, 2 + self.reduced.loading().base());
         let at = self.state.sigma;
         let (piece, own, columns) = match column.checked_sub(given) {
-            None => (reduced.reaction(joint, at), column, given),
+            None => (reduced.reaction(joint, at), column, reduced.reaction_terms()),
             Some(own) => (reduced.state_reaction(joint, at), own, 2 + reduced.loading().loads.len() - given),
         };
         match piece {
             Ok(PanelTable { table, .. }) => {
-                let position = table.position(self.state.sigma);
+                let position = self.position(table);
                 for (part, sum) in value.iter_mut().enumerate() {
                     *sum = *sum + size * self.component(table, position, part * columns + own);
                 }
             }
             Err(at) if !self.sigma().is_constant() => return Err(at.into()),
-            Err(_) => add(&reduced.exact_reaction(joint, self.state.sigma)[column], size, value),
+            Err(_) => {
+                let units = reduced.exact_reactions(self.state.sigma, &mut self.cache.exact);
+                add(of_joint(units, reduced, joint)(column), size, value);
+            }
         }
         Ok(())
     }
@@ -221,10 +242,10 @@ impl<'a, N: Reading> View<'a, N> {
         match reduced.state_reaction(joint, sigma) {
             Err(at) if !self.sigma().is_constant() => Err(at.into()),
             _ => {
-                let units = reduced.exact_reaction(joint, sigma);
-                for (column, size) in self.causes().state_columns().zip(&self.cache.shares.state) {
-                    add(&units[column], *size, value);
-                }
+                let columns = self.causes().state_columns();
+                let OutputCache { exact, shares, .. } = &mut *self.cache;
+                let units = of_joint(reduced.exact_reactions(sigma, exact), reduced, joint);
+                columns.zip(&shares.state).for_each(|(column, size)| add(units(column), *size, value));
                 Ok(())
             }
         }
@@ -276,6 +297,12 @@ fn sum_terms<N: Reading>(
         }
     }
     sums
+}
+
+/// The reactions of one joint, by columns, among those of all.
+fn of_joint<'a>(all: &'a [Reaction], reduced: &Reduced, joint: usize) -> impl Fn(usize) -> &'a Reaction {
+    let joints = reduced.linkage().joints.len();
+    move |column| &all[column * joints + joint]
 }
 
 /// Add the reaction to a load of this size.

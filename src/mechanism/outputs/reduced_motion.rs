@@ -216,13 +216,33 @@ impl ReducedMotion {
         if view.loads.undriven.is_some() {
             view.check_placed()?;
         }
-        evaluate(&mut view, reduced.loading(), output)
+        evaluate(&mut view, reduced.loading(), &output)
     }
 
     /// The outputs of this state under these inputs, to be read one after the other.
     #[inline]
     pub fn outputs<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> Outputs<'a> {
-        Outputs { view: self.view(reduced, inputs), loading: reduced.loading() }
+        let view = self.view(reduced, inputs);
+        view.cache.panel = view.reduced.influence().panel_near(view.state.sigma, view.cache.panel);
+        Outputs { view, loading: reduced.loading() }
+    }
+
+    /// Allocate what steps, these outputs and their derivatives would otherwise allocate when they are first computed.
+    pub fn prepare(&mut self, reduced: &Reduced, inputs: &Inputs, outputs: impl Iterator<Item = Output>) {
+        self.state.prepare(reduced);
+        let (here, air) = (reduced.at(self.state.sigma), self.cache.scratch.air);
+        if let Ok(state_loads) = here.state_loads(air) {
+            self.cache.scratch.panel_force.prepare(here, state_loads);
+        }
+        for &sigma in here.curve().crossings.iter().chain([&self.state.sigma]) {
+            here.exact_reactions(sigma, &mut self.cache.exact);
+        }
+        self.head_for(reduced, inputs, [1.0, 0.0], &|_| 1.0);
+        for output in outputs {
+            _ = self.output(reduced, inputs, output);
+            _ = self.derivative(reduced, inputs, output);
+        }
+        self.cache.begin();
     }
 
     /// Stiffness and damping of small motions, as [`Kinematics::small_motion`].
@@ -274,7 +294,7 @@ pub struct Outputs<'a> {
 impl Outputs<'_> {
     /// Value of an output; NaN where it has none.
     #[inline]
-    pub fn value(&mut self, output: Output) -> f64 {
+    pub fn value(&mut self, output: &Output) -> f64 {
         if self.view.loads.undriven.is_some() && self.view.check_placed().is_err() {
             return f64::NAN;
         }
@@ -342,7 +362,7 @@ impl ReducedMotion {
         if view.loads.undriven.is_some() {
             view.check_placed()?;
         }
-        let derivative = evaluate(&mut view, reduced.loading(), output)?.slope[0];
+        let derivative = evaluate(&mut view, reduced.loading(), &output)?.slope[0];
         if derivative.is_nan() {
             // Of the acceleration, along which the direction leads.
             view.forces()?;

@@ -39,8 +39,10 @@ impl<'a> Causes<'a> {
 
     /// Columns of a joint's reactions for [`Shares::given`](super::cache::Shares::given).
     pub fn given_columns(&self) -> impl Iterator<Item = usize> + Clone + use<'a> {
-        let springs = self.reduced.loading().springs.iter().map(|spring| spring.load);
-        [0, 1].into_iter().chain(self.decided().iter().copied().chain(springs).map(|load| 2 + load))
+        let reduced = self.reduced;
+        let springs = reduced.active_springs().iter().map(|&spring| reduced.loading().springs[spring].load);
+        let sum = reduced.sums_springs().then(|| reduced.reaction_terms() - 1);
+        [0, 1].into_iter().chain(self.decided().iter().copied().chain(springs).map(|load| 2 + load)).chain(sum)
     }
 
     /// Columns of a joint's reactions for [`Shares::state`](super::cache::Shares::state).
@@ -69,41 +71,72 @@ impl<'a> Causes<'a> {
     #[cold]
     #[inline(never)]
     pub fn enter_given(&self, loads: &mut PresentLoads, group: usize) {
+        let decided = self.decided();
+        let PresentLoads { sizes, reactions, .. } = loads;
+        let sized = sizes[..self.reduced.components().sized].iter().copied().enumerate();
+        let acting = sized.filter(|(load, size)| *size != 0.0 && !decided.contains(load));
+        let reactions = &mut reactions[group];
+        reactions.has_applied = true;
+        let is_kept =
+            || !reactions.kept.is_empty() && acting.clone().map(|(load, _)| load).eq(reactions.kept.iter().copied());
+        if !(reactions.given.holds(self.sigma) && is_kept()) {
+            return self.enter_panel(reactions, acting, group);
+        }
+        let GroupReactions { parts, given, units, .. } = reactions;
+        given.rows[..*parts].fill(Row::ZERO);
+        for ((_, size), units) in acting.zip(units.chunks_exact(*parts)) {
+            given.rows.iter_mut().zip(units).for_each(|(row, unit)| row.add(size, unit));
+        }
+    }
+
+    /// [`Self::enter_given`] from the tables.
+    fn enter_panel(
+        &self,
+        reactions: &mut GroupReactions,
+        acting: impl Iterator<Item = (usize, f64)> + Clone,
+        group: usize,
+    ) {
+        /// Loads of which the reactions are kept.
+        const MOST_KEPT: usize = 8;
         let Self { reduced, sigma, .. } = *self;
         let joints = joints_of(reduced, group);
         let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
         let most = joints.clone().map(|joint| parts_of(reduced, joint)).max().unwrap_or(0);
-        let lengths = self.lengths(group);
-        let (decided, others, columns) = (self.decided(), self.given_columns(), 2 + reduced.loading().base());
-        let PresentLoads { sizes, reactions, .. } = loads;
-        let GroupReactions { parts, given, has_applied, .. } = &mut reactions[group];
-        let series = |panels: &[usize; ROW], k: usize, part: usize, column: usize| match tables[k] {
-            Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
-            _ => ZERO,
+        let (lengths, columns) = (self.lengths(group), reduced.reaction_terms());
+        let GroupReactions { parts, given, kept, units, .. } = reactions;
+        let row = |panels: &[usize; ROW], part: usize, column: usize| {
+            Row::of(std::array::from_fn(|k| match tables[k] {
+                Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
+                _ => ZERO,
+            }))
         };
         *parts = most;
         if !given.holds(sigma) {
             given.enter(&tables[..joints.len()], sigma);
             given.rows.resize(most, Row::ZERO);
-            for column in others {
-                let row = |part| Row::of(std::array::from_fn(|k| series(&given.panels, k, part, column)));
-                given.rows.extend((0..most).map(row));
+            for column in self.given_columns() {
+                given.rows.extend((0..most).map(|part| row(&given.panels, part, column)));
             }
         }
-        let sized = sizes[..reduced.components().sized].iter().enumerate();
-        let acting = sized.filter(|(load, size)| **size != 0.0 && !decided.contains(load));
-        let (rows, panels) = (&mut given.rows, &given.panels);
-        for (part, row) in rows[..most].iter_mut().enumerate() {
-            let mut applied = [[0.0; NODES]; ROW];
-            for (load, size) in acting.clone() {
-                for (k, sums) in applied.iter_mut().enumerate() {
-                    let series = series(panels, k, part, 2 + load);
-                    sums.iter_mut().zip(series).for_each(|(sum, c)| *sum += size * c);
+        kept.clear();
+        units.clear();
+        let keeps = acting.clone().count() <= MOST_KEPT;
+        let most_kept = reduced.components().sized.min(MOST_KEPT);
+        kept.reserve_exact(most_kept);
+        units.reserve_exact(most_kept * most);
+        given.rows[..most].fill(Row::ZERO);
+        for (load, size) in acting {
+            for part in 0..most {
+                let unit = row(&given.panels, part, 2 + load);
+                given.rows[part].add(size, &unit);
+                if keeps {
+                    units.push(unit);
                 }
             }
-            *row = Row::of(applied.each_ref());
+            if keeps {
+                kept.push(load);
+            }
         }
-        *has_applied = true;
     }
 
     /// Take the polynomials of a group of joints at sigma for the loads that the state sizes: their tables, made when

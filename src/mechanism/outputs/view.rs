@@ -96,6 +96,12 @@ impl<'a, N: Reading> View<'a, N> {
         self.cache.direction.s.chain(self.state.sigma_dot, self.cache.direction.along[1])
     }
 
+    /// Position of sigma in a table: mostly on the panel on which it is in the table of the coordinates.
+    #[inline]
+    pub fn position(&self, table: &Table) -> TablePosition {
+        table.position_near(self.state.sigma, self.cache.panel)
+    }
+
     /// A component of a table; its derivative along sigma is that of the polynomial.
     #[inline]
     pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
@@ -118,7 +124,7 @@ impl<'a, N: Reading> View<'a, N> {
     /// S_sigma of a sized load.
     pub fn influence(&self, load: usize) -> N {
         let table = self.reduced.influence();
-        self.component(table, table.position(self.state.sigma), load)
+        self.component(table, self.position(table), load)
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
@@ -143,20 +149,23 @@ impl<'a, N: Reading> View<'a, N> {
     /// Derivative along sigma of S_sigma of a sized load.
     pub fn influence_slope(&self, load: usize) -> N {
         let (table, sigma) = (self.reduced.influence(), self.sigma());
-        let position = table.position(self.state.sigma);
+        let position = self.position(table);
         let (a, b) = table.borders(position.panel);
         let scale = 2.0 / (b - a);
         let slopes = slopes_of(table.series(position.panel, load));
         polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
     }
 
-    /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. The
-    /// forces found before are forgotten, as delivered forces and state loads are those of the last evaluation.
+    /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. Where the
+    /// state decides loads, the forces found before are forgotten, as delivered forces and state loads are those of the
+    /// last evaluation.
     #[inline(always)]
     pub fn equation(&mut self) -> Result<EquationOfMotion<'_, N>, OutputError> {
-        self.cache.forces = None;
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
         let state_loads = state_loads_under(reduced, inputs)?;
+        if state_loads.is_some() {
+            self.cache.forces = None;
+        }
         let OutputCache { scratch, direction, .. } = &mut *self.cache;
         if state_loads.is_some_and(|s| s.air) != scratch.air {
             *scratch = Scratch::new(state_loads);
@@ -284,12 +293,12 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         if order > 0 {
-            let around = reduced.displacement_around(load, self.state.sigma)?;
+            let around = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
             return self.time_derivative(around, 0, order);
         }
         let slope = match reduced.displacement(load) {
             _ if sigma.is_constant() => 0.0,
-            Ok(table) => table.value(table.position(self.state.sigma), 1),
+            Ok(table) => table.value(self.position(table), 1),
             Err(_) => {
                 let c = reduced.curve().configuration(self.state.sigma);
                 reduced.loading().loads[load].influence(reduced.linkage(), &c)
@@ -300,12 +309,12 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
         let table = self.reduced.marker(marker)?;
-        self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, order)
+        self.time_derivative((table, self.position(table)), 3 * axis, order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
         let table = self.reduced.origin(body)?;
-        self.time_derivative((table, table.position(self.state.sigma)), 3 * axis, 0)
+        self.time_derivative((table, self.position(table)), 3 * axis, 0)
     }
 
     #[inline(never)]
@@ -358,7 +367,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let (table, position) = self.reduced.displacement_around(load, self.state.sigma)?;
+        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
         let slope = self.before_derivative(table, position, 1);
         Ok(finite(-free / slope))
     }

@@ -47,6 +47,11 @@ const COMPONENTS: usize = 2;
 impl SelfStresses {
     pub(super) fn new(closure: &Closure, c: &Configuration, normal: &[f64]) -> Self {
         let linkage = &*closure.linkage;
+        let is_open = |&joint: &usize| matches!(linkage.joints[joint].freedom, Freedom::Prismatic(_));
+        if !closure.redundant() && !linkage.cuts.iter().any(is_open) {
+            let none = || DMatrix::zeros(0, 0);
+            return Self { pairs: Vec::new(), states: none(), inverse: Inverse::Pseudo(none()), size: linkage.size };
+        }
         let mut pairs = Vec::new();
         let mut open = open(closure);
         if open.iter().flatten().any(Option::is_some) {

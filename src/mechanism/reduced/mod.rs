@@ -6,9 +6,11 @@
 mod build;
 mod characteristics;
 mod error;
+mod exact;
 mod knots;
 mod meetings;
 mod model;
+mod prepare;
 mod reactions;
 mod resolved;
 mod snap;
@@ -21,6 +23,7 @@ mod tables;
 mod weight;
 
 pub use error::{ReductionError, if_degrees};
+pub use exact::{ExactMotion, ExactReactions};
 pub use knots::AT_KNOT;
 pub use model::{Built, Reduced};
 pub use reactions::PanelTable;

@@ -7,7 +7,7 @@ use super::reactions::ReactionTables;
 use super::source::{Components, Source};
 use super::state_loads::StateLoads;
 use super::stretches::Beyond;
-use crate::mechanism::curve::{Configuration, Curve, Ends};
+use crate::mechanism::curve::{Curve, Ends};
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::numerics::table::{Grid, Table, Unresolved};
@@ -163,37 +163,5 @@ impl Reduced {
             state_reactions: tables.state_reactions.any(),
             state_loads: [0, 1].map(|air| matches!(self.state_loads[air].get(), Some(Ok(Some(_))))),
         }
-    }
-
-    /// Values at sigma of the functions that the equation of motion reads, from the exact evaluator: those in the table
-    /// of the state loads, or without state loads those of [`Self::influence`].
-    ///
-    /// Where branches cross to the last digit, reactions are the mean of those on both sides: their limit if they have
-    /// one.
-    pub fn exact_motion(&self, state_loads: Option<&StateLoads>, sigma: f64) -> Vec<f64> {
-        /// Distance of both sides, relative to the scale: the error of the mean is as large as its rounding.
-        const ASIDE: f64 = 1e-4;
-        let c = self.curve().configuration(sigma);
-        if c.factors().is_none() {
-            let h = ASIDE * self.scale();
-            let [before, after] =
-                [-h, h].map(|h| self.exact_values(state_loads, &self.curve().configuration(sigma + h)));
-            return before.iter().zip(&after).map(|(a, b)| 0.5 * (a + b)).collect();
-        }
-        self.exact_values(state_loads, &c)
-    }
-
-    /// [`Self::exact_motion`] at a configuration.
-    fn exact_values(&self, state_loads: Option<&StateLoads>, c: &Configuration) -> Vec<f64> {
-        let Source { loading, components, .. } = &self.source;
-        let mut values = vec![0.0; state_loads.map_or(components.count, |s| s.table.components())];
-        if let Some(state_loads) = state_loads {
-            state_loads.fill(&self.source, c, &mut state_loads.scratch(loading), &mut values);
-        } else {
-            let mut springs = Vec::new();
-            self.source.spring_loads(c, &mut springs);
-            components.fill(&springs, |load| loading.loads[load].influence(self.linkage(), c), &mut values);
-        }
-        values
     }
 }

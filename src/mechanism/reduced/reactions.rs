@@ -49,11 +49,33 @@ struct Terms<'a> {
     loads: Range<usize>,
     /// Number of terms left out of sigma_ddot = 1, sigma_dot^2 = 1, then each load = 1.
     skipped: usize,
+    /// Whether the sum of springs is the last term.
+    sums_springs: bool,
 }
 
 impl Reduced {
+    /// Springs that cause reactions one by one, as their forces are no functions of the position.
+    pub fn active_springs(&self) -> &[usize] {
+        &self.source.active_springs
+    }
+
+    /// Springs whose reactions are summed up in a term, the last one of [`Self::reaction`], of size 1.
+    pub fn passive_springs(&self) -> impl Iterator<Item = usize> + '_ {
+        self.source.passive_springs()
+    }
+
+    /// Whether [`Self::reaction`] has the sum of springs as its last term.
+    pub fn sums_springs(&self) -> bool {
+        self.source.active_springs.len() < self.loading().springs.len()
+    }
+
+    /// Number of terms of [`Self::reaction`].
+    pub fn reaction_terms(&self) -> usize {
+        2 + self.loading().base() + usize::from(self.sums_springs())
+    }
+
     /// A joint's reaction around sigma: force x, force y, moment; each for sigma_ddot, sigma_dot^2, each applied load,
-    /// each spring = 1.
+    /// each spring = 1, then for all springs together whose force is a function of the position.
     ///
     /// # Errors
     /// [`Unresolved`] on this panel.
@@ -83,12 +105,19 @@ impl Reduced {
 
     fn terms(&self) -> Terms<'_> {
         let (tables, loads) = (&self.tables.reactions, 0..self.loading().base());
-        Terms { tables, grid: &self.fine, section: stored::reactions, loads, skipped: 0 }
+        Terms {
+            tables,
+            grid: &self.fine,
+            section: stored::reactions,
+            loads,
+            skipped: 0,
+            sums_springs: self.sums_springs(),
+        }
     }
 
     fn state_terms(&self) -> Terms<'_> {
         let (tables, loads) = (&self.tables.state_reactions, self.loading().base()..self.loading().loads.len());
-        Terms { tables, grid: &self.grid, section: stored::state_reactions, loads, skipped: 2 }
+        Terms { tables, grid: &self.grid, section: stored::state_reactions, loads, skipped: 2, sums_springs: false }
     }
 
     #[inline]
@@ -107,12 +136,14 @@ impl Reduced {
 
     #[cold]
     fn tabulate_panel(&self, terms: &Terms, panel: usize) -> Vec<Tabulated> {
-        let Terms { grid, section, loads, skipped, .. } = terms;
+        let Terms { grid, section, loads, skipped, sums_springs, .. } = terms;
         let grid = Grid { borders: grid.borders[panel..panel + 2].to_vec(), ..Grid::clone(grid) };
         let joints = self.linkage().joints.len();
         let sizes = self.reaction_sizes(terms);
         let (count, loads) = (sizes.len() / 3, &self.loading().loads[loads.clone()]);
-        let mut columns = Columns::default();
+        let single = count - usize::from(*sums_springs);
+        let passive: Vec<usize> = self.passive_springs().filter(|_| *sums_springs).collect();
+        let (mut columns, mut springs) = (Columns::default(), Vec::new());
         let mut all = vec![sizes; joints];
         for coupling in &self.linkage().couplings {
             // The third component is a force, too.
@@ -121,10 +152,22 @@ impl Reduced {
         }
         self.source.tabulate(Some(&section(panel)), &grid, &all, &mut |c, values| {
             let reactions = columns.fill(&self.curve().closure, c, loads, *skipped);
+            if *sums_springs {
+                self.source.spring_loads(c, &mut springs);
+            }
             for (joint, v) in values.chunks_exact_mut((3 * count).max(1)).enumerate() {
-                for k in 0..count {
-                    let Reaction { force, moment } = reactions[k * joints + joint];
+                let mut set = |k: usize, Reaction { force, moment }: Reaction| {
                     (v[k], v[count + k], v[2 * count + k]) = (force.x, force.y, moment);
+                };
+                (0..single).for_each(|k| set(k, reactions[k * joints + joint]));
+                if *sums_springs {
+                    let mut sum = Reaction::default();
+                    for spring in passive.iter().map(|&spring| &springs[spring]) {
+                        let unit = reactions[(2 + spring.load) * joints + joint];
+                        sum.force += spring.at_rest * unit.force;
+                        sum.moment += spring.at_rest * unit.moment;
+                    }
+                    set(single, sum);
                 }
             }
         })
@@ -135,7 +178,14 @@ impl Reduced {
         let size = self.linkage().size;
         let of_motion = [self.scale() / size, 1.0 / size];
         let of_loads = terms.loads.clone().map(|load| self.source.displacement_size(load) / size);
-        let forces: Vec<f64> = of_motion.into_iter().skip(terms.skipped).chain(of_loads).collect();
+        let of_spring = |spring: usize| {
+            let spring = &self.loading().springs[spring];
+            let s = self.source.displacement_size(spring.load);
+            spring.force_scale(s) * s / size
+        };
+        let of_springs = terms.sums_springs.then(|| self.passive_springs().map(of_spring).sum());
+        let of_motion = of_motion.into_iter().skip(terms.skipped);
+        let forces: Vec<f64> = of_motion.chain(of_loads).chain(of_springs).collect();
         let moments: Vec<f64> = forces.iter().map(|f| f * size).collect();
         [&forces[..], &forces, &moments].concat()
     }

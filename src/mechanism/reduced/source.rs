@@ -33,6 +33,8 @@ pub(super) struct Source {
     pub(super) curve: Arc<Curve>,
     pub(super) loading: Arc<Loading>,
     pub(super) components: Components,
+    /// Springs whose force is no function of the position: damped ones, and those that wind up.
+    pub(super) active_springs: Arc<[usize]>,
     /// Length along the curve for a motion of 1 rad.
     pub(super) length: f64,
     /// Tables that were kept, if there are any.
@@ -42,8 +44,8 @@ pub(super) struct Source {
 /// Sizes of a spring's load in the components to which it contributes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SpringLoad {
-    load: usize,
-    at_rest: f64,
+    pub(super) load: usize,
+    pub(super) at_rest: f64,
     /// Size for sigma_dot = 1.
     damping: f64,
     /// Size for one revolution.
@@ -64,12 +66,20 @@ impl Source {
         let damping = next(loading.springs.iter().any(|s| s.damping != 0.0));
         let winding = next(loading.springs.iter().any(winds));
         let components = Components { sized, springs, damping, winding, count };
+        let is_active = |(_, spring): &(usize, &Spring)| spring.is_damped() || winds(spring);
+        let active = loading.springs.iter().enumerate().filter(is_active).map(|(index, _)| index);
+        let active_springs = active.collect();
         let length = length.unwrap_or_else(|| curve.scale());
-        Self { curve, loading, components, length, stored: None }
+        Self { curve, loading, components, active_springs, length, stored: None }
     }
 
     pub(super) fn linkage(&self) -> &Linkage {
         self.curve.linkage()
+    }
+
+    /// Springs whose force is a function of the position.
+    pub(super) fn passive_springs(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.loading.springs.len()).filter(|index| !self.active_springs.contains(index))
     }
 
     /// Whether the characteristic of a spring is none of the position on the curve, as S grows over each revolution.

@@ -5,7 +5,7 @@
 //! sizes, friction and moving air there is no such table. It must not know states.
 mod kinks;
 
-pub use kinks::{Argument, Kink};
+pub use kinks::{Argument, Facings, Kink};
 
 use super::source::{Source, SpringLoad};
 use crate::codec::checksum::fnv1a;
@@ -52,6 +52,10 @@ pub struct StateLoads {
     pub springs: Vec<usize>,
     /// Kinks of the laws by which the state sizes loads. A step ends there.
     pub kinks: Vec<Kink>,
+    /// How many of them, the first ones, are surfaces that the air flows along.
+    pub edges: usize,
+    /// On each panel of the table, which way all surfaces face the air; none without kinks of drag.
+    facings: Vec<Facings>,
     /// Joints with friction.
     pub friction_joints: Vec<FrictionJoint>,
     /// The prismatic ones among them and the couplings, by their indices there: their normal or transmitted forces have
@@ -252,6 +256,8 @@ impl StateLoads {
             bumpers,
             springs,
             kinks: Vec::new(),
+            edges: 0,
+            facings: Vec::new(),
             friction_joints,
             prismatic,
             groups,
@@ -268,7 +274,8 @@ impl StateLoads {
             known.filter(|known| known.section == state_loads.section)
         {
             let (table, bundle, caused_by_applied) = (table.clone(), bundle.clone(), caused_by_applied.clone());
-            return Ok(Some(Self { table, bundle, caused_by_applied, ..state_loads }));
+            let found = Self { table, bundle, caused_by_applied, ..state_loads };
+            return Ok(Some(found.with_facings(source)));
         }
         let sizes = state_loads.sizes(source);
         let mut scratch = state_loads.scratch(loading);
@@ -281,7 +288,7 @@ impl StateLoads {
         let own = &state_loads;
         let of_applied = |k: usize| Bundle::new(&own.table, (1..own.rows()).map(move |row| own.given(row, k)));
         state_loads.caused_by_applied = (0..state_loads.given).map(of_applied).collect();
-        Ok(Some(state_loads))
+        Ok(Some(state_loads.with_facings(source)))
     }
 
     fn section_of(&self, source: &Source) -> String {

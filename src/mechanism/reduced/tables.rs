@@ -1,4 +1,4 @@
-//! Tables of the reduced model that are built at their first use, and exact values where no table resolves a function.
+//! Tables of the reduced model that are built at their first use.
 //!
 //! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies. It must not know states or
 //! inputs.
@@ -42,27 +42,46 @@ impl Reduced {
     /// [`Unresolved`] in a gap.
     #[inline]
     pub fn displacement_around(&self, load: usize, sigma: f64) -> Result<(&Table, TablePosition), Unresolved> {
-        let table = match self.displacement(load) {
-            Ok(table) => return Ok((table, table.position(sigma))),
-            Err(_) => self.tables.gapped[load].get_or_init(|| {
-                let size = self.source.derivative_sizes(self.source.displacement_size(load)).to_vec();
-                let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
-                let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
-                self.source.tabulate_with_gaps(&self.grid, size, &mut fill)
-            }),
-        };
+        self.displacement_near(load, sigma, 0)
+    }
+
+    /// [`Self::displacement_around`], with the search starting at a panel and its neighbours.
+    ///
+    /// # Errors
+    /// As [`Self::displacement_around`].
+    #[inline(always)]
+    pub fn displacement_near(
+        &self,
+        load: usize,
+        sigma: f64,
+        panel: usize,
+    ) -> Result<(&Table, TablePosition), Unresolved> {
+        match self.displacement(load) {
+            Ok(table) => Ok((table, table.position_near(sigma, panel))),
+            Err(_) => self.gapped_around(load, sigma),
+        }
+    }
+
+    #[cold]
+    fn gapped_around(&self, load: usize, sigma: f64) -> Result<(&Table, TablePosition), Unresolved> {
+        let table = self.tables.gapped[load].get_or_init(|| {
+            let size = self.source.derivative_sizes(self.source.displacement_size(load)).to_vec();
+            let (linkage, load) = (self.linkage(), &self.loading().loads[load]);
+            let mut fill = |c: &Configuration, v: &mut [f64]| v.copy_from_slice(&load.displacement(linkage, c));
+            self.source.tabulate_with_gaps(&self.grid, size, &mut fill)
+        });
         let table = table.as_ref().map_err(Clone::clone)?;
         let position = table.position(sigma);
         if table.is_gap(position.panel) { Err(Unresolved { sigma, component: 0 }) } else { Ok((table, position)) }
     }
 
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
-    /// close that no table resolves the second derivative.
+    /// close that no table resolves the second derivative. The search starts at a panel and its neighbours.
     #[inline]
-    pub fn displacement_at(&self, load: usize, sigma: f64) -> f64 {
+    pub fn displacement_at(&self, load: usize, sigma: f64, panel: usize) -> f64 {
         let stretch = self.at(sigma);
         match stretch.displacement(load) {
-            Ok(table) => table.value(table.position(sigma), 0),
+            Ok(table) => table.value(table.position_near(sigma, panel), 0),
             Err(_) => self.loading().loads[load].displacement(self.linkage(), &stretch.curve().configuration(sigma))[0],
         }
     }
@@ -94,13 +113,6 @@ impl Reduced {
                 v.copy_from_slice(&[x.x, first.x, second.x, x.y, first.y, second.y]);
             }
         })
-    }
-
-    /// A joint's reaction at sigma from the exact evaluator, for a reaction that no table resolves because it is
-    /// unbounded somewhere: a column for sigma_ddot = 1, for sigma_dot^2 = 1, then for each load = 1.
-    pub fn exact_reaction(&self, joint: usize, sigma: f64) -> Vec<Reaction> {
-        let all = columns(&self.curve().closure, &self.curve().configuration(sigma), &self.loading().loads);
-        all.iter().map(|column| column[joint]).collect()
     }
 
     /// Name of the joint in which most of the friction is that an acceleration causes: the largest product of the

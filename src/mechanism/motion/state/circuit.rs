@@ -173,7 +173,7 @@ pub fn check_length(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<(
     let loading = reduced.loading();
     for (index, &load) in loading.hydraulic_loads().iter().enumerate() {
         let Some(laws) = loading.cylinder(index) else { continue };
-        let length = reduced.displacement_at(load, sigma) + revolutions * reduced.load_growth(load);
+        let length = reduced.displacement_at(load, sigma, 0) + revolutions * reduced.load_growth(load);
         if !laws.has_length(length) {
             let name = [&loading.drives[load].name, ".length"].concat();
             return Err(ModelError::Stroke { name, length, lengths: laws.lengths() });
