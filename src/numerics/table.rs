@@ -271,19 +271,14 @@ impl Table {
 
     #[inline(never)]
     fn panel_beside(&self, sigma: f64, panel: usize) -> usize {
-        if self.holds(panel + 1, sigma) {
-            panel + 1
-        } else if panel > 0 && self.holds(panel - 1, sigma) {
-            panel - 1
-        } else {
-            self.panel(sigma)
-        }
+        let mut beside = [panel + 1, panel.wrapping_sub(1)].into_iter();
+        beside.find(|panel| self.holds(*panel, sigma)).unwrap_or_else(|| self.panel(sigma))
     }
 
     /// Whether there is this panel and sigma is on it.
     #[inline(always)]
     fn holds(&self, panel: usize, sigma: f64) -> bool {
-        panel + 1 < self.borders.len() && self.borders[panel] <= sigma && sigma < self.borders[panel + 1]
+        panel < self.borders.len().saturating_sub(1) && self.borders[panel] <= sigma && sigma < self.borders[panel + 1]
     }
 
     /// Position of sigma.

@@ -5,8 +5,8 @@
 use super::model::Reduced;
 use std::f64::consts::TAU;
 
-/// Distance from the guess up to which an open curve is prepared, in radians of the mechanism's motion: 100 turns, or as
-/// many times 2 pi sizes of the linkage where nothing turns.
+/// Distance from the guess up to which an open curve is prepared, in radians of the mechanism's motion: 100 turns, or
+/// 200 pi sizes of the linkage where nothing turns.
 const FARTHEST: f64 = 100.0 * TAU;
 
 impl Reduced {
