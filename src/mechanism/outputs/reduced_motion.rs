@@ -12,7 +12,7 @@ use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
 use crate::mechanism::motion::state::{Reached, Start, State};
-use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PresentLoads};
+use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PARTS, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
@@ -229,13 +229,23 @@ impl ReducedMotion {
 
     /// Allocate what steps, these outputs and their derivatives would otherwise allocate when they are first computed.
     pub fn prepare(&mut self, reduced: &Reduced, inputs: &Inputs, outputs: impl Iterator<Item = Output>) {
+        /// Positions on a panel on which a joint has no table.
+        const SAMPLES: i32 = 64;
         self.state.prepare(reduced);
         let (here, air) = (reduced.at(self.state.sigma), self.cache.scratch.air);
         if let Ok(state_loads) = here.state_loads(air) {
             self.cache.scratch.panel_force.prepare(here, state_loads);
+            // Loads that the state sizes need not act at the start.
+            let rows = PARTS * state_loads.map_or(0, |state_loads| state_loads.loads.len());
+            self.loads.reactions.iter_mut().for_each(|group| group.state.rows.reserve(rows));
+            self.cache.values.reserve(rows);
         }
-        for &sigma in here.curve().crossings.iter().chain([&self.state.sigma]) {
-            here.exact_reactions(sigma, &mut self.cache.exact);
+        // At many positions, as the memory that the exact evaluator needs depends on the order of its equations there.
+        let sample = |k: i32, [first, last]: [f64; 2]| first + (last - first) * f64::from(k) / f64::from(SAMPLES);
+        for panel in here.untabled() {
+            for k in 0..=SAMPLES {
+                here.exact_reactions(sample(k, panel), &mut self.cache.exact);
+            }
         }
         self.head_for(reduced, inputs, [1.0, 0.0], &|_| 1.0);
         for output in outputs {

@@ -126,9 +126,9 @@ impl<'a> Causes<'a> {
         units.reserve_exact(most_kept * most);
         given.rows[..most].fill(Row::ZERO);
         for (load, size) in acting {
-            for part in 0..most {
+            for (part, sum) in given.rows[..most].iter_mut().enumerate() {
                 let unit = row(&given.panels, part, 2 + load);
-                given.rows[part].add(size, &unit);
+                sum.add(size, &unit);
                 if keeps {
                     units.push(unit);
                 }

@@ -20,7 +20,8 @@ impl Reduced {
             while let Ok(next) = self.next(stretch, side) {
                 next.prepare_stretch();
                 let (first, last) = next.curve().range;
-                if (if side == 0 { -first } else { last }) >= farthest {
+                let reached = if side == 0 { -first } else { last };
+                if reached >= farthest {
                     break;
                 }
                 stretch = next;

@@ -103,6 +103,17 @@ impl Reduced {
         all
     }
 
+    /// First and last sigma of the panels on which a joint has no table.
+    pub fn untabled(&self) -> Vec<[f64; 2]> {
+        let mut all = Vec::new();
+        for terms in [self.terms(), self.state_terms()] {
+            let has_all = |panel: usize| self.on_panel(&terms, panel).iter().all(Result::is_ok);
+            let panels = (0..terms.tables.0.len()).filter(|&panel| !has_all(panel));
+            all.extend(panels.map(|panel| [terms.grid.borders[panel], terms.grid.borders[panel + 1]]));
+        }
+        all
+    }
+
     fn terms(&self) -> Terms<'_> {
         let (tables, loads) = (&self.tables.reactions, 0..self.loading().base());
         Terms {
