@@ -223,7 +223,7 @@ impl State {
                 (Some(system), Some(drives)) => {
                     system.check_elements()?;
                     let growth = |load: usize| start.revolutions * reduced.load_growth(load);
-                    let length = |load: &usize| reduced.displacement_at(*load, start.sigma) + growth(*load);
+                    let length = |load: &usize| reduced.displacement_at(*load, start.sigma, 0) + growth(*load);
                     let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
                     let state = network_at_start(system, &drives.laws, &lengths);
                     saved.memory.begin_with_network(state, reduced.loading().ports());
