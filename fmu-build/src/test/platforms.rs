@@ -272,11 +272,16 @@ impl Unpacked {
             own.into_iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()))
         };
         let columns = self.outputs.iter().enumerate();
-        let energies = columns.clone().filter(|(_, name)| name.starts_with("energy."));
-        let energy = energies.map(|(column, _)| scale(column)).fold(0.0, f64::max);
-        for (column, name) in columns {
-            // The drift is the rounding of energies.
-            let scale = if name == "energy.drift" { energy } else { scale(column) };
+        for (column, name) in columns.clone() {
+            let scale = match name.rsplit_once('.') {
+                // These are the rounding of the other outputs of their group: of energies, of volumes.
+                Some((group, "drift" | "balance")) => {
+                    let of_group =
+                        columns.clone().filter(|(_, other)| other.rsplit_once('.').is_some_and(|o| o.0 == group));
+                    of_group.map(|(column, _)| scale(column)).fold(0.0, f64::max)
+                }
+                _ => scale(column),
+            };
             let (expected, found) = (values(expected, column), values(found, column));
             for (a, b) in expected.iter().zip(&found) {
                 // Both may be undefined; one alone is a fault.
