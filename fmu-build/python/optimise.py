@@ -118,7 +118,7 @@ def search_everywhere(problem: Problem) -> None:
         vectorized=True,
         constraints=[NonlinearConstraint(problem.excess, -np.inf, 0.0)] if problem.limits else [],
     )
-    problem.why = f"differential evolution: {found.nit} generations of {members}"
+    problem.why = f"differential evolution: {found.nit} generations of {members} designs"
 
 
 def search_nearby(problem: Problem) -> None:
@@ -143,7 +143,7 @@ def search_nearby(problem: Problem) -> None:
                 "feasibility_tol": 0.0,
             },
         )
-        problem.why = problem.why.partition("; ")[0] + f"; COBYQA: {rounds} times"
+        problem.why = problem.why.partition("; ")[0] + f"; local search by COBYQA: {rounds} times"
         _, after, _ = problem.best()
         if before - after <= GAIN * size:
             return

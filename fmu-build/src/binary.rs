@@ -229,7 +229,8 @@ fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> 
     let (format, architecture) = (library.format(), library.architecture());
     if format != platform.format || !platform.architectures.contains(&architecture) {
         bail!(
-            "the file is {format:?} for {architecture:?}, not {:?} for {}",
+            "the file has the format {format:?} for the processor {architecture:?}, but must have the format {:?} for \
+             {}",
             platform.format,
             platform.architectures.iter().map(|a| format!("{a:?}")).collect::<Vec<_>>().join(" or ")
         );

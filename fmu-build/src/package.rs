@@ -88,8 +88,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
             let (path, name) = (fmu.source.definition.display(), &fmu.name);
             let other = other.display();
-            refused
-                .push(format!("{path}: name is {name}, as in {other}; both FMUs would be {name}.fmu, so rename one"));
+            refused.push(format!(
+                "{path}: the key name is {name}, as in {other}; both FMUs would have the file name {name}.fmu, so \
+                 change one of the two names"
+            ));
         }
         prepared.push(fmu);
     }
@@ -192,7 +194,11 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
         // A name such as `.` says nothing; the full path does.
         let folder = folder.canonicalize()?;
         if !folder.ends_with(&name) {
-            bail!("{path}: name is {name}, but the folder is {}; use the same name for both", folder.display());
+            bail!(
+                "{path}: the key name is {name}, but the folder has the name {}; use one name for the key and the \
+                 folder",
+                folder.display()
+            );
         }
     }
     let terminals = terminals::to_xml(&component).with_context(|| path.to_string())?;

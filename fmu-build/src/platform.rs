@@ -122,8 +122,9 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
         *arm = COMPATIBLE;
         if wanted.iter().any(|toolchain| toolchain.folder == COMPATIBLE) {
             bail!(
-                "--compatible: binaries/{COMPATIBLE} can contain only one library, and x86_64-linux uses it; build \
-                 two FMUs, one of them with --platforms {ARM_LINUX} --compatible"
+                "--compatible: the folder binaries/{COMPATIBLE} of an FMU can contain only one library, and the \
+                 library for x86_64-linux is already in this folder; build two FMUs, one of them with --platforms \
+                 {ARM_LINUX} --compatible"
             );
         }
     }

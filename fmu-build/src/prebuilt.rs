@@ -22,8 +22,8 @@ pub fn path(root: &Path, library: &SharedLibrary, folder: &str) -> Result<PathBu
     let mut others: Vec<_> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     others.sort();
     bail!(
-        "the library is not part of this program, which contains {}; install a wheel with this library (`cargo fmu \
-         dist --platforms` builds one), or give a library with --binary {folder}=PATH",
+        "the library for {folder} is not part of this program, which contains libraries for: {}; install a wheel with \
+         this library (`cargo fmu dist --platforms` builds one), or give a library with --binary {folder}=PATH",
         if others.is_empty() { "none".to_owned() } else { others.join(" and ") }
     )
 }
@@ -37,12 +37,15 @@ mod tests {
     fn a_library_that_is_not_there_is_named_with_those_that_are() {
         let root = std::env::temp_dir().join(format!("linkage-fmu prebuilt {}", std::process::id()));
         let message = path(&root, &MECHANISMS, "win64").unwrap_err().to_string();
-        assert!(message.contains("which contains none") && message.contains("--binary win64=PATH"), "{message}");
+        assert!(
+            message.contains("which contains libraries for: none") && message.contains("--binary win64=PATH"),
+            "{message}"
+        );
         let library = root.join("binaries").join("linux64").join("linkage_fmu.so");
         fs::create_dir_all(library.parent().unwrap()).unwrap();
         fs::write(&library, b"").unwrap();
         assert_eq!(path(&root, &MECHANISMS, "linux64").unwrap(), library);
-        assert!(path(&root, &MECHANISMS, "win64").unwrap_err().to_string().contains("which contains linux64;"));
+        assert!(path(&root, &MECHANISMS, "win64").unwrap_err().to_string().contains("libraries for: linux64;"));
         fs::remove_dir_all(&root).unwrap();
     }
 }

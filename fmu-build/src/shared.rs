@@ -99,7 +99,7 @@ mod tests {
             (
                 "unit",
                 r#"{ "parameters": { "a": { "value": 1, "unit": "ft" } } }"#,
-                "no `ft` here; the nearest names are",
+                "`ft` is not allowed here; similar words are",
             ),
         ] {
             let folder = folder(name, common);

@@ -148,9 +148,9 @@ pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entr
         Version::Three => "fmi3InstantiateCoSimulation",
     };
     let mut text = format!(
-        "Static libraries of {model}\n\n\
-         A host can link these archives instead of loading a shared library. Each function has the name of the model\n\
-         in front: {model}_{function}. All other names are local, so that one host can link several FMUs.\n\n"
+        "Static libraries of {model}\n\nA program can link these archives instead of loading a shared library. The \
+         name of each function starts with\nthe name of the model: {model}_{function}. All other names are local, so \
+         one program can link several FMUs.\n\n"
     );
     for library in libraries {
         text += &format!("{}\n", library.path(version, model));

@@ -148,7 +148,11 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     if let Some(archive) = fmu.names().iter().find(is_archive)
         && !pages.iter().any(|page| fmu.names().contains(page))
     {
-        found.errors.push(format!("{shown}: contains {archive}, but no {} about how to link", static_library::PAGE));
+        found.errors.push(format!(
+            "{shown}: contains the static library {archive}, but not the file {}, which explains how to link this \
+             library",
+            static_library::PAGE
+        ));
     }
     for platform in &platforms {
         let within = format!("{}/{platform}/", BINARIES);
@@ -235,9 +239,10 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
         };
         if parts(packed) != parts(meant) {
             let (name, packed, given) = (&meant.name, parts(packed).join(" "), parts(meant).join(" "));
-            found
-                .errors
-                .push(format!("{shown}: {name} is \"{packed}\", but the definition gives \"{given}\"; {remedy}"));
+            found.errors.push(format!(
+                "{shown}: value reference, type, causality, variability and unit of {name} are \"{packed}\", but the \
+                 definition gives \"{given}\"; {remedy}"
+            ));
         }
         if packed.start != meant.start {
             starts.push(meant.name.as_str());

@@ -106,7 +106,7 @@ impl Record<'_> {
         let mut length = known as u64;
         self.word(&mut length)?;
         Damaged::unless(length == known as u64, || {
-            format!("the data contains {length} {name}, but this model needs {known}")
+            format!("{name}: the saved data has {length} entries, but this model needs {known} entries")
         })
     }
 
@@ -117,7 +117,10 @@ impl Record<'_> {
         if let Self::Read(rest) = self {
             let most = (rest.len() / each.max(1)) as u64;
             Damaged::unless(word <= most, || {
-                format!("the data states {word} {name}, but the remaining bytes contain at most {most}")
+                format!(
+                    "{name}: the saved data states {word} entries, but the remaining bytes contain at most {most} \
+                     entries"
+                )
             })?;
         }
         *size = word as usize;
@@ -229,7 +232,7 @@ impl Record<'_> {
 /// The record has ended before a field.
 #[cold]
 fn ended() -> Damaged {
-    Damaged("the data ends too early".to_owned())
+    Damaged("the saved data is incomplete".to_owned())
 }
 
 /// Append a few bytes.

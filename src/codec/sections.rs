@@ -120,7 +120,7 @@ impl Sections {
     fn with_start(origin: Origin, mut start: Vec<u8>, key: u128) -> Result<Self, String> {
         let damaged = || "is damaged".to_owned();
         if start.len() < HEAD || start[..8] != MAGIC {
-            return Err("is not a table file of this program version".to_owned());
+            return Err("is not a table file that this version of the program can read".to_owned());
         }
         if start[8..24] != key.to_le_bytes() {
             return Err("belongs to another definition or another version of the program".to_owned());

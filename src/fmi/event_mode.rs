@@ -36,7 +36,7 @@ impl Instance {
     pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
         if self.usage.model_exchange {
             return Err(Refusal::error(
-                "step mode belongs to co-simulation; this instance was created for model exchange",
+                "step mode belongs to co-simulation, but this instance was created for model exchange",
             ));
         }
         if self.awaits_event {

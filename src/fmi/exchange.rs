@@ -38,7 +38,8 @@ impl Instance {
             return Ok(());
         }
         Err(Refusal::error(
-            "this function belongs to model exchange; this instance was created for co-simulation, so call doStep",
+            "this function belongs to model exchange, but this instance was created for co-simulation; call doStep \
+             instead",
         ))
     }
 

@@ -169,7 +169,9 @@ fn guarded(
 fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
     let message = match instance.phase {
         Phase::Fatal => {
-            "an internal fault ended the instance, which can only be freed, together with its saved states".to_owned()
+            "an internal fault ended the instance; now only the instance and the saved states of the instance can be \
+             freed"
+                .to_owned()
         }
         Phase::Interrupted => format!(
             "not allowed after a step that reached solver.max_steps, at t = {} s; restore an earlier state, or \

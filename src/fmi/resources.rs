@@ -45,8 +45,8 @@ pub fn load(
     let own = component.interface().guid();
     if guid.to_bytes() != own.as_bytes() {
         return Err(Refusal::error(format!(
-            "{guid_argument} is '{}', but the variables of the definition '{}' belong to '{own}'; import the FMU \
-             again, or restore the original names of the elements in the definition",
+            "{guid_argument} is '{}', but the variables of the definition '{}' belong to the GUID '{own}'; import the \
+             FMU again, or restore the original names of the elements in the definition",
             guid.to_bytes().escape_ascii(),
             file.display(),
         )));
@@ -169,8 +169,8 @@ fn without_slash_before_drive(path: &[u8], system: System) -> Vec<u8> {
 fn beside_library() -> Result<PathBuf, Refusal> {
     let library = library_path().ok_or_else(|| {
         Refusal::error(
-            "the resource location is empty, and the folder of the library is unknown; pass the path of the \
-             resources folder",
+            "the resource location is empty, and the FMU cannot find the folder of its library; pass the path of the \
+             resources folder of the FMU",
         )
     })?;
     Ok(resources_beside(&library))

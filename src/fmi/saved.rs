@@ -113,7 +113,8 @@ impl Saved {
         if structure != own[1] {
             let file = component.definition_file();
             return refuse(format!(
-                "the state was saved with a different {file}, and more than values of parameters and inputs differ"
+                "the state was saved with a different {file}; between the two files, only values of parameters and \
+                 inputs may differ"
             ));
         }
         let mut record = Record::Read(&all[HEADER..]);
@@ -121,7 +122,7 @@ impl Saved {
         let (mut tolerance, mut clock) = (None, Clock::default());
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
         let Some(phase) = Phase::at(phase) else {
-            return refuse(format!("phase = {phase}: there is no such phase"));
+            return refuse(format!("the saved phase has the number {phase}, which does not exist"));
         };
         record.flag("event to be handled", &mut awaits_event).map_err(damaged)?;
         record.flag("set up", &mut set_up).map_err(damaged)?;
@@ -132,7 +133,10 @@ impl Saved {
         };
         let component = component.read_snapshot(rest)?;
         if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
-            return refuse(format!("phase = '{}', but the saved state is not initialised", phase.name()));
+            return refuse(format!(
+                "the saved phase is '{}', but the saved state of the model is not initialised",
+                phase.name()
+            ));
         }
         Ok(Saved { phase, awaits_event, set_up, tolerance, clock, component })
     }

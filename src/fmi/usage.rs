@@ -33,8 +33,8 @@ impl Usage {
 #[cold]
 pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
     Refusal::error(format!(
-        "the state was saved in the phase '{}'{}, which this instance does not have; restore the state into an \
-         instance with the same settings",
+        "the state was saved in the phase '{}'{}, but this instance does not have this phase; restore the state into \
+         an instance with the same settings",
         saved.phase.name(),
         if saved.awaits_event { " with an unhandled event" } else { "" }
     ))

@@ -7,13 +7,14 @@ const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; m
 const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author";
 
 super::keys! {
-    /// Author, copyright and licence of a model, one line of text each; the description of the FMU shows them.
+    /// Author, copyright and licence of a model, one line of text each. The FMU states them in its file
+    /// `modelDescription.xml`.
     pub struct About {
-        /// Name and organisation of the model's author. Empty: no author is stated.
+        /// Name and organisation of the model's author. If this text is empty, the FMU states no author.
         author: String => line();
-        /// Copyright of the model. Empty: the FMU states the copyright of the library.
+        /// Copyright of the model. If this text is empty, the FMU states the copyright of the library linkage-fmu.
         copyright: String => line();
-        /// Licence of the model. Empty: the FMU states the licence of the library.
+        /// Licence of the model. If this text is empty, the FMU states the licence of the library linkage-fmu.
         license: String => line();
     }
 }

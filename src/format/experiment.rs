@@ -4,11 +4,11 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 
 super::keys! {
-    /// Default experiment of the FMU, which starts at 0 s.
+    /// Default experiment that the FMU proposes to the simulation tool. The experiment starts at 0 s.
     pub struct Experiment: Copy {
         /// Time at which the default run ends [s], > 0.
         stop_time: f64 = 1.0 => number(Unit::Second, Range::Positive).required();
-        /// Communication step that the FMU proposes to the host [s], > 0.
+        /// Communication step that the FMU proposes to the simulation tool [s], > 0.
         step_size: f64 = 1e-3 => number(Unit::Second, Range::Positive).required();
     }
 }
@@ -17,8 +17,8 @@ impl Experiment {
     /// Key, message and remedy of a step that is longer than the whole run; none if it is not.
     pub fn coarse(&self) -> Option<(&'static str, String, &'static str)> {
         let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
-        let message = format!("is {step} s, longer than the run of {stop} s, so the run is one step of {stop} s");
-        let remedy = "give a step_size below stop_time";
+        let message = format!("is {step} s, but stop_time is {stop} s, so the whole run is one step of {stop} s");
+        let remedy = "give a step_size that is smaller than stop_time";
         (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
     }
 

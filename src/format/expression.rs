@@ -209,7 +209,7 @@ impl<'t> Reader<'t> {
             self.at += 1;
             self.terms(strength + 1)?;
             if strength == POWER && self.is_next('^') {
-                return Err("two powers follow each other: put one of them in parentheses".to_owned());
+                return Err("two powers follow each other: put one of the two powers in parentheses".to_owned());
             }
             self.steps.push(Step::Binary(apply));
         }

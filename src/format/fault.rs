@@ -159,7 +159,7 @@ impl Display for Fault {
             Self::Type { expected, found, remedy } => write!(f, "must be {expected}, not {found}{remedy}"),
             Self::Word(word, words) if words.len() > MANY => {
                 let nearest = nearest(words.iter().copied(), word);
-                write!(f, "there is no `{word}` here; the nearest names are {}", listed(nearest.into_iter(), "and"))
+                write!(f, "`{word}` is not allowed here; similar words are {}", listed(nearest.into_iter(), "and"))
             }
             Self::Word(word, words) => {
                 write!(f, "must be {}, not `{word}`", listed(words.iter().copied(), "or"))?;

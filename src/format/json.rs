@@ -79,7 +79,7 @@ pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
         let end = at + text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
         let path = path.strip_prefix('.').map_or(path.clone(), str::to_owned);
         // A text that ends too early does so in no key.
-        let path = if path.is_empty() || at == text.len() { format!("no {kind}") } else { path };
+        let path = if path.is_empty() || at == text.len() { format!("not a valid {kind}") } else { path };
         DefinitionError::new(path, Fault::Syntax(message)).at(Place::new(text, at..end))
     })
 }
@@ -143,7 +143,7 @@ impl Parser<'_> {
         } else if ["//", "/*", "#"].into_iter().any(starts) {
             "JSON has no comments: remove the comment"
         } else if ["nan", "inf", "-inf"].into_iter().any(starts) {
-            "JSON has no such number: write a finite number, or leave the key out"
+            "JSON has no NaN and no infinity: write a finite number, or leave the key out"
         } else if is_digit(Some(at)) && comma == at.checked_sub(1) && is_digit(at.checked_sub(2)) {
             "write decimals with a point, such as 0.5"
         } else if comma.is_some() && matches!(rest[0], b'}' | b']') {
@@ -177,7 +177,7 @@ impl Parser<'_> {
 
     fn nested(&mut self, read: fn(&mut Self) -> Result<Json, Stop>) -> Result<Json, Stop> {
         if self.depth == DEEPEST {
-            return Err(self.fault("more than 128 brackets are nested: a definition has a few"));
+            return Err(self.fault("more than 128 brackets are nested, but a definition needs only a few levels"));
         }
         self.at += 1;
         self.depth += 1;
@@ -428,14 +428,14 @@ mod tests {
     #[test]
     fn what_is_no_json_is_named_with_its_path_and_place() {
         for (text, said, place) in [
-            ("", "no test: the file is empty", [1, 1]),
-            (" \n", "no test: the file is empty", [2, 1]),
-            ("{ \"a\": 1", "no test: the text ends before its last closing bracket", [1, 9]),
-            ("{ // none\n}", "no test: JSON has no comments", [1, 3]),
-            ("{ \"a\": 1 # none\n}", "no test: JSON has no comments", [1, 10]),
-            ("{ \"a\": NaN }", "a: JSON has no such number", [1, 8]),
+            ("", "not a valid test: the file is empty", [1, 1]),
+            (" \n", "not a valid test: the file is empty", [2, 1]),
+            ("{ \"a\": 1", "not a valid test: the text ends before its last closing bracket", [1, 9]),
+            ("{ // none\n}", "not a valid test: JSON has no comments", [1, 3]),
+            ("{ \"a\": 1 # none\n}", "not a valid test: JSON has no comments", [1, 10]),
+            ("{ \"a\": NaN }", "a: JSON has no NaN", [1, 8]),
             ("{ \"a\": [1, -Infinity] }", "a[1]: ", [1, 13]),
-            ("{ \"a\": 0,5 }", "no test: write decimals with a point", [1, 10]),
+            ("{ \"a\": 0,5 }", "not a valid test: write decimals with a point", [1, 10]),
             ("{ \"a\": { \"b\": [1,] } }", "a.b[1]: a comma stands before the closing bracket", [1, 18]),
             ("{} }", "surplus closing bracket", [1, 4]),
             ("{ a: 1 }", "a key in double quotes", [1, 3]),

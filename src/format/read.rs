@@ -22,7 +22,7 @@ pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed
     let mut faults = Faults::default();
     if text.len() as u64 > LARGEST_DEFINITION {
         let message = format!("the file has {} bytes, but a definition has at most {LARGEST_DEFINITION}", text.len());
-        faults.push(DefinitionError::key(format!("no {kind}"), message));
+        faults.push(DefinitionError::key(format!("not a valid {kind}"), message));
         return faults;
     }
     match parse(kind, text) {
@@ -60,7 +60,7 @@ impl Reader<'_> {
         if self.faults.len() == MOST {
             return;
         }
-        let path = if self.path.is_empty() { format!("no {}", self.kind) } else { self.path.clone() };
+        let path = if self.path.is_empty() { format!("not a valid {}", self.kind) } else { self.path.clone() };
         self.faults.push(DefinitionError::new(path, fault).at(Place::new(self.text, span.clone())));
     }
 

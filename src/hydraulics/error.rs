@@ -86,7 +86,7 @@ impl fmt::Display for HydraulicsError {
                 f,
                 "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m \
                  (cylinder.closed_length + cylinder.stroke); connect actuator.reduced_mass and preview.force_mean, so \
-                 that the actuator can stop the motion there, or use a longer stroke",
+                 that the actuator can stop the motion at the end of the cylinder, or use a longer stroke",
                 Decimal::rounded(*length),
                 Decimal::rounded(*least),
                 Decimal::rounded(*most)
@@ -103,8 +103,8 @@ impl fmt::Display for HydraulicsError {
             ),
             Self::Vacuum { chamber, time } => write!(
                 f,
-                "the absolute pressure of {chamber} fell to 0 {} s after the start of the step: oil without air has no \
-                 absolute pressure below 0; set fluid.air_fraction above 0, or increase anticavitation.conductance",
+                "{} s after the start of the step, the absolute pressure of {chamber} fell to 0: oil without air has \
+                 no absolute pressure below 0; set fluid.air_fraction above 0, or increase anticavitation.conductance",
                 Decimal::rounded(*time)
             ),
             Self::Stuck { time, what } => write!(

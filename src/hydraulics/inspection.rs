@@ -92,7 +92,7 @@ pub fn inspect(text: &str) -> Inspection {
     let fact = fact.with("most", closed + stroke, Unit::Metre).with("stroke", stroke, Unit::Metre);
     facts.push(fact.with("start", value("actuator.length"), Unit::Metre));
     let fact = Fact::new("Cylinder", "largest force").with("pushing", piston * supply - ring * tank, Unit::Newton);
-    let text = "computed without seal friction, with the other chamber at tank pressure";
+    let text = "computed without seal friction; one chamber is at supply pressure, the other chamber at tank pressure";
     facts.push(fact.with("pulling", ring * supply - piston * tank, Unit::Newton).saying(text));
     let fact = Fact::new("Cylinder", "speed at the rated flow").with("out", flow / piston, Unit::MetrePerSecond);
     facts.push(fact.with("in", flow / ring, Unit::MetrePerSecond));

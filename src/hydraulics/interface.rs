@@ -40,8 +40,8 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when extending; used for time derivatives of outputs; 0: the \
-         acceleration of the reduced mass is used",
+        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; if the \
+         value is 0, the FMU uses the acceleration of the reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1; a positive command extends the actuator", Unit::One),
@@ -67,17 +67,17 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of actuator.holding_force with respect to actuator.length; 0: derivative not known",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step; 0: estimated from the last steps", Unit::Second),
+    ("preview.horizon", "Size of the next communication step; 0: size estimated from the last steps", Unit::Second),
     (
         "actuator.lower_limit",
-        "Smallest length that the stops of the mechanism allow; while a stop or lock prevents retraction: the present \
-         length",
+        "Smallest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
+         prevents retraction",
         Unit::Metre,
     ),
     (
         "actuator.upper_limit",
-        "Largest length that the stops of the mechanism allow; while a stop or lock prevents extension: the present \
-         length; 0: limit not known",
+        "Largest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
+         prevents extension; 0: limit not known",
         Unit::Metre,
     ),
 ];
@@ -131,23 +131,23 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Predicted force over the next step, as a straight line in time: value at the start of the step; use it \
-         together with preview.force_rate",
+        "Predicted force over the next step, approximated by a straight line in time: force at the start of the step; \
+         preview.force_rate is the slope of the line",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
     (
         "preview.force_rate",
-        "Predicted force over the next step, as a straight line in time: time derivative",
+        "Predicted force over the next step, approximated by a straight line in time: slope of the line",
         Unit::NewtonPerSecond,
         Output::PreviewForceRate,
         FORESEEN,
     ),
     (
         "preview.force_mean",
-        "Predicted force of the actuator, averaged over the next step; for a force input that is constant within a \
-         step",
+        "Predicted force of the actuator, averaged over the next step; connect this output to a force input that is \
+         constant within a step",
         Unit::Newton,
         Output::PreviewForceMean,
         FORESEEN,
@@ -245,7 +245,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "cylinder.end_force",
-        "Force of the end of the cylinder at which the piston rests, positive when it pushes the piston out",
+        "Force on the piston from the end of the cylinder at which the piston is at rest, positive in the direction of \
+         extension",
         Unit::Newton,
         Output::EndForce,
         &[Length, Speed, Mass, Load, LowerLimit, UpperLimit],
@@ -307,8 +308,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "coupling.stable_step",
-        "Longest stable communication step of a coupling without the outputs preview.*; 0: no step is stable, or no \
-         reduced mass is connected",
+        "Longest communication step with which a coupling without the outputs preview.* is stable; 0: no step is \
+         stable, or no reduced mass is connected",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -379,8 +380,8 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     list.push(Variable {
         name: "coupling.mode".to_owned(),
         description: format!(
-            "Motion of the actuator within a step: {words}; follow: the motion at the inputs; preview: the predicted \
-             motion; delayed: the predicted motion, for programs that pass values one step late"
+            "Motion of the actuator within a step: {words}; follow: the motion that the inputs prescribe; preview: the \
+             predicted motion; delayed: the predicted motion, for simulation tools that pass values one step late"
         ),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,

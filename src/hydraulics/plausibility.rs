@@ -52,8 +52,8 @@ fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Fin
         let [speed, usual] = [areas(own_bore, own_rod)[side], areas(bore, rod)[side]].map(|area| flow / area);
         if flow > 0.0 && value(name) == Some(flow) && speed < THROTTLED * usual {
             let message = format!(
-                "is {} m3/s, the default, which suits a bore of {} m: this flow limits the piston speed to {} m/s at \
-                 the rated pressure drop",
+                "is {} m3/s, the default value, which suits a bore of {} m: in this cylinder, the flow limits the \
+                 piston speed to {} m/s at the rated pressure drop",
                 Decimal(flow),
                 Decimal(bore),
                 Decimal::rounded(speed)
@@ -70,7 +70,7 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
     for (name, least, most, unit, remedy) in PLAUSIBLE {
         if let Some(value) = value(name).filter(|value| !(least..=most).contains(value)) {
             let message =
-                format!("is {} {unit}; usual values are {} to {}", Decimal(value), Decimal(least), Decimal(most));
+                format!("is {} {unit}; usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most));
             all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
         }
     }

@@ -107,8 +107,8 @@ impl ModelError {
         let reason = match end {
             End::OfTravel => "limit the loads or the time".into(),
             End::OfNumbers => format!(
-                "at {:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding of numbers is \
-                 larger than the mechanism; limit the loads or the time, or add a stop",
+                "at {:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding errors of \
+                 positions are larger than the mechanism; limit the loads or the time, or add a stop",
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
             ),
@@ -141,7 +141,7 @@ impl fmt::Display for ModelError {
             Self::Reference { reference, kind, count, .. } => write!(
                 f,
                 "value reference {reference} is not a {kind} variable: references run from 0 to {}; \
-                 modelDescription.xml states the type of each",
+                 modelDescription.xml states the type of each variable",
                 count.saturating_sub(1)
             ),
             Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
@@ -154,7 +154,7 @@ impl fmt::Display for ModelError {
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
             Self::NotInRigidFem { name, value, remedy } => write!(
                 f,
-                "{name} = {value}: solver.method = \"rigid_fem\" does not support this; {remedy}, or choose \
+                "{name} = {value}: solver.method = \"rigid_fem\" does not support this value; {remedy}, or choose \
                  solver.method = \"reduced\""
             ),
             Self::StopPassed { name, value, time } => write!(
@@ -225,15 +225,19 @@ impl fmt::Display for ModelError {
             }
             Self::TooManyBumpers { count, limit } => write!(
                 f,
-                "stops: {count} bumpers are enabled, but at most {limit} are allowed; for some of them set enabled \
-                 to false or rigid to true"
+                "stops: {count} bumpers are enabled, but at most {limit} are allowed; for some bumpers, set enabled to \
+                 false or rigid to true"
             ),
             Self::LockStill { name, stop, position } => write!(
                 f,
                 "locks.{name}.at: this point does not move at the position of {stop}, near {position}, so the lock \
                  cannot hold the mechanism: use a point that moves there"
             ),
-            Self::Saved { what } => write!(f, "the saved state does not belong to this mechanism: {what}"),
+            Self::Saved { what } => write!(
+                f,
+                "the saved state does not belong to this mechanism: {what}; restore a state that was saved with this \
+                 mechanism"
+            ),
             Self::Stroke { name, length, lengths: [least, most] } => write!(
                 f,
                 "{name} = {} m at the start: the cylinder allows {} m (cylinder.closed_length) to {} m \
@@ -255,7 +259,8 @@ impl fmt::Display for ModelError {
             ),
             Self::LoadOverflow { name, value } => write!(
                 f,
-                "{name} = {}: with inputs of this size a load or its work exceeds {:.1e}; set a smaller value",
+                "{name} = {}: with this value a load, or the work of a load, exceeds the largest number, {:.1e}; set a \
+                 smaller value",
                 Decimal(*value),
                 f64::MAX
             ),

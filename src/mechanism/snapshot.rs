@@ -238,9 +238,11 @@ impl Model {
             Some(_) => parameter_values.set_method(method),
             None if method == Method::default() => {}
             None => {
-                return Err(
-                    Damaged(format!("solver.method = \"{}\": this model has no such choice", method.word())).into()
-                );
+                return Err(Damaged(format!(
+                    "solver.method = \"{}\": this model does not have this method",
+                    method.word()
+                ))
+                .into());
             }
         }
         let parameter_values = self.checked(parameter_values)?;
@@ -275,7 +277,7 @@ impl Model {
             Record::Read([]) => {
                 Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting, untuned })
             }
-            _ => Err(Damaged("the data is too long".to_owned()).into()),
+            _ => Err(Damaged("the saved data is longer than the state of this model".to_owned()).into()),
         }
     }
 
@@ -294,7 +296,10 @@ impl Model {
         let mut computed = values.parameters.clone();
         values.expressions().compute(&mut computed);
         if !same_bits(&computed, &values.parameters) {
-            return Err(Damaged("a calculated parameter differs from the value of its expression".to_owned()).into());
+            return Err(Damaged(
+                "a saved calculated parameter differs from the value of the expression of this parameter".to_owned(),
+            )
+            .into());
         }
         values.changed();
         let mut values = Arc::new(values);
@@ -314,7 +319,10 @@ impl Model {
         let both = tuned.parameters.iter().zip(&read).zip(&self.original.ranges);
         let mut changed = both.filter(|((after, before), _)| after.to_bits() != before.to_bits());
         if changed.any(|(_, (_, role))| !(role.is_tunable() || *role == Role::Named)) {
-            return Err(Damaged("a parameter that is not tunable differs".to_owned()).into());
+            return Err(Damaged(
+                "the saved data contains two values of a parameter that cannot change during a run".to_owned(),
+            )
+            .into());
         }
         let mut before = tuned.clone();
         before.parameters = read;

@@ -42,7 +42,8 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
     let unit = if mechanism.turns(drive) { "rad" } else { "m" };
     let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
-    let message = format!("starts at {there}, but the drive is at {here} at the start: the drive would jump there");
+    let message =
+        format!("starts at {there}, but the drive is at {here} at the start: the drive would jump to {there}");
     let (key, remedy) = match motion.profile {
         Some(_) => (
             "points",
@@ -147,13 +148,15 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
     let warning = |miss: &NearMiss| {
         let message = format!(
             "branches of motion almost cross at {}: the lengths miss a crossing by {:.1e} of the size of the mechanism \
-             ({:.1e} m), and the motion turns sharply there",
+             ({:.1e} m), and the motion turns sharply at this position",
             miss.position,
             miss.miss,
             miss.miss * size
         );
-        let remedy =
-            format!("to continue straight there, write \"snap\": {:e} or correct the lengths", cure(miss.miss));
+        let remedy = format!(
+            "for a motion straight through the crossing, write \"snap\": {:e} or correct the lengths",
+            cure(miss.miss)
+        );
         Finding::warning(if mechanism.snap.is_some() { "snap" } else { "" }, message, remedy)
     };
     misses().map(warning).collect()

@@ -224,7 +224,7 @@ fn what_is_wrong_is_named_with_its_key() {
         (with(&|m| m["parameters"]["a b"] = json!(3)), &["a b", "letters, digits or underscores"]),
         (
             with(&|m| m["parameters"]["size"]["unit"] = json!("mm")),
-            &["parameters.size.unit", "no `mm` here", "nearest names are `m`"],
+            &["parameters.size.unit", "`mm` is not allowed here", "similar words are `m`"],
         ),
         (with(&|m| m["solver"]["tolerance"] = json!("1e-9")), &["solver.tolerance", "write a number"]),
         (with(&|m| m["guess"]["crank"] = json!("1 / 0")), &["guess.crank", "must be a finite number"]),

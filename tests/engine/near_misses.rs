@@ -74,7 +74,10 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
         assert_eq!(texts(&inspection, "Near misses").len(), 2);
         let mut cure = 0.0_f64;
         for (line, finding) in told.iter().zip(&inspection.findings) {
-            assert_says(line, &["almost cross at ", "the lengths miss a crossing by", "turns sharply there"]);
+            assert_says(
+                line,
+                &["almost cross at ", "the lengths miss a crossing by", "turns sharply at this position"],
+            );
             let snap = finding.remedy.split("\"snap\": ").nth(1).unwrap().split(' ').next().unwrap();
             cure = cure.max(snap.parse().unwrap());
         }

@@ -366,7 +366,7 @@ fn a_motion_beyond_all_numbers_ends_with_an_error() {
     let error = run.0.step(1e4).unwrap_err();
     assert_says(
         error,
-        &["past the end of its travel", "the rounding of numbers is larger than the mechanism", "add a stop"],
+        &["past the end of its travel", "the rounding errors of positions are larger than the mechanism", "add a stop"],
     );
     assert_eq!(run.get("slide.position"), before);
     run.step(1e-3);

@@ -23,7 +23,7 @@ fn a_definition_is_warned_of_at_instantiation() {
     assert_ne!(odd, GEAR);
     let said = warnings(&instance("warnings", &odd, true));
     assert!(said.len() == 2, "{said:?}");
-    assert!(said[0].starts_with("friction: is given, but not enabled"), "{said:?}");
+    assert!(said[0].starts_with("friction: the key enabled is missing"), "{said:?}");
     assert!(said[1].starts_with("gravity.up_angle: 65 rad") && said[1].contains("if you mean 65 degrees"), "{said:?}");
     assert_eq!(warnings(&instance("silent", &odd, false)), [""; 0]);
 }

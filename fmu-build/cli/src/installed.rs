@@ -49,9 +49,10 @@ pub fn command() -> Command {
         (
             "package",
             "all",
-            "Pack every mechanism of the program, and the system of landing gear and hydraulic actuator",
+            "Pack every example mechanism that the program contains, and the example system of landing gear and \
+             hydraulic actuator",
         ),
-        ("package", "out", "Folder for the FMUs [default: this folder]"),
+        ("package", "out", "Folder for the FMUs [default: the current folder]"),
         (
             "package",
             "platforms",
@@ -60,23 +61,29 @@ pub fn command() -> Command {
         (
             "package",
             "available",
-            "Pack only the platforms that the program contains, and list the others [default: a missing platform is \
-             an error]",
+            "Pack the libraries of those platforms that the program contains, and list the missing platforms [default: \
+             a missing platform is an error]",
         ),
         (
             "package",
             "glibc",
-            "Oldest glibc on which the libraries for Linux must load; a library that needs a newer glibc is an error",
+            "Oldest version of glibc (the C library of Linux) with which the libraries for Linux must load; a library \
+             that needs a newer version is an error",
         ),
-        ("demo", "out", "Folder for the results [default: this folder]"),
-        ("view", "out", "File for the page [default: <Name>.html in this folder]"),
+        ("demo", "out", "Folder for the results [default: the current folder]"),
+        ("view", "out", "File for the page [default: <Name>.html in the current folder]"),
         (
             "optimise",
             "out",
-            "Folder for the results (best design, its picture, evaluations.parquet) [default: the name of the study, \
-             in this folder]",
+            "Folder for the results (best design, its picture, evaluations.parquet) [default: a folder with the name \
+             of the study, in the current folder]",
         ),
-        ("sweep", "out", "Folder for the results (runs.parquet) [default: the name of the study, in this folder]"),
+        (
+            "sweep",
+            "out",
+            "Folder for the results (runs.parquet) [default: a folder with the name of the study, in the current \
+             folder]",
+        ),
     ];
     for (task, argument, help) in helps {
         command = command.mut_subcommand(task, |task| task.mut_arg(argument, |argument| argument.help(help)));

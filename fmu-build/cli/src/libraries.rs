@@ -10,10 +10,10 @@ pub struct Package {
     /// Definition file (mechanism.json), or folder that contains one [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
-    /// Pack every folder of modelDescription/, and the system of landing gear and hydraulic actuator
+    /// Pack every example mechanism in modelDescription/, and the example system of landing gear and hydraulic actuator
     #[arg(long)]
     pub all: bool,
-    /// Pack the examples of mechanisms with their hydraulics as systems, each an SSP package, and their FMUs
+    /// Pack each example system of mechanisms and hydraulics as an SSP package, and write the FMUs of the system too
     #[arg(long, conflicts_with_all = ["paths", "all"])]
     pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]
@@ -27,20 +27,22 @@ pub struct Package {
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
     /// Convention of the variable names in modelDescription.xml. `structured`: dots structure the names, for simulation
-    /// tools that show a tree. `flat`: dots have no meaning. The names are the same in both cases
+    /// tools that show a tree. `flat`: dots have no meaning. The convention does not change the names of the
+    /// variables
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Pack the platforms that this machine can build, and list the others [default: a missing platform is an error]
+    /// Pack the libraries that this machine can build, and list the missing platforms [default: a missing platform is
+    /// an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
     /// Put the library for ARM into binaries/linux64, for simulation tools that do not know aarch64-linux in FMI 2.0
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
-    /// Oldest glibc on which the libraries for Linux must load, 2.17 or later. The linker zig is installed from PyPI
-    /// when this option is used for the first time
+    /// Oldest version of glibc (the C library of Linux) with which the libraries for Linux must load, 2.17 or later.
+    /// The linker zig is installed from PyPI when this option is used for the first time
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs; can
@@ -77,10 +79,10 @@ pub enum Platform {
     /// Linux on ARM with 64 bits; the name in FMI 2.0 is aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
-    /// macOS on Intel, in FMI 2.0 darwin64
+    /// macOS on Intel; the name in FMI 2.0 is darwin64
     #[value(name = "x86_64-darwin")]
     X86Mac,
-    /// macOS on ARM, in FMI 2.0 darwin64, in one file with x86_64-darwin if both are given
+    /// macOS on ARM; the name in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains both libraries
     #[value(name = "aarch64-darwin")]
     ArmMac,
 }
@@ -126,21 +128,23 @@ pub struct Dist {
     /// this machine [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Use the platforms that this machine can build, and list the others [default: a missing platform is an error]
+    /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
+    /// an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
     /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll); can
     /// be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Oldest glibc on which the program and the libraries for Linux must run, 2.17 or later; the linker is zig
-    /// [default: the glibc of this machine]
+    /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
+    /// 2.17 or later; the linker is zig [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel [default: target/dist in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Install the wheel in a new virtual environment, and run its commands there without Rust
+    /// Install the wheel in a new virtual environment, and run the commands of the wheel in this environment without
+    /// Rust
     #[arg(long)]
     pub test: bool,
 }

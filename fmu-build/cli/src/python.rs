@@ -73,7 +73,9 @@ fn announcement(folder: &Path, pinned: &str) -> String {
     let size = pinned.lines().find_map(|line| line.strip_prefix(SIZE));
     let size = size.map_or_else(String::new, |size| format!("{size} on disk, "));
     let instead = match extra(pinned) {
-        Some((name, _)) => format!("; `pip install \"linkage-fmu[{name}]\"` next to an installed program serves too"),
+        Some((name, _)) => format!(
+            "; if you installed linkage-fmu with pip, you can run `pip install \"linkage-fmu[{name}]\"` instead"
+        ),
         None => String::new(),
     };
     format!("creating the Python environment {}: {size}about half a minute, only once{instead}", folder.display())
@@ -146,8 +148,8 @@ mod tests {
         let text = announcement(Path::new("venv"), PINNED);
         assert_eq!(
             text,
-            "creating the Python environment venv: 230 MB on disk, about half a minute, only once; `pip install \
-             \"linkage-fmu[plot]\"` next to an installed program serves too"
+            "creating the Python environment venv: 230 MB on disk, about half a minute, only once; if you \
+             installed linkage-fmu with pip, you can run `pip install \"linkage-fmu[plot]\"` instead"
         );
         assert!(announcement(Path::new("venv"), "mkdocs==1\n").ends_with("venv: about half a minute, only once"));
     }

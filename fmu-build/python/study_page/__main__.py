@@ -30,7 +30,7 @@ def main() -> None:
     arguments = parser.parse_args()
     results = Results.read(arguments.table, arguments.plan)
     if not results.responses:
-        sys.exit(f"{arguments.table}: nothing can be drawn, because each response has one value in all runs")
+        sys.exit(f"{arguments.table}: nothing can be drawn, because each response has the same value in all runs")
     for name, canvas in pictures.all_of(results):
         canvas.savefig(arguments.out / f"{name}.png", dpi=110, metadata={"Software": None})
     if rows := list(results.rows_of_indices()):

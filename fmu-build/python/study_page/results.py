@@ -171,7 +171,7 @@ class Results:
             if len(points) < 4:
                 return None
             value = LinearNDInterpolator(points, z)((grid_x - a.min()) / np.ptp(a), (grid_y - b.min()) / np.ptp(b))
-            return Surface((names[0], names[1]), x, y, value, "linear between the runs")
+            return Surface((names[0], names[1]), x, y, value, "linear interpolation between the runs")
         middle, half = all_x.mean(axis=0), np.ptp(all_x, axis=0) / 2.0
         terms = quadratic((all_x - middle) / half)
         if len(z) <= terms.shape[1]:

@@ -54,7 +54,7 @@ pub fn summary(checked: &Checked) -> String {
     let counted = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
     let found = [(Severity::Error, "error"), (Severity::Warning, "warning")]
         .map(|(severity, word)| counted(checked.count(severity), word));
-    let name = if checked.inspection.name.is_empty() { "no model" } else { &checked.inspection.name };
+    let name = if checked.inspection.name.is_empty() { "no model could be built" } else { &checked.inspection.name };
     let mut out = format!("{}: {name}: {}", checked.shown, found.join(", "));
     let facts = &checked.inspection.facts;
     for topic in ["Crossings", "Near misses", "Redundant joints"] {
@@ -64,7 +64,7 @@ pub fn summary(checked: &Checked) -> String {
         }
     }
     if !checked.is_whole {
-        out.push_str("; correct these errors first, because names and numbers are checked only then");
+        out.push_str("; correct these errors first, because names and numbers are checked only after this correction");
     }
     if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
         let _ = write!(out, "; {}", fact.text.split(':').next().unwrap_or_default());
@@ -116,7 +116,7 @@ fn quantity(quantity: &Quantity) -> String {
     match unit.strip_prefix('1') {
         Some("") => format!("{name} {}", number(*value)),
         // The largest number stands for an infinite value of a variable.
-        _ if value.abs() >= f64::MAX => format!("{name} without bound"),
+        _ if value.abs() >= f64::MAX => format!("{name} infinite"),
         _ => format!("{name} {} {unit}{degrees}", number(*value)),
     }
 }

@@ -166,14 +166,17 @@ fn missing(text: &str, kind: &ParseErrorKind, start: usize) -> Option<Fault> {
         ParseErrorKind::ExpectedComma => {
             // Of two brackets one may be missing here: a comma would put what follows in the wrong object.
             match open_brackets(text).is_empty() {
-                true => Some(Fault::new("a comma is missing before this place: add it", place).preceded(text, ',')),
-                false => {
-                    Some(Fault::new("a closing bracket is missing before this place: add it, with a comma", place))
+                true => {
+                    Some(Fault::new("a comma is missing before this place: add a comma", place).preceded(text, ','))
                 }
+                false => Some(Fault::new(
+                    "a closing bracket is missing before this place: add the bracket and a comma",
+                    place,
+                )),
             }
         }
         ParseErrorKind::ExpectedColonAfterObjectKey => {
-            Some(Fault::new("a colon is missing before this place: add it", place).preceded(text, ':'))
+            Some(Fault::new("a colon is missing before this place: add a colon", place).preceded(text, ':'))
         }
         _ => None,
     }
@@ -234,8 +237,8 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     let digits = word.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(length);
     let message = match word[..digits].parse::<f64>() {
         Ok(value) => format!(
-            "`{word}` is not a number: write {} alone; lengths are in m and angles in rad, unless \"units\" states \
-             others",
+            "`{word}` is not a number: write {} without a unit; lengths are in m and angles in rad, unless the key \
+             \"units\" states other units",
             Decimal::rounded(value)
         ),
         Err(_) => format!("`{word}` is not a JSON value: write texts in double quotes, and numbers with digits"),

@@ -148,7 +148,9 @@ impl Rules {
             _ => &["constant", "fixed", "tunable", "discrete", "continuous"],
         };
         if !variability.is_empty() && !legal.contains(&variability) {
-            broken.push(format!("causality {causality} with variability {variability}"));
+            broken.push(format!(
+                "the combination of causality {causality} with variability {variability} is not allowed"
+            ));
         }
         let legal: &[&str] = match (causality, variability) {
             ("input", _) if !self.is_3 => &[],
@@ -159,7 +161,10 @@ impl Rules {
             _ => &["exact", "approx", "calculated"],
         };
         if !initial.is_empty() && !legal.contains(&initial) {
-            broken.push(format!("causality {causality} and variability {variability} with initial {initial}"));
+            broken.push(format!(
+                "the combination of causality {causality} and variability {variability} with initial {initial} is not \
+                 allowed"
+            ));
         }
         let needs_start = matches!(initial, "exact" | "approx")
             || matches!(causality, "parameter" | "structuralParameter" | "input")
@@ -210,7 +215,7 @@ impl Rules {
             let is_continuous = |other: &Variable| matches!(other.get("variability"), "" | "continuous");
             match self.named(of) {
                 Some(other) if is_continuous(&self.variables[other]) => {}
-                _ => broken.push(format!("derivative {of} does not lead to a continuous variable")),
+                _ => broken.push(format!("the attribute derivative = {of} does not refer to a continuous variable")),
             }
         }
         let name = v.name.clone();
@@ -239,8 +244,8 @@ impl Rules {
             let set = group.iter().filter(|v| matches!(v.get("causality"), "parameter" | "input")).count();
             let fault = match (self.is_3, units.len(), set) {
                 (true, ..) => "have the same value reference",
-                (_, 2.., _) => "are one variable, but have different units",
-                (.., 2..) => "are one variable, but a host sets more than one of them",
+                (_, 2.., _) => "have different units, but the same value reference",
+                (.., 2..) => "can be set by a simulation tool, but have the same value reference",
                 _ => continue,
             };
             broken.push(format!("{} {fault} {reference}", names.join(", ")));
@@ -260,7 +265,7 @@ impl Rules {
             };
             let named = element.get(if self.is_3 { "valueReference" } else { "index" });
             let Some(index) = self.named(named) else {
-                broken.push(format!("{list}: {named} does not lead to a variable"));
+                broken.push(format!("{list}: the entry {named} does not refer to a variable"));
                 continue;
             };
             let name = &self.variables[index].name;
@@ -271,11 +276,14 @@ impl Rules {
             listed.push(index);
             let dependencies: Vec<&str> = element.get("dependencies").split_whitespace().collect();
             if let Some(unknown) = dependencies.iter().find(|text| self.named(text).is_none()) {
-                broken.push(format!("{list}: {name} depends on {unknown}, which does not lead to a variable"));
+                broken.push(format!("{list}: {name} depends on {unknown}, which does not refer to a variable"));
             }
             let kinds = element.get("dependenciesKind").split_whitespace().count();
             if element.attributes.contains_key("dependenciesKind") && kinds != dependencies.len() {
-                broken.push(format!("{list}: {name} has {kinds} kinds of {} dependencies", dependencies.len()));
+                broken.push(format!(
+                    "{list}: {name} has {kinds} entries in dependenciesKind, but {} in dependencies",
+                    dependencies.len()
+                ));
             }
         }
         let of = |name: &str| lists.get(name).cloned().unwrap_or_default();
@@ -301,13 +309,13 @@ impl Rules {
                     .iter()
                     .any(|d| self.named(self.variables[*d].get("derivative")).is_some_and(|state| state == index));
                 if !is_state {
-                    broken.push(format!("{name}: has reinit, but is not a continuous state"));
+                    broken.push(format!("{name}: has the attribute reinit, but is not a continuous state"));
                 }
             }
         }
         for index in derivatives.iter().filter(|index| self.variables[**index].get("derivative").is_empty()) {
             broken.push(format!(
-                "the derivatives in ModelStructure: {} is the derivative of nothing",
+                "the derivatives in ModelStructure: {} is not the derivative of a variable",
                 self.variables[*index].name
             ));
         }
@@ -363,12 +371,12 @@ mod tests {
             (
                 "initial=\"exact\"",
                 "initial=\"calculated\"",
-                "p: causality parameter and variability fixed with initial",
+                "p: the combination of causality parameter and variability fixed with initial",
             ),
             (
                 "variability=\"fixed\"",
                 "variability=\"continuous\"",
-                "p: causality parameter with variability continuous",
+                "p: the combination of causality parameter with variability continuous",
             ),
             (
                 "variability=\"discrete\"",
@@ -383,18 +391,34 @@ mod tests {
             ("unit=\"rad\"", "unit=\"m\"", "u: the unit m has no definition"),
             ("displayUnit=\"deg\"", "displayUnit=\"grad\"", "u: the unit rad has no display unit grad"),
             ("declaredType=\"t\"", "declaredType=\"s\"", "b: the type s has no definition"),
-            ("derivative=\"2\"", "derivative=\"4\"", "y: derivative 4 does not lead to a continuous variable"),
-            ("valueReference=\"1\"", "valueReference=\"0\"", "p, u are one variable, but have different units 0"),
+            (
+                "derivative=\"2\"",
+                "derivative=\"4\"",
+                "y: the attribute derivative = 4 does not refer to a continuous variable",
+            ),
+            (
+                "valueReference=\"1\"",
+                "valueReference=\"0\"",
+                "p, u have different units, but the same value reference 0",
+            ),
             ("<Outputs><Unknown index=\"3\"", "<Outputs><Unknown index=\"2\"", "y is missing"),
             (
                 "<Outputs><Unknown index=\"3\"",
                 "<Outputs><Unknown index=\"9\"",
-                "Outputs: 9 does not lead to a variable",
+                "Outputs: the entry 9 does not refer to a variable",
             ),
-            ("dependencies=\"2\"", "dependencies=\"7\"", "y depends on 7, which does not lead to a variable"),
-            ("dependenciesKind=\"dependent\"", "dependenciesKind=\"\"", "y has 0 kinds of 1 dependencies"),
+            ("dependencies=\"2\"", "dependencies=\"7\"", "y depends on 7, which does not refer to a variable"),
+            (
+                "dependenciesKind=\"dependent\"",
+                "dependenciesKind=\"\"",
+                "y has 0 entries in dependenciesKind, but 1 in dependencies",
+            ),
             ("<Unknown index=\"3\" dependencies=\"1 2\"/>", "", "the initial unknowns in ModelStructure: y is missing"),
-            ("start=\"0\"/></Sc", "start=\"0\" reinit=\"true\"/></Sc", "u: has reinit, but is not a continuous state"),
+            (
+                "start=\"0\"/></Sc",
+                "start=\"0\" reinit=\"true\"/></Sc",
+                "u: has the attribute reinit, but is not a continuous state",
+            ),
         ] {
             assert!(SECOND.contains(old), "{old}");
             let found = broken(&SECOND.replacen(old, new, 1));

@@ -143,9 +143,11 @@ impl Data {
     pub fn summary(&self) -> String {
         match (&self.motion, &self.still) {
             (Some(motion), _) => format!("{} frames over {} s", motion.frames(), motion.stop_time()),
-            (None, Some(still)) if !still.is_assembled() => "the open loops at the guess".into(),
-            (None, Some(_)) => "the assembled position".into(),
-            (None, None) => "the error".into(),
+            (None, Some(still)) if !still.is_assembled() => {
+                "the mechanism with open loops, in the position of the guess".into()
+            }
+            (None, Some(_)) => "the assembled mechanism without motion".into(),
+            (None, None) => "the error message only".into(),
         }
     }
 }

@@ -56,8 +56,8 @@ fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> 
         }
     }
     bail!(
-        "{name} = {value}: no single number of the definition sets this value alone; change the definition, or use a \
-         start value"
+        "{name} = {value}: this value cannot be written into the definition, because no single number of the \
+         definition sets {name} alone; change the definition, or use a start value"
     )
 }
 
@@ -129,9 +129,6 @@ mod tests {
     #[test]
     fn what_stands_nowhere_is_named() {
         let error = with_values("mechanism.json", GEAR, &[("solver.max_steps", 7.0)]).unwrap_err().to_string();
-        assert!(
-            error.contains("solver.max_steps = 7: no single number of the definition sets this value alone"),
-            "{error}"
-        );
+        assert!(error.contains("no single number of the definition sets solver.max_steps alone"), "{error}");
     }
 }

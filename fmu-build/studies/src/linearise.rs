@@ -39,9 +39,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     print!("{}", named.in_words(&start));
     if is_held_by_friction(&start) {
         eprintln!(
-            "warning: static friction holds the mechanism at this position, so A21, A22 and B2 are zero; \
-             eigenfrequency, damping ratio and eigenvalues are those of the mechanism when it slides; set \
-             friction.enabled to false, or friction.law to viscous, for matrices that agree with these values"
+            "warning: static friction holds the mechanism at this position, so the matrix elements A21, A22 and B2 are \
+             zero; eigenfrequency, damping ratio and eigenvalues are computed for sliding friction; for matrices that \
+             agree with these values, set friction.enabled to false, or friction.law to viscous"
         );
     }
     if arguments.output_file.is_none() && arguments.plot.is_none() {

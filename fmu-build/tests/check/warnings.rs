@@ -44,7 +44,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "static_coefficient": 0.2, "kinetic_coefficient": 0.1 }),
             "friction",
             "\"friction\"",
-            vec!["not enabled", "\"enabled\": true"],
+            vec!["enabled is missing", "\"enabled\": true"],
         ),
         (
             "/forces",
@@ -59,7 +59,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "length": 0.3, "shape": "uniform_rod" }),
             "bodies.rod.shape",
             "\"uniform_rod\"",
-            vec!["there is no mass"],
+            vec!["has no mass"],
         ),
         (
             "/bodies/rod",

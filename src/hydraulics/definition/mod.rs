@@ -66,9 +66,9 @@ keys! {
     /// Coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`: the motion of the actuator within a step. `preview`: the
-        /// motion that the actuator FMU predicts. `follow`: the motion at the inputs `actuator.length` and
-        /// `actuator.speed`. `delayed`: the predicted motion, for a simulation program that passes every value one step
-        /// late.
+        /// motion that the actuator FMU predicts. `follow`: the motion that the inputs `actuator.length` and
+        /// `actuator.speed` prescribe. `delayed`: the predicted motion, for a simulation program that passes every
+        /// value one step late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
@@ -127,11 +127,11 @@ words! {
 
     /// Motion of the actuator within a step.
     pub enum Mode {
-        /// The actuator moves as predicted.
+        /// The actuator makes the motion that the actuator FMU predicts.
         Preview = "preview",
-        /// The actuator moves as the inputs state.
+        /// The inputs `actuator.length` and `actuator.speed` prescribe the motion.
         Follow = "follow",
-        /// The actuator moves as predicted; the host passes every value one step late.
+        /// The actuator makes the predicted motion. The simulation program passes every value one step late.
         Delayed = "delayed",
     }
 }

@@ -22,7 +22,8 @@ keys! {
             all other pressures are relative");
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
-        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. 0: no air.
+        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. 0: the oil
+        /// contains no air.
         air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of the entrained air at \
             ambient pressure, divided by the volume of the oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
@@ -45,8 +46,8 @@ keys! {
         /// [Pa], >= 0. 0: rigid walls.
         wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls: \
             pressure divided by the relative growth of the cylinder volume; 0: rigid walls");
-        /// Restitution at the ends of the travel, which are rigid: speed after an impact of the piston divided by the
-        /// speed before [1], from 0 to 1.
+        /// Restitution at the rigid ends of the travel: speed of the piston after an impact on an end, divided by the
+        /// speed before the impact [1], from 0 to 1.
         restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
         /// Oil volume in the elasticity of a chamber. `changes`: the volume of the chamber, which changes with the
         /// length. `constant`: the `dead_volume`.
@@ -75,7 +76,7 @@ keys! {
             start, relative to the ambient pressure");
     }
 
-    /// Servo valve (4/3 way). The spool follows the command as a second-order system.
+    /// Servo valve (4/3 way). The spool is a second-order system whose input is the command.
     pub struct Valve: Copy {
         /// Flow through one fully open metering edge at the pressure drop `valve.rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
@@ -94,7 +95,7 @@ keys! {
         /// curve of the opening over the spool position: at the position `overlap`, an edge is open by half of the
         /// clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
-            full opening; at the overlap, a metering edge is open by half of the clearance");
+            full opening; at the spool position overlap, a metering edge is open by half of the clearance");
         /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
         /// negative overlap is an underlap.
         overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge \
@@ -202,15 +203,15 @@ keys! {
             fall from static to kinetic friction (Stribeck speed) of the seals");
         /// Characteristic speed of the smooth reversal of the friction force [m/s], > 0. Static and kinetic friction
         /// are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the speed v = 0.
-        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed at \
-            which friction changes direction smoothly instead of jumping at rest, at the seals");
+        transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of \
+            the smooth reversal of the friction force of the seals");
         /// Viscous friction coefficient of the seals: force divided by speed [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction \
             coefficient of the seals");
         /// Increase of the seal friction force due to pressure, divided by the sum of both chamber pressures [m2], >=
         /// 0. 0: the friction does not depend on pressure.
-        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of friction force \
-            due to pressure, divided by the sum of both chamber pressures, at the seals");
+        pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of the seal \
+            friction force due to pressure, divided by the sum of both chamber pressures");
     }
 
     /// Hoses of both chambers.
@@ -230,8 +231,8 @@ keys! {
     /// pressures p_A and p_B.
     pub struct LockValve: Copy {
         /// Pressure ratio at which the pilot opens the lock valve [1], >= 0: oil leaves chamber A only while p_B >
-        /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal, an
-        /// area ratio. 0: no lock valve.
+        /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of
+        /// this ratio: the area of the pilot piston divided by the area of the valve seat. 0: no lock valve.
         pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
             opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
@@ -274,8 +275,8 @@ keys! {
         /// run.
         ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Final value of the ramp that is added to \
             valve.command from the start of the run");
-        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. 0: the command jumps at the start
-        /// of the run.
+        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. 0: the final value of the ramp is
+        /// added from the start of the run.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp that is added to \
             valve.command; 0: a jump at the start of the run");
         /// Amplitude of a sine that is added to the input `valve.command`, from the start of the run [1].

@@ -109,9 +109,9 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
              preview.horizon to the size of the next step"
         ),
         Warning::Unstable => format!(
-            "without the outputs preview.*, a step of {two} s is longer than coupling.stable_step = {one} s, and the \
-             force grows from step to step; use a shorter step, or connect preview.force or preview.force_mean to the \
-             mechanism"
+            "the outputs preview.* are not used, and the step of {two} s is longer than coupling.stable_step = {one} \
+             s: the force grows from step to step; use a shorter step, or connect preview.force or preview.force_mean \
+             to the mechanism"
         ),
         Warning::Toggle => format!(
             "actuator.reduced_mass = {one} kg changes by more than half within a step of {two} s, for example near a \
@@ -119,7 +119,7 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
         ),
         Warning::Unforeseen => format!(
             "no motion can be predicted with actuator.reduced_mass = {one} kg and actuator.holding_force = {two} N: \
-             preview.force is the present force; check both inputs"
+             preview.force is the present force; check the reduced mass and the holding force"
         ),
     }
 }

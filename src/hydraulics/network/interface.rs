@@ -30,8 +30,8 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ("speed", "Speed of @, positive when extending", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration of @, positive when extending; used for time derivatives of outputs; 0: the acceleration of the \
-         reduced mass is used",
+        "Acceleration of @, positive when extending; needed only for time derivatives of outputs; if the value is 0, \
+         the FMU uses the acceleration of the reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     (
@@ -48,14 +48,14 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ),
     (
         "lower_limit",
-        "Smallest length of @ that the stops of the mechanism allow; while a stop or lock prevents retraction: the \
-         present length",
+        "Smallest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
+         retraction",
         Unit::Metre,
     ),
     (
         "upper_limit",
-        "Largest length of @ that the stops of the mechanism allow; while a stop or lock prevents extension: the \
-         present length; both limits 0: not known",
+        "Largest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
+         extension; if both limits are 0, the limits are not known",
         Unit::Metre,
     ),
 ];
@@ -64,20 +64,21 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Predicted force of @ over the next step, as a straight line in time: value at the start of the step; use it \
-         together with @.preview.force_rate",
+        "Predicted force of @ over the next step, approximated by a straight line in time: force at the start of the \
+         step; @.preview.force_rate is the slope of the line",
         Unit::Newton,
         Ahead::Force,
     ),
     (
         "force_rate",
-        "Predicted force of @ over the next step, as a straight line in time: time derivative",
+        "Predicted force of @ over the next step, approximated by a straight line in time: slope of the line",
         Unit::NewtonPerSecond,
         Ahead::ForceRate,
     ),
     (
         "force_mean",
-        "Predicted force of @, averaged over the next step; for a force input that is constant within a step",
+        "Predicted force of @, averaged over the next step; connect this output to a force input that is constant \
+         within a step",
         Unit::Newton,
         Ahead::ForceMean,
     ),
@@ -402,8 +403,8 @@ impl Builder<'_> {
             ..Row::real(Causality::Parameter, Unit::One)
         };
         let text = format!(
-            "Motion of the cylinders within a step: {words}; preview uses the predicted motion, follow \
-            uses the motion at the inputs"
+            "Motion of the cylinders within a step: {words}; preview: the predicted motion; follow: the motion that \
+             the inputs prescribe"
         );
         self.push("coupling.mode".to_owned(), text, Quantity::Mode, row);
     }

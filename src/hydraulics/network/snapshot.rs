@@ -142,7 +142,7 @@ impl Model {
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
             Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
-            _ => Err(Damaged("the data is too long".to_owned()).into()),
+            _ => Err(Damaged("the saved data is longer than the state of this model".to_owned()).into()),
         }
     }
 

@@ -222,8 +222,8 @@ pub fn finite(y: &[f64], time: f64) -> Result<(), HydraulicsError> {
 #[cold]
 pub fn interrupted(solver: &Solver, time: f64, h: f64) -> HydraulicsError {
     let why = format!(
-        "solver.max_steps = {} was reached after {} s of the step of {} s; use shorter steps, or increase \
-         solver.max_steps or solver.tolerance",
+        "solver.max_steps = {} was reached {} s after the start of a communication step of {} s; use shorter \
+         communication steps, or increase solver.max_steps or solver.tolerance",
         Decimal(solver.max_steps),
         Decimal::rounded(time),
         Decimal::rounded(h)

@@ -52,12 +52,12 @@ impl fmt::Display for AssemblyError {
                 f,
                 "the loops do not close: {joint} stays open by {gap:.3e} m, because the lengths contradict other \
                  joints between the same bodies; correct the lengths by this gap and write them with all digits, or \
-                 remove a redundant joint (the key snap does not help here)"
+                 remove a redundant joint (the key snap does not help in this case)"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
                 "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or \
-                 improve the guess"
+                 correct the values in guess"
             ),
             Self::TooLong { joint, side, is_slide, length, others } => {
                 let told = Decimal::rounded;
@@ -72,7 +72,7 @@ impl fmt::Display for AssemblyError {
                 let (between, remedy) = match is_slide {
                     true => (
                         format!("across the slide {side} the joints of the loop"),
-                        format!("bring the axis of {side} nearer"),
+                        format!("move the axis of {side} nearer to these joints"),
                     ),
                     false => (format!("the joints of the loop on {side}"), format!("shorten {side}")),
                 };

@@ -88,7 +88,8 @@ impl fmt::Display for CurveError {
             Self::Outside(position) => {
                 write!(
                     f,
-                    "the stops allow no motion from {position}: start at a position within the stops, or move the stops"
+                    "the stops allow no motion from {position}: start at a position between the stops, or move the \
+                     stops"
                 )
             }
             Self::TooLong { panels } => {

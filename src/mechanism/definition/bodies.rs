@@ -4,34 +4,36 @@ use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit
 use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, One, Radian};
 
 keys! {
-    /// A rigid body. Its frame has the origin at the point `origin`; the x axis passes through the point `end`, which
-    /// lies at the distance `length`.
+    /// A rigid body with a body frame. The point `origin` is the origin of the frame. The x axis of the frame passes
+    /// through the point `end`, at the distance `length` from the origin.
     pub struct Body {
-        /// Point (`body.point`) of another body. The origin of this body is rigidly fixed to the stated point.
+        /// Point (`body.point`) of another body, to which the origin of this body is rigidly fixed.
         fixed_to: Option<String> => point();
-        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. Only with `fixed_to`.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x \
-            axis of the other body to the x axis").absent("0");
+        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. Allowed only together with
+        /// `fixed_to`.
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the \
+            body in fixed_to to the x axis").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass of the body [kg], >= 0.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution. `uniform_rod`: the mass is spread evenly from `origin` to `end`. Without this key,
-        /// `center` and `inertia` describe the mass.
+        /// Mass distribution. `uniform_rod`: the mass is spread evenly from `origin` to `end`. Without this key, the
+        /// keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
-        /// Centre of mass in the frame of the body [m]. Not with `shape`.
+        /// Centre of mass in the frame of the body [m]. Not allowed together with `shape`.
         center: Option<[f64; 2]> =>
             number(Metre, Range::Coordinate).parameter(Role::Inertia, "Centre of mass").absent("[0, 0]");
-        /// Moment of inertia about the centre of mass [kg.m2], >= 0. Not with `shape`.
+        /// Moment of inertia about the centre of mass [kg.m2], >= 0. Not allowed together with `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// Axial stiffness E A of the body as a rod between its two joints [N], > 0. Only the method `rigid_fem` uses
-        /// it. Not with `fixed_to`.
+        /// Axial stiffness E A of the body as an elastic rod between its two joints [N], > 0. Only `solver.method` =
+        /// `rigid_fem` uses this stiffness. Not allowed together with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
         /// Additional points by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
-        /// The body as drawn in one position of the mechanism. Use it in place of `length`, `points` and `center`.
+        /// Coordinates of the body's points in a drawing that shows the mechanism in one position. Use this key in
+        /// place of `length`, `points` and `center`.
         drawn: Option<Drawn> => Key::PLAIN.brief();
     }
 
@@ -43,8 +45,8 @@ keys! {
 
     /// A joint that connects two bodies.
     pub struct Joint {
-        /// Kind of joint. `revolute`: a pin; the two points coincide. `prismatic`: a slide; the second point moves
-        /// along a line through the first point, and the angle between the bodies is fixed.
+        /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint. Its
+        /// second point moves along a line through the first point, and the angle between the two bodies is constant.
         kind as "type": JointKind => Key::PLAIN.required();
         /// Point (`body.point`) of the first body. The reaction output is the force of the first body on the second
         /// body.
@@ -61,20 +63,23 @@ keys! {
                 axis of the second body").absent("0");
         /// Revolute joint only: pin radius [m], >= 0. Without this key the joint has no friction.
         pin_radius: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin");
-        /// Coefficient of static friction in this joint [1], >= 0. Without this key, the value in `friction` applies.
+        /// Coefficient of static friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
+        /// applies.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction");
-        /// Coefficient of kinetic friction in this joint [1], >= 0. Without this key, the value in `friction` applies.
+        /// Coefficient of kinetic friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
+        /// applies.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction");
     }
 
     /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With the
     /// law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
-    /// `static_speed`. From there it falls by a cubic step to the kinetic coefficient at `kinetic_speed`. With the law
-    /// `stick`, mu is the static coefficient up to `static_speed`, and friction holds the mechanism at rest.
+    /// `static_speed`. Above `static_speed` mu falls along a cubic curve to the kinetic coefficient at `kinetic_speed`.
+    /// With the law `stick`, mu is the static coefficient up to `static_speed`, and friction holds the mechanism at
+    /// rest.
     pub struct Friction: Copy {
-        /// Whether the joints have friction.
+        /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "Whether the joints have friction").absent("false");
         /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
@@ -87,12 +92,12 @@ keys! {
         /// Coefficient of kinetic friction mu_d [1], >= 0.
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of kinetic friction of joints that state no other value").required();
-        /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], > 0 (with the law
-        /// `stick` >= 0).
+        /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], >= 0. With the law
+        /// `viscous` V_S must be > 0.
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static coefficient");
-        /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], > V_S (with the law
-        /// `stick` >= 0).
+        /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], >= 0. V_d must be
+        /// larger than V_S. With the law `stick`, V_d = V_S = 0 is allowed too.
         kinetic_speed: f64 = 1.0 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed above which the coefficient of friction is the kinetic coefficient");
     }

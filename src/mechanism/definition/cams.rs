@@ -17,14 +17,14 @@ const FEWEST: usize = 3;
 keys! {
     /// One segment of a cam's revolution. The follower is at rest at both ends of the segment.
     pub struct CamSegment: Copy {
-        /// Motion law of the lift.
+        /// Motion law of the lift over the segment. `dwell`: the lift is constant.
         law: CamLaw => Key::PLAIN.required();
         /// Cam angle over which the segment extends [rad], > 0. In the last segment this key may be absent: the segment
         /// then fills the rest of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
-        /// Change of the lift over the segment, of either sign [m or rad], in rad for an oscillating follower. A
-        /// segment with the law `dwell` has no rise. In the last segment this key may be absent: the lift then returns
-        /// to 0.
+        /// Change of the lift over the segment, positive or negative [m or rad]. For an oscillating follower the lift
+        /// is an angle in rad. A segment with the law `dwell` cannot have this key. In the last segment this key may be
+        /// absent: the lift then returns to 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }
@@ -73,9 +73,9 @@ impl Coupling {
             (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
             (Some(_), Some(_)) => refused(
                 format!("{key}.points"),
-                "the segments define the lift already: remove the points or the segments",
+                "the key segments already defines the lift: remove the key points or the key segments",
             ),
-            (None, None) => refused(key.to_owned(), "has no lift: add segments, or points [angle, lift]"),
+            (None, None) => refused(key.to_owned(), "the cam has no lift: add segments, or points [angle, lift]"),
         }
     }
 
@@ -104,16 +104,18 @@ impl Coupling {
             _ => {}
         }
         if self.interpolation.is_some() && self.points.is_none() {
-            return refused(at("interpolation"), "segments have their own laws: remove interpolation, or use points");
+            return refused(at("interpolation"), "each segment has a motion law: remove interpolation, or use points");
         }
         if self.phase.is_some() {
             return refused(
                 at("phase"),
-                "the base circle defines the position of the follower without lift: remove phase",
+                "the radius of the base circle defines the position of the follower at lift 0: remove the key phase",
             );
         }
         match (self.follower, self.roller_radius, self.face_angle) {
-            (Some(Follower::Roller), None, _) => return refused(at("roller_radius"), "is missing: add it"),
+            (Some(Follower::Roller), None, _) => {
+                return refused(at("roller_radius"), "a roller needs this key: add it");
+            }
             (Some(Follower::Roller), _, Some(_)) => {
                 return refused(
                     at("face_angle"),
@@ -148,12 +150,12 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
             None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
             None if k == last => {
                 let message = format!(
-                    "the segments before this one have {} rad in total, the full revolution: remove this segment",
+                    "the segments before this segment already fill the full revolution ({} rad): remove this segment",
                     Decimal::rounded(angle)
                 );
                 return refused(at("angle"), message);
             }
-            None => return refused(at("angle"), "is missing: only the last segment may be without an angle"),
+            None => return refused(at("angle"), "the angle is missing: only the last segment may be without an angle"),
         };
         let distance = match (law, segment.rise) {
             (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove rise, or choose another law"),
@@ -163,7 +165,9 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
                 rise
             }
             (Some(_), None) if k == last => -lift,
-            (Some(_), None) => return refused(at("rise"), "is missing: only the last segment may be without a rise"),
+            (Some(_), None) => {
+                return refused(at("rise"), "the rise is missing: only the last segment may be without a rise");
+            }
         };
         angle += length;
         lift += distance;
@@ -198,8 +202,8 @@ fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Re
         Some(lift) => Ok(lift),
         None => refused(
             format!("{key}.points"),
-            "give 3 or more points [angle, lift] with ascending angles and finite numbers; all angles lie within \
-             less than 2 pi, because the first point follows the last one automatically",
+            "give 3 or more points [angle, lift] with ascending angles and finite numbers. All angles must lie within \
+             less than one revolution (2 pi rad), because after the last point the curve returns to the first point",
         ),
     }
 }

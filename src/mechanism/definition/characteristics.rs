@@ -19,7 +19,7 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
     }
     if points.len() < 2 {
-        let message = format_args!("has {} points [{abscissa}, force]; a curve needs 2 or more", points.len());
+        let message = format_args!("has {} points [{abscissa}, force], but a curve needs 2 or more", points.len());
         return refused(key, message);
     }
     if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
@@ -27,8 +27,8 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         return refused(
             format_args!("{key}[{}]", i + 1),
             format_args!(
-                "{abscissa} = {after} must be larger than {abscissa} = {before} of the point before: sort the points \
-                 by {abscissa}"
+                "{abscissa} = {after} must be larger than {abscissa} = {before} of the preceding point: sort the \
+                 points by {abscissa}"
             ),
         );
     }
@@ -48,11 +48,11 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
             );
         }
         if spring.points.is_some() {
-            let message = "a spring has either the key points or the key gas: define two springs";
+            let message = "a spring cannot have both the key points and the key gas: define two springs";
             return refused(format_args!("{key}.gas"), message);
         }
         if spring.free_length.is_none() {
-            return refused(key, "the gas volume is the volume at the free length: add the key free_length");
+            return refused(key, "the gas volume refers to the free length of the spring: add the key free_length");
         }
     }
     let Some(points) = &spring.points else { return Ok(()) };
@@ -66,8 +66,8 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     let function = function(&key, points, "speed")?;
     if let Some((i, [speed, force])) = points.iter().enumerate().find(|(_, [speed, force])| speed * force < 0.0) {
         let message = format_args!(
-            "the force {force} at the speed {speed} drives the motion, but a damper resists: give the force the \
-             sign of the speed"
+            "the force {force} at the speed {speed} would drive the motion, but a damper must resist the motion: give \
+             the force the same sign as the speed"
         );
         return refused(format_args!("{key}[{i}]"), message);
     }
@@ -81,8 +81,8 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
             let message = format!(
-                "beyond the speed {speed} the force falls through 0 and then drives the motion: add a point with a \
-                 force that is not smaller"
+                "beyond the end point at the speed {speed}, the curve falls through 0, so the force would drive the \
+                 motion: add a point there with a force that is not smaller in magnitude"
             );
             refused(key, message)
         }
@@ -96,7 +96,8 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
         return match drive.command {
             Some(_) => refused(
                 format_args!("{key}.command"),
-                "scales the force-speed curve, but this drive has no curve: add points [speed, force]",
+                "this key scales the force-speed curve, but the drive has no curve: add points [speed, force], or \
+                 remove command",
             ),
             None => Ok(()),
         };
@@ -119,7 +120,7 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
 pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
     let Some(points) = &stop.points else { return Ok(()) };
     let key = format!("{key}.points");
-    function(&key, points, "depth")?;
+    function(&key, points, "compression")?;
     if points[0] != [0.0, 0.0] {
         return refused(format_args!("{key}[0]"), "the force of a bumper is 0 at the first contact: start with [0, 0]");
     }
@@ -127,8 +128,8 @@ pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
         Some(i) => {
             let [before, after] = [points[i][1], points[i + 1][1]];
             let message = format_args!(
-                "the force {after} is smaller than {before} at the point before: the force of a bumper must not fall \
-                 with the depth"
+                "the force {after} is smaller than {before} at the preceding point: the force of a bumper must not \
+                 fall with the compression"
             );
             refused(format_args!("{key}[{}]", i + 1), message)
         }
@@ -154,8 +155,8 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message = format!("give a constant force beyond the depth {depth} {unit}, however hard the impact");
-                let remedy = "add a point for the deepest impact, or a stiffness";
+                let message = format!("give a constant force beyond {depth} {unit} of compression, in any impact");
+                let remedy = "add a point at the largest compression of an impact, or add the key stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
         }
@@ -166,15 +167,15 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if points.iter().all(|[_, force]| *force == 0.0) {
         all.push(Finding::warning(
             key,
-            "have no force, so the damper never resists",
+            "all have the force 0, so the damper has no effect",
             "give the points forces, or remove them",
         ));
         return;
     }
     if let Some([a, b]) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]).map(|pair| [pair[0][0], pair[1][0]]) {
         let message = format!(
-            "fall from the speed {} to {}: in this range the damper resists a faster motion less and can excite \
-             vibrations",
+            "have forces that fall from the speed {} to the speed {}. In this range the damper force decreases with \
+             the speed, which can excite vibrations",
             Decimal(a),
             Decimal(b)
         );
@@ -187,7 +188,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         if is_missing {
             let message =
                 format!("have no point at a {word} speed, so the force there continues with the slope at rest");
-            all.push(Finding::warning(key, message, "add points for both directions"));
+            all.push(Finding::warning(key, message, "add points for both directions of motion"));
         }
     }
 }
@@ -197,7 +198,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if points.iter().all(|[_, force]| *force == 0.0) {
         all.push(Finding::warning(
             key,
-            "have no force, so the drive never moves the mechanism",
+            "all have the force 0, so the drive never moves the mechanism",
             "give the points forces, or remove them",
         ));
         return;
@@ -205,7 +206,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if !(*first..=*last).contains(&0.0) {
         let end = if *first > 0.0 { first } else { last };
         let message = format!(
-            "have no force at rest, so the force at rest is extrapolated from the slope at the speed {}",
+            "do not include the speed 0, so the force at rest is extrapolated with the slope at the speed {}",
             Decimal(*end)
         );
         all.push(Finding::warning(key, message, "add a point at the speed 0"));
@@ -249,10 +250,10 @@ mod tests {
         };
         for (more, pieces) in [
             (damper(json!([[-1, -2], [0, 0], [1, 5]])), &[][..]),
-            (damper(json!([[-1, 0], [0, 0], [1, 0]])), &["springs.d.damping_points", "have no force"]),
+            (damper(json!([[-1, 0], [0, 0], [1, 0]])), &["springs.d.damping_points", "has no effect"]),
             (
                 damper(json!([[-1, -1], [0, 0], [1, 5], [2, 3], [3, 3]])),
-                &["fall from the speed 1 to 2", "excite vibrations"],
+                &["fall from the speed 1 to the speed 2", "excite vibrations"],
             ),
             (damper(json!([[0, 0], [1, 5]])), &["no point at a negative speed"]),
             (damper(json!([[-1, -5], [0, 0]])), &["no point at a positive speed"]),
@@ -263,7 +264,7 @@ mod tests {
             (drive(json!([[-10, -8], [0, 5], [9, 0]])), &["rise beyond the speed -10"]),
             (stop(json!([[0, 0], [1, 5]])), &[]),
             (stop(json!([[0, 0], [1, 0]])), &["stops.b", "never pushes"]),
-            (stop(json!([[0, 0], [1, 5], [2, 5]])), &["stops.b.points", "constant force beyond the depth 2"]),
+            (stop(json!([[0, 0], [1, 5], [2, 5]])), &["stops.b.points", "constant force beyond 2 m of compression"]),
         ] {
             let told = warnings(more.clone());
             assert_eq!(told.len(), usize::from(!pieces.is_empty()), "{more}: {told:?}");

@@ -6,35 +6,35 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// An end of the travel. State the angle of a body, the position of a prismatic joint, the angle of a revolute
-    /// joint, or the distance between two points.
+    /// A stop is an end of the travel. It limits one quantity: the angle of a body, the position of a prismatic joint,
+    /// the angle of a revolute joint, or the distance between two points.
     pub struct Stop {
         /// Body whose angle is limited.
         body: Option<String> => element();
-        /// Joint whose position or angle is limited, in place of `body`.
+        /// Joint whose position or angle is limited. Use this key in place of `body`.
         joint: Option<String> => element();
-        /// First of two points (`body.point`) whose distance is limited, in place of `body`.
+        /// First of two points (`body.point`) whose distance is limited. Use this key in place of `body`.
         first: Option<String> => point();
-        /// Second of the two points (`body.point`).
+        /// Second of the two points (`body.point`) whose distance is limited.
         second: Option<String> => point();
         /// Side of the stop. `lower`: the angle, position or distance cannot fall below the stated value. `upper`: the
         /// angle, position or distance cannot rise above the stated value.
         limit: Limit => Key::PLAIN.required();
-        /// Angle at the stop [rad]: angle of the body, or angle of the second body of a revolute joint relative to the
-        /// first body.
+        /// Angle at the stop [rad]: the angle of the body, or the angle of a revolute joint (angle of the second body
+        /// relative to the first body).
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
         /// Position of the prismatic joint at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
             points at the stop @");
-        /// Whether the mechanism has this stop (false: the stop is ignored).
-        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "Whether the stop @ is enabled");
+        /// true: the mechanism has this stop. false: the stop is ignored.
+        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: the stop @ acts; false: the stop is ignored");
         /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. If
-        /// the stop has `stiffness`, `damping` or `points`, this key must be given too.
+        /// the stop has `stiffness`, `damping` or `points`, the key `rigid` must be given too.
         rigid: Option<bool> => Key::PLAIN
-            .parameter(Role::Load, "Whether the stop @ is rigid; false: a bumper, which is a spring and damper that \
-                only pushes").absent("true");
+            .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
+                damper that only pushes").absent("true");
         /// Rigid stop only: speed after an impact divided by the speed before the impact [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
             by the speed before the impact");
@@ -44,21 +44,21 @@ keys! {
         /// Bumper only: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping of the stop @ as a bumper");
-        /// Bumper only: additional force as a curve over the compression. Pairs of compression and force [m or rad, N
-        /// or N.m]. The first pair is [0, 0], and the force never falls. Beyond the last pair the curve continues as a
-        /// straight line.
+        /// Bumper only: additional force as a curve over the compression. State pairs of compression and force [m or
+        /// rad, N or N.m]. The first pair must be [0, 0], and the force must not fall with the compression. Beyond the
+        /// last pair the curve continues as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the Boolean output that is true if the mechanism is at this stop or beyond. Default:
+        /// Name of the Boolean output that is true while the mechanism is at this stop or beyond. Default:
         /// `<name>.reached`.
         flag: Option<String> => element();
     }
 
-    /// A lock holds the mechanism at a stop while the input `<name>.engage` is true. The lock force acts at a point,
-    /// along the path of that point.
+    /// A lock holds the mechanism at a stop while the input `<name>.engage` is true. The force of the lock acts on the
+    /// point `at`, along the path of this point.
     pub struct Lock {
-        /// Stop at which the lock holds.
+        /// Stop at which the lock holds the mechanism.
         stop: String => element().required();
-        /// Point (`body.point`) on which the lock's force acts.
+        /// Point (`body.point`) on which the force of the lock acts.
         at: String => point().required();
         /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;

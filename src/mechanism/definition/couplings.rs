@@ -19,7 +19,7 @@ keys! {
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. `screw`
-        /// is rejected: use the key `screw` of an actuator.
+        /// is always rejected: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects this point to the carrier.
         first: String => point().required();
@@ -33,11 +33,12 @@ keys! {
         /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
         eccentricity: Option<f64> =>
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
-        /// Elliptic gears: number of lobes of each wheel [1], a whole number. 1: an ellipse that turns about its focus.
+        /// Elliptic gears: number of lobes of each wheel [1], a whole number. With 1 lobe the pitch curve is an ellipse
+        /// that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
-        /// Elliptic gears: direction from the centre of the first wheel to the vertex of its pitch curve that is
-        /// nearest to this centre, as an angle in the frame of the wheel [rad].
+        /// Elliptic gears: direction from the centre of rotation of the first wheel to the vertex of its pitch curve
+        /// that is nearest to this centre, as an angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of its pitch curve, in the frame of the wheel").absent("0");
@@ -61,10 +62,11 @@ keys! {
                 first segment or the table of the lift starts").absent("0");
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
-        /// Cam: lift over one revolution as pairs of angle and lift [rad, m or rad], in place of `segments`. The angles
-        /// ascend.
+        /// Cam: lift over one revolution, as pairs of cam angle and lift [rad, m or rad] in the order of increasing
+        /// angle. Use this key in place of `segments`.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
-        /// Cam: kind of the curve through `points`.
+        /// Cam: kind of the curve through `points`. `spline`: a smooth curve, which may overshoot the points.
+        /// `monotone`: a curve that rises or falls only where the points do.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
@@ -72,7 +74,8 @@ keys! {
         /// matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Number of teeth of the \
             first wheel");
-        /// Gears: number of teeth of the second wheel [1], > 0.
+        /// Gears: number of teeth of the second wheel [1], > 0. Only the ratio of `first_teeth` to `second_teeth`
+        /// matters.
         second_teeth: Option<f64> => number(One, Range::Positive)
             .parameter(Role::Geometry, "Number of teeth of the second wheel");
         /// Gears: true if the wheel with more teeth is an internal gear (ring gear).
@@ -93,13 +96,14 @@ keys! {
         radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Pitch radius of the wheel");
         /// Rack: side of the wheel centre on which the rack lies, looking in the direction of the joint axis.
         side: Option<Side> => Key::PLAIN.absent("\"right\"");
-        /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2. Default: 20 degrees.
+        /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2 rad. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
-        /// Value of the motion u2 at u1 = 0 [m or rad], in m for a rack. Default: the value that follows from the
-        /// guess. Not for a cam.
+        /// Value of the motion u2 at u1 = 0 [m or rad]. For a rack the value is in m. Default: the value that follows
+        /// from the positions in `guess`. Not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
-        /// Gears, rack, belt: efficiency [1], > 0 and <= 1, in both directions of power flow. Default: no loss.
+        /// Gears, rack, belt: efficiency [1], > 0 and <= 1. It is equal in both directions of power flow. Without this
+        /// key there are no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
     }
 }
@@ -218,8 +222,8 @@ impl Mechanism {
             return refused("type", message);
         }
         if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
-            let message = "couplings of variable ratio have no losses: remove efficiency, and use the efficiency of \
-                           a drive or the friction of joints";
+            let message = "a coupling with a variable ratio cannot have losses: remove the key efficiency, and use the \
+                           efficiency of a drive or the friction of joints";
             return refused("efficiency", message);
         }
         let (needed, allowed) = coupling.kind.keys();
@@ -231,10 +235,10 @@ impl Mechanism {
             // A cam says more about a phase.
             if is_given && !is_needed && !allowed.contains(k) && !others.contains(k) && *k != "phase" {
                 let keys = [&others[1..2], needed, allowed, &others[2..]].concat().join(", ");
-                return refused(k, &format!("belongs to another type of coupling; the keys of this type are {keys}"));
+                return refused(k, &format!("this type of coupling cannot have this key; its keys are {keys}"));
             }
             if !is_given && is_needed {
-                return refused(k, "is missing: add it");
+                return refused(k, "this type of coupling needs this key: add it");
             }
         }
         self.point(key("first"), &coupling.first)?;

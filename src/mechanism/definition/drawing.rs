@@ -22,8 +22,8 @@ const OPEN: f64 = 1e-3;
 const ZERO: f64 = 1e-12;
 
 keys! {
-    /// Units of the angles and lengths in this file. All other numbers are in SI units. The variables of the FMU are
-    /// always in SI units.
+    /// Units of the angles and lengths in the mechanism file. All other numbers of the file are in SI units. The
+    /// variables of the FMU are always in SI units.
     pub struct Units: Copy {
         /// Unit of all angles in the file.
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
@@ -31,15 +31,16 @@ keys! {
         length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
     }
 
-    /// The body as drawn in one position of the mechanism, in the mechanism frame. Lengths, points in the frame of the
-    /// body, and the guess follow from the drawing.
+    /// Coordinates of the body's points in the mechanism frame, from a drawing that shows the mechanism in one
+    /// position. The program computes lengths, points in the frame of the body, and the guess from these coordinates.
     pub struct Drawn {
         /// Coordinates of the point `origin` [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
         /// Coordinates of the point `end` [m]. The x axis of the body points from `origin` to `end`. The distance
         /// between the two points is the length of the body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Angle from the X axis to the x axis of the body [rad]. Not with `end`.
+        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. Not allowed together with
+        /// `end`.
         angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
         /// Coordinates of additional points by name [m].
         points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
@@ -225,7 +226,7 @@ impl Mechanism {
             match body.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
                     let message = format!(
-                        "the drawing gives {} rad: remove this angle, or correct one of the two",
+                        "the drawing gives {} rad: remove this angle, or correct this angle or the drawing",
                         Decimal::rounded(relative)
                     );
                     let key = format!("bodies.{name}.angle");
@@ -252,7 +253,7 @@ impl Mechanism {
             match joint.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
                     let message = format!(
-                        "the drawing gives {} rad: remove this angle, or correct one of the two",
+                        "the drawing gives {} rad: remove this angle, or correct this angle or the drawing",
                         Decimal::rounded(relative)
                     );
                     faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}.angle"), message)));
@@ -362,14 +363,15 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     let origin = Vec2::from(drawn.origin);
     let angle = match (drawn.end, drawn.angle) {
         (Some(_), Some(_)) => {
-            let message = "the x axis of the body points from origin to end: remove angle or end";
+            let message = "the points origin and end already define the angle of the body: remove the key angle or the \
+                           key end";
             return Err(DefinitionError::key(key(".angle"), message));
         }
         (Some(end), None) => {
             let along = Vec2::from(end) - origin;
             let length = along.norm();
             if length == 0.0 {
-                return Err(DefinitionError::key(key(".end"), "equals the origin, so the body has no length"));
+                return Err(DefinitionError::key(key(".end"), "end and origin coincide, so the body has no length"));
             }
             match body.length {
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
@@ -396,7 +398,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
         if body.center.is_some() {
             return Err(DefinitionError::key(
                 key(".center"),
-                "is also given in the frame of the body: remove one of the two",
+                "the centre of mass is also given in the frame of the body, by the key center outside of drawn: remove \
+                 one of the two keys",
             ));
         }
         body.center = Some(local(center));
@@ -404,7 +407,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     let mut points: Vec<(String, [f64; 2])> = body.points.iter().map(|(n, p)| (n.to_owned(), *p)).collect();
     for (point, place) in drawn.points.iter() {
         if body.points.get(point).is_some() {
-            let message = "is also given in the frame of the body: remove one of the two";
+            let message = "this point is also given in the frame of the body, by the key points outside of drawn: \
+                           remove one of the two points";
             return Err(DefinitionError::key(key(&format!(".points.{point}")), message));
         }
         points.push((point.to_owned(), local(*place)));

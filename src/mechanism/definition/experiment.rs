@@ -5,17 +5,18 @@ use crate::variables::Unit::{Metre, MetrePerSecond, One, Radian, RadianPerSecond
 keys! {
     /// Position and speed at the start of the run, of a body that turns or of a prismatic joint.
     pub struct Start or (Short::Word("equilibrium")) {
-        /// Body whose angle states the start.
+        /// Body whose angle determines the start position.
         body: Option<String> => element();
-        /// Angle of the body in `body` at the start [rad], -1e6 to 1e6.
+        /// Start angle of the body that the key `body` names [rad], from -1e6 rad to 1e6 rad.
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
-        /// Prismatic joint whose position states the start.
+        /// Prismatic joint whose position determines the start position.
         joint: Option<String> => element();
         /// Start position of the prismatic joint that the key `joint` names [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
-        /// Speed of the stated body or joint at the start [m/s or rad/s].
+        /// Start speed of the body in `body` or of the joint in `joint` [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// true: the run starts at the stable equilibrium nearest to the stated position, under the loads at the start.
+        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The loads are the
+        /// loads at the start.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
@@ -24,27 +25,28 @@ keys! {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the integration").required();
-        /// Smallest speed to which the relative tolerance refers [1], > 0 and <= 1. The key is a fraction of the speed
-        /// that the present loads would give the mechanism over a motion of 1 rad. Small values make slow creep
-        /// accurate.
+        /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
+        /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved it over
+        /// 1 rad. Small values make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
-             give over 1 rad",
+             would give the mechanism over a motion of 1 rad",
         );
         /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
         /// of `rigid_fem` and events count too.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
-        /// Formulation of the motion; start value of the variable `solver.method`. `reduced`: rigid bodies.
-        /// `rigid_fem`: links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key
-        /// the formulation is `reduced` and the FMU does not have the variable `solver.method`.
+        /// Model of the motion, and start value of the variable `solver.method`. `reduced`: rigid bodies. `rigid_fem`:
+        /// links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key the method
+        /// is `reduced`, and the FMU does not have the variable `solver.method`.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
-        /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5. Only with `method`.
+        /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5 s. Allowed only together with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of Newmark's method (rigid_fem)");
-        /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables.
-        /// false: each evaluation solves the loop equations, which is about a hundred times slower.
+        /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables
+        /// over the position of the mechanism. false: each evaluation solves the loop equations of the linkage, which
+        /// is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
             "true: the equation of motion is evaluated from tables; false: each evaluation solves the loop equations, \

@@ -385,7 +385,7 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
     let (number, unit) = number_with_unit(text).filter(|(_, unit)| !names.contains_key(*unit))?;
     let own = place.map(|place| place.file_unit.unwrap_or(place.unit.name()));
     Some(match own {
-        Some(own) if own == unit => format!("write {number} ({own}): numbers have no unit here"),
+        Some(own) if own == unit => format!("write {number} without a unit: this number is in {own}"),
         Some(own) if own != "1" => format!("write the number in {own}, without a unit"),
         _ => format!("write the number without a unit, such as {number}"),
     })
@@ -393,5 +393,5 @@ fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize
 
 fn unknown_name(name: &str, places: &[Place]) -> String {
     let nearest = nearest(places.iter().map(|place| place.name.as_str()), name).join(", ");
-    format!("there is no parameter {name}: the nearest names are {nearest}; define named numbers in \"parameters\"")
+    format!("there is no parameter {name}; similar names are {nearest}; define named numbers in \"parameters\"")
 }

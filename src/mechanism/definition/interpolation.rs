@@ -124,11 +124,11 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {} {of}: at this spacing of the points, rounding causes up to about {part:.0} % \
-             of the acceleration",
+            "have values in steps of {} {of}. At this spacing of the points, the rounding of the values causes up to \
+             about {part:.0} % of the acceleration",
             Decimal(unit)
         );
-        let remedy = "give more digits, or fewer points";
+        let remedy = "give values with more digits, or give fewer points";
         all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
     }
 }

@@ -18,7 +18,7 @@ keys! {
         /// Acceleration of free fall [m/s2], >= 0.
         acceleration: f64 => number(MetrePerSecondSquared, Range::Size)
             .parameter(Role::Load, "Acceleration of free fall").required();
-        /// Upward direction, as an angle from the X axis [rad].
+        /// Upward direction, as an angle from the X axis of the mechanism frame [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, angle from the X axis").required();
         /// Start value of the input `load_factor` [1], the factor by which all weights are multiplied.
@@ -26,36 +26,38 @@ keys! {
     }
 
     /// A drive (actuator) along the line between two points or in a joint. A positive force pushes the two points
-    /// apart. In a joint, a positive force moves the second body along the axis; a positive torque turns the second
-    /// body anticlockwise.
+    /// apart. In a prismatic joint, a positive force moves the second body along the axis. In a revolute joint, a
+    /// positive torque turns the second body anticlockwise.
     pub struct Actuator {
-        /// Point (`body.point`) at the first end.
+        /// Point (`body.point`) at the first end of the drive.
         first: Option<String> => point();
-        /// Point (`body.point`) at the second end.
+        /// Point (`body.point`) at the second end of the drive.
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of `first` and `second`.
         joint: Option<String> => element();
-        /// Start value of the input `<name>.force` [N]. Not in a revolute joint and not with a screw.
+        /// Start value of the input `<name>.force` [N]. Not allowed in a revolute joint or together with `screw`.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
-        /// Start value of the input `<name>.torque` [N.m]. Only in a revolute joint or with a screw.
+        /// Start value of the input `<name>.torque` [N.m]. Allowed only in a revolute joint or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta of the drive [1], > 0 and <= 1, in both directions of power flow ([CK16] eq. (5)).
+        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. It is equal in
+        /// both directions of power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Additional force as a curve over the speed of the drive, multiplied by the input `<name>.command`. Pairs of
-        /// speed and force [m/s or rad/s, N or N.m], speeds ascending. Beyond the first and the last pair the curve
-        /// continues as a straight line. Not with `hydraulics` or `motion`.
+        /// Additional force as a curve over the speed of the drive. The input `<name>.command` multiplies this force.
+        /// State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed. Beyond the first
+        /// and the last pair the curve continues as a straight line. Not allowed together with `hydraulics` or
+        /// `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command` [1]. Only with `points`.
+        /// Start value of the input `<name>.command` [1]. Allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
-        /// Screw that turns the rotation of a motor into the stroke of the drive. The input is then the motor torque.
-        /// Not in a revolute joint.
+        /// Screw that turns the rotation of a motor into the stroke of the drive. The input of the drive is then the
+        /// torque of the motor. Not allowed in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive can have a
         /// circuit. A drive in a revolute joint cannot have a circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
         /// Prescribed motion of the drive. The drive force is then an output. At most one drive can have a prescribed
-        /// motion. Not with `hydraulics`.
+        /// motion. Not allowed together with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
@@ -73,8 +75,8 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. With
-        /// `constant` these variables are parameters, otherwise inputs.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. These
+        /// variables are inputs. With `"constant": true` they are parameters.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
@@ -84,22 +86,22 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m]. With `constant` this variable is a parameter, otherwise
-        /// an input.
+        /// Start value of the variable `<name>.torque` [N.m]. This variable is an input. With `"constant": true` it is
+        /// a parameter.
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
     }
 
     /// A spring with a damper. Between two points the force preload + stiffness * (length - free_length) + damping *
-    /// d(length)/dt pulls the points together. In a prismatic joint the same force pulls the second body back; the
-    /// length is the position of the joint. In a revolute joint the torque preload + stiffness * (angle - free_angle) +
-    /// damping * d(angle)/dt turns the second body clockwise; the angle is that of the second body relative to the
-    /// first. Forces from `points`, `damping_points` or `gas` are added.
+    /// d(length)/dt pulls the points together. In a prismatic joint the length is the position of the joint, and the
+    /// force pulls the second body back. In a revolute joint the torque preload + stiffness * (angle - free_angle) +
+    /// damping * d(angle)/dt turns the second body clockwise. Here the angle is the angle of the second body relative
+    /// to the first body. Forces from `points`, `damping_points` or `gas` are added.
     pub struct Spring {
-        /// Point (`body.point`) at the first end.
+        /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
-        /// Point (`body.point`) at the second end.
+        /// Point (`body.point`) at the second end of the spring.
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of `first` and `second`.
         joint: Option<String> => element();
@@ -109,69 +111,74 @@ keys! {
         /// Damping coefficient of the linear damper [N.s/m or N.m.s/rad], >= 0.
         damping: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Load, "Damping coefficient").absent("0");
-        /// Length at which the force of the linear spring equals `preload` [m]. For a spring between two points
-        /// `free_length` must be >= 0.
+        /// Length of the spring at which the force of the linear spring equals `preload` [m]. For a spring between two
+        /// points `free_length` must be >= 0.
         free_length: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Free length").absent("0");
-        /// Angle at which the torque of the linear spring equals `preload` [rad]. Only in a revolute joint.
+        /// Joint angle at which the torque of the linear spring equals `preload` [rad]. Allowed only in a revolute
+        /// joint.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
-        /// Force or torque of the linear spring at the free length or free angle [N or N.m]. A positive value pulls the
+        /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive value pulls the
         /// ends together or turns the second body clockwise.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Additional pulling force as a curve over the length, position or angle. Pairs of length and force [m or rad,
-        /// N or N.m], lengths ascending. Beyond the first and the last pair the curve continues as a straight line.
+        /// Additional pulling force as a curve over the length, position or angle. State pairs of length and force [m
+        /// or rad, N or N.m] in the order of increasing length. Beyond the first and the last pair the curve continues
+        /// as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
-        /// Additional damping force as a curve over the speed of extension or rotation. Pairs of speed and pulling
-        /// force [m/s or rad/s, N or N.m], speeds ascending. The curve passes through [0, 0], and each force has the
-        /// sign of its speed. Beyond the first and the last pair the curve continues as a straight line.
+        /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
+        /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The curve must pass through [0, 0],
+        /// and each force must have the sign of its speed. Beyond the first and the last pair the curve continues as a
+        /// straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.
         gas: Option<Gas>;
     }
 
-    /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length), the gas pressure p =
+    /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length). The gas pressure is p =
     /// pressure * (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
     pub struct Gas: Copy {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
-        /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston this is the cross section of the
-        /// rod.
+        /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston, this area is the cross section
+        /// of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
             .parameter(Role::Load, "Area under gas pressure").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
-        /// Polytropic exponent [1], from 1 to 2. 1 for slow (isothermal) motion, 1.4 for fast motion with nitrogen.
+        /// Polytropic exponent [1], from 1 to 2. Use 1 for slow (isothermal) motion, and 1.4 for fast motion with
+        /// nitrogen.
         exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
             gas").required();
-        /// Absolute pressure around the spring [Pa], >= 0. Default: the standard atmosphere.
+        /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere.
         ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient \
             pressure");
     }
 
-    /// Uniform air flow past the mechanism. The airspeed is the input `airspeed`.
+    /// Uniform air flow past the mechanism. The speed of the flow is the input `airspeed`.
     pub struct Air: Copy {
         /// Density of the air [kg/m3], >= 0.
         density: f64 => number(KilogramPerCubicMetre, Range::NonNegative)
             .parameter(Role::Law, "Density of the air").required();
-        /// Direction in which the air flows, as an angle from the X axis [rad].
+        /// Direction in which the air flows, as an angle from the X axis of the mechanism frame [rad].
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, angle from the X axis").required();
         /// true: drag depends on the air velocity relative to the moving surface. false: drag depends on the airspeed
         /// only.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
-            "true: drag depends on the air velocity relative to the moving surface; false: on the airspeed only",
+            "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
+             airspeed only",
         );
         /// Start value of the input `airspeed` [m/s].
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// A surface on which the air drags: a strip between two points of one body, or an area at a point. The drag is 1/2
-    /// * density * c * S * |u| * u [N], with the air velocity u relative to the surface [m/s] and the area S
-    /// perpendicular to u [m2] ([HF08] eq. (1)).
+    /// A surface on which the air exerts drag: a strip between two points of one body, or an area at a point. The drag
+    /// is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). Here c is the drag coefficient, u is the air velocity
+    /// relative to the surface [m/s], and S is the projected area perpendicular to u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
@@ -184,7 +191,7 @@ keys! {
         /// Area of a surface with the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without this key, the
-        /// area is the same from all sides.
+        /// projected area is equal in all directions of the flow.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
             the surface @, as an angle in the frame of the body");
         /// Drag coefficient c [1], >= 0.

@@ -23,17 +23,20 @@ pub const SNAP: f64 = 1e-6;
 keys! {
     /// A planar linkage with one degree of freedom. Numbers are in SI units, angles in rad, positive anticlockwise.
     pub struct Mechanism {
-        /// Path of the JSON schema, with which an editor completes keys. The FMU does not use this key.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
+        /// key.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String => line();
-        /// Author, copyright and licence of the model, for the description of the FMU.
+        /// Author, copyright and licence of the model. The FMU states them in its file `modelDescription.xml`.
         about: About => Key::PLAIN.brief();
-        /// Path of a file with named parameters that several definitions share, relative to the folder of this file.
+        /// Path of a file with named parameters that several mechanisms share. The path is relative to the folder of
+        /// the mechanism file.
         shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
-        /// Named parameters for use in expressions. Each is a number, an expression, or an object.
+        /// Named parameters for use in expressions. Each parameter is a number, an expression, or an object with value
+        /// and unit.
         parameters: Named<NamedParameter> => Key::PLAIN.brief();
         /// Parameters whose values are expressions of others.
         expressions: Expressions => Key { is_written_only: true, ..Key::PLAIN }.brief();
@@ -41,7 +44,7 @@ keys! {
         file_units: Aside<Units> => Aside::<Units>::KEY;
         /// Expressions of numbers that are no parameters whose unit is unclear.
         unclear: Aside<Vec<Unclear>> => Aside::<Vec<Unclear>>::KEY;
-        /// Units of the angles and lengths in this file. Default: SI units.
+        /// Units of the angles and lengths in the mechanism file. Default: SI units.
         units: Option<Units> => Key::PLAIN.brief();
         /// Uniform gravity. Without this key there is no gravity.
         gravity: Option<Gravity>;
@@ -73,23 +76,25 @@ keys! {
         surfaces: Named<Surface>;
         /// Stops by name. A stop limits the travel of the mechanism.
         stops: Named<Stop>;
-        /// Locks by name: each holds the mechanism at a stop while the input `<name>.engage` is true.
+        /// Locks by name. A lock holds the mechanism at a stop while the input `<name>.engage` is true.
         locks: Named<Lock>;
-        /// Position and speed at the start. The word `equilibrium` starts the run at the stable equilibrium nearest to
-        /// the guess.
+        /// Position and speed at the start, or the word `equilibrium`. With this word the run starts at the stable
+        /// equilibrium that is nearest to the position in `guess`.
         start: Start => Key::PLAIN.required();
-        /// Rough angle of each body that turns and rough position of each prismatic joint [m or rad]. The guess selects
-        /// one of the ways in which the mechanism can be assembled. Drawn bodies need no guess.
+        /// By name: rough angle of each body that turns, and rough position of each prismatic joint [m or rad]. The
+        /// guess selects one of the ways in which the mechanism can be assembled. Bodies with the key `drawn` need no
+        /// guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions where two assembly modes cross), relative to the size of the
-        /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than this, the mechanism
-        /// passes through it. 0: no correction.
+        /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than this tolerance, the
+        /// program corrects the lengths so that the mechanism passes through the change point. 0: no correction.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
-        /// true: eigenfrequency and damping ratio of small motions about the present state are outputs.
+        /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
+        /// the present state.
         linearisation: bool => Key::PLAIN.brief();
         /// Settings of the time integration.
         solver: Solver;
-        /// Default experiment of the FMU.
+        /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;
     }
 }

@@ -17,20 +17,20 @@ keys! {
         /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the input force or
         /// torque of the drive acts.
         enabled: bool = true;
-        /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. Only
-        /// without a profile.
+        /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad].
+        /// Allowed only without the key `profile`.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
-        /// Motion law over time. Without this key, position, speed and acceleration are inputs.
+        /// Motion law over time. Without this key, position, speed and acceleration of the drive are inputs of the FMU.
         profile: Option<ProfileKind>;
         /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
         /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
-        /// Duration of the profile [s], > 0. Not for a trapezoid or a table, whose duration follows from the other
-        /// keys.
+        /// Duration of the profile [s], > 0. A trapezoid or a table cannot have this key, because its duration follows
+        /// from other keys.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
-        /// Distance of the motion, of either sign [m or rad], from the position at which the motion is first
+        /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first
         /// prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
@@ -40,9 +40,10 @@ keys! {
         /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
             .parameter(Role::Load, "Acceleration and deceleration of the prescribed motion");
-        /// Only for the profile `table`: pairs of time and distance [s, m or rad], times ascending.
+        /// Only for the profile `table`: pairs of time and distance [s, m or rad], in the order of increasing time.
         points: Option<Vec<[f64; 2]>> => curve([Second; 2], [Metre, Radian], Range::Finite);
-        /// Kind of the curve through the points of a table.
+        /// Kind of the curve through the points of a table. `spline`: a smooth curve, which may overshoot the points.
+        /// `monotone`: a curve that rises or falls only where the points do.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
     }
 }
@@ -99,7 +100,7 @@ impl PrescribedMotion {
         }
         let Some(points) = &self.points else { return };
         if points.iter().flatten().any(|value| !value.is_finite()) || self.curve().is_none() {
-            let message = "give 2 or more points [time, distance] of finite numbers with ascending times";
+            let message = "give 2 or more points [time, distance] with finite numbers and ascending times";
             faults.keep::<()>(refused(format_args!("{key}.points"), message));
         }
     }
@@ -139,7 +140,7 @@ impl Mechanism {
             faults.keep::<()>(refused(&key, message));
         }
         if self.start.equilibrium && motion.enabled {
-            let message = "`start` cannot be `equilibrium` with a prescribed motion, as every position is an \
+            let message = "`start` cannot be `equilibrium` with a prescribed motion, because every position is then an \
                            equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
             faults.keep::<()>(refused(&key, message));
         }

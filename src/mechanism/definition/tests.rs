@@ -64,8 +64,8 @@ fn the_path_leads_to_the_fault() {
             "joints.j",
         ),
         ("{\"start\":\n  {\"angle\":\n  true}}", "start.angle"),
-        ("[", "no mechanism"),
-        ("{", "no mechanism"),
+        ("[", "not a valid mechanism"),
+        ("{", "not a valid mechanism"),
     ] {
         let message = Mechanism::from_json(text).unwrap_err().to_string();
         let (found, _) = message.split_once(": ").unwrap();

@@ -109,10 +109,10 @@ impl Mechanism {
             return refused("angle", message);
         }
         if body.shape.is_some() && body.length.is_none() {
-            return refused("shape", "a uniform_rod needs a length");
+            return refused("shape", "a body with the shape uniform_rod needs a length: add the key length");
         }
         if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
-            return refused("shape", "a uniform_rod defines center and inertia: remove these keys");
+            return refused("shape", "the shape uniform_rod defines center and inertia: remove these two keys");
         }
         Ok(())
     }
@@ -148,7 +148,7 @@ impl Mechanism {
             faults.keep(self.point(key("second"), &joint.second));
             let is_revolute = joint.kind == JointKind::Revolute;
             let (no_slide, no_pin) =
-                ("belongs to a prismatic joint: remove this key", "belongs to a revolute joint: remove this key");
+                ("only a prismatic joint has this key: remove it", "only a revolute joint has this key: remove it");
             let no_friction = "has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
@@ -176,7 +176,7 @@ impl Mechanism {
                     refuse("a screw drives along a line: give the keys first and second, or a prismatic joint");
                 }
                 if a.hydraulics.is_some() {
-                    refuse("a hydraulic circuit already drives this actuator: remove screw or hydraulics");
+                    refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
             }
             let turns = is_rotary || a.screw.is_some();
@@ -345,7 +345,7 @@ impl Mechanism {
         let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
             let others: Vec<&str> = given.iter().map(|(k, _)| *k).filter(|k| *k != asked).collect();
-            return refused(key, format!("this stop needs {asked}, and neither {}", others.join(" nor ")));
+            return refused(key, format!("this stop must have the key {asked}, but neither {}", others.join(" nor ")));
         }
         let given = [("stiffness", s.stiffness != 0.0), ("damping", s.damping != 0.0), ("points", s.points.is_some())];
         for (k, is_given) in given {

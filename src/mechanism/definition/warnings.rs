@@ -76,7 +76,7 @@ impl Mechanism {
         match friction.enabled {
             None => all.push(Finding::warning(
                 "friction",
-                "is given, but not enabled, so the joints have no friction",
+                "the key enabled is missing, so the joints have no friction",
                 "add \"enabled\": true; or write \"enabled\": false if a simulation tool enables the friction during \
                  the run",
             )),
@@ -138,7 +138,7 @@ impl Mechanism {
     fn warn_of_bodies(&self, all: &mut Vec<Finding>) {
         for (name, body) in self.bodies.iter() {
             if body.shape.is_some() && body.mass.is_none() {
-                let (message, remedy) = ("describes the distribution of a mass, but there is no mass", "add mass");
+                let (message, remedy) = ("describes the mass distribution, but the body has no mass", "add mass");
                 all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
             }
             let Some([x, y]) = body.center else { continue };
@@ -154,7 +154,8 @@ impl Mechanism {
             let away = (x - 0.5 * (low[0] + high[0])).hypot(y - 0.5 * (low[1] + high[1]));
             if size > 0.0 && away > FAR * size {
                 let message = format!(
-                    "the centre of mass is {} m from the middle of a body whose points are at most {} m apart",
+                    "the centre of mass is {} m away from the middle of the body, but the points of the body are at \
+                     most {} m apart",
                     Decimal::rounded(away),
                     Decimal::rounded(size)
                 );
@@ -243,7 +244,7 @@ impl Mechanism {
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,
-                "write the value in m/s2, whatever the unit of lengths",
+                "write the value in m/s2, also in a file with another unit of length",
             ));
         }
         let mut largest = (0.0_f64, "");
@@ -267,7 +268,7 @@ impl Mechanism {
             }
         }
         if largest.0 > HUGE {
-            let message = format!("is {} m long", Decimal::rounded(largest.0));
+            let message = format!("the body is {} m long", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
                 true => "check the lengths, which are in mm",
                 false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",

@@ -237,17 +237,17 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
     }
     if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
         let name = format!("{}.motion.enabled", loading.drives[drive.load].name);
-        return refuse(&name, "true".into(), "set it to false");
+        return refuse(&name, "true".into(), "set this value to false");
     }
     if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
-        return refuse("friction.enabled", "true".into(), "set it to false");
+        return refuse("friction.enabled", "true".into(), "set this value to false");
     }
     if let Some(air) = loading.air.as_ref().filter(|air| !air.surfaces.is_empty()) {
         if air.relative_wind {
-            return refuse("air.relative_wind", "true".into(), "set it to false");
+            return refuse("air.relative_wind", "true".into(), "set this value to false");
         }
         if let Some(speed) = inputs.reals.last().filter(|speed| **speed != 0.0) {
-            return refuse("airspeed", format!("{speed}"), "set it to 0");
+            return refuse("airspeed", format!("{speed}"), "set this value to 0");
         }
     }
     Ok(())

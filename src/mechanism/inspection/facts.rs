@@ -301,7 +301,9 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
             (None, _) if reduced.ends_meet()[side].is_some() => {
                 let reason = ends_meet(reduced, side);
-                let message = format!("no stop ends the travel before the run ends with an error: {reason}");
+                let message = format!(
+                    "no stop ends the travel in the direction {word}, so a run can end with an error: {reason}"
+                );
                 out.findings.push(Finding::warning("stops", message, "add a stop before this position"));
                 format!("no stop: {reason}")
             }
@@ -367,8 +369,8 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
         let text = format!(
-            "two branches of motion almost cross at {}; the motion turns sharply there instead of \
-            continuing straight on",
+            "two branches of motion almost cross at {}; the motion turns sharply at this position and does not \
+             continue straight",
             miss.position
         );
         let fact = Fact::new(NEAR, "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);

@@ -37,7 +37,7 @@ pub(super) fn add_commands(b: &mut Builder) {
     for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
         if drive.curve.is_some() {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            let text = ["Command of ", name, ": factor by which its ", what, "-speed curve is multiplied"];
+            let text = ["Command of ", name, ": factor by which the ", what, "-speed curve of the drive is multiplied"];
             b.load_input(&text, One, a.command());
         }
     }
@@ -87,12 +87,17 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
     };
     let output = Output::ActingForce { drive };
     if let Some(curve) = &s.loading.drives[drive].curve {
-        let text = [what, n, ": the input, plus the command times the value of the drive's curve at the present speed"];
+        let text = [
+            what,
+            n,
+            ": input of the drive, plus the command times the value of the drive's curve at the present speed",
+        ];
         let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
         b.output(n, suffix, &text, unit, output, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
-        let text = [what, n, ": the value that the prescribed motion needs, or the input if no motion is prescribed"];
+        let text =
+            [what, n, ": value that the prescribed motion needs, or the input of the drive if no motion is prescribed"];
         b.output(n, suffix, &text, unit, output, needs);
     }
 }
@@ -170,7 +175,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
     let text = "Derivative of the reduced mass or inertia with respect to the displacement of the drive @";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    let text = "Sum of all other loads that act at present, reduced to the drive @";
+    let text = "Sum of all loads that act at present, without the load of the drive itself, reduced to the drive @";
     add("static_load", "static_load", text, force, StaticLoad, load);
     let text = "Force or torque at @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the reduced mass";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
@@ -195,7 +200,8 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         let text = "Force or torque of @ below which the mechanism starts to move backward from rest, with friction";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
-            let force = ": no force of this drive gives the demanded acceleration, or none starts a motion ";
+            let force =
+                ": no force of this drive gives the demanded acceleration, or no force of this drive starts a motion ";
             ["Whether friction locks the mechanism against ", n, force, "forward or backward"].concat()
         });
         let locking = Needs { statics: true, ..required };

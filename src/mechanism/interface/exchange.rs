@@ -138,13 +138,19 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::Points(curve) => {
             let (name, suffix, what) = match curve {
                 Curve::Drive(load) => {
-                    (&s.loading.drives[load].name, ".points_indicator", "points of the force-speed curve of ")
+                    (&s.loading.drives[load].name, ".points_indicator", "points of the force-speed curve of the drive ")
                 }
-                Curve::Damper(k) => {
-                    (&s.loading.springs[k].name, ".damping_points_indicator", "points of the damping curve of ")
+                Curve::Damper(k) => (
+                    &s.loading.springs[k].name,
+                    ".damping_points_indicator",
+                    "points of the damping curve of the spring ",
+                ),
+                Curve::Spring(k) => {
+                    (&s.loading.springs[k].name, ".points_indicator", "points of the curve of the spring ")
                 }
-                Curve::Spring(k) => (&s.loading.springs[k].name, ".points_indicator", "points of the curve of "),
-                Curve::Bumper(k) => (&s.loading.stops[k].name, ".points_indicator", "points of the curve of "),
+                Curve::Bumper(k) => {
+                    (&s.loading.stops[k].name, ".points_indicator", "points of the curve of the bumper ")
+                }
                 Curve::Cam(k) => {
                     let joint = s.linkage.couplings[k].joint;
                     (&s.linkage.joints[joint].name, ".points_indicator", "ends of segments or points of the cam ")

@@ -118,7 +118,8 @@ const OUTPUTS: &[Row] = &[
     (
         "cylinder",
         "end_force",
-        "Force of the end of the cylinder at which the piston rests, positive when it pushes the piston out",
+        "Force on the piston from the end of the cylinder at which the piston is at rest, positive in the direction of \
+         extension",
         Newton,
         Hydraulic::EndForce,
         [true, true, true],

@@ -31,7 +31,7 @@ pub(super) fn add_airspeed(b: &mut Builder) {
 }
 
 /// Sense of a spring's force, for its description.
-const PULLS: &str = ". A positive force pulls the two ends together";
+const PULLS: &str = ". A positive force pulls the two ends of the spring together";
 
 pub(super) fn add_springs(b: &mut Builder) {
     let s = b.source;
@@ -68,7 +68,8 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
         let text = b.text(|| {
-            ["true: the lock ", name, " is engaged and holds the mechanism when it is at stop ", &lock.stop].concat()
+            ["true: the lock ", name, " is engaged. An engaged lock holds the mechanism at the stop ", &lock.stop]
+                .concat()
         });
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
@@ -106,7 +107,7 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
         ("impact_count", ["Number of impacts on the stop ", " since the start"], One, ImpactPart::Count),
         (
             "impact_time",
-            ["Time of the last impact on the stop ", "; -1 before the first one"],
+            ["Time of the last impact on the stop ", "; -1 before the first impact"],
             Second,
             ImpactPart::Time,
         ),
@@ -125,8 +126,9 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
     let text = b.text(|| {
         let modes = CONTACT_MODES.join(", ");
         format!(
-            "Contact of the mechanism with its stops: {modes}. pushed: by a bumper; resting: on a rigid stop; locked: \
-             by a lock; arrived: at a stop, just before the impact"
+            "Contact of the mechanism with its stops: {modes}. pushed: a bumper pushes the mechanism; resting: the \
+             mechanism is at rest on a rigid stop; locked: a lock holds the mechanism; arrived: the mechanism is at a \
+             stop, just before the impact"
         )
     });
     let name = "contact.mode".to_owned();

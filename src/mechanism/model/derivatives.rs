@@ -46,7 +46,11 @@ impl Model {
         }
         if let Some((seed, known)) = seeds.iter().zip(knowns).find(|(seed, _)| !seed.is_finite()) {
             let name = self.name_of(*known);
-            return Err(ModelError::Value { name, value: *seed, allowed: "finite, because it is a seed".into() });
+            return Err(ModelError::Value {
+                name,
+                value: *seed,
+                allowed: "finite, because this value is the seed of a derivative".into(),
+            });
         }
         self.reducible("providesDirectionalDerivative")?;
         // The reference of an input is its index: inputs come first.

@@ -100,7 +100,7 @@ impl Model {
     pub fn serve_exchange(&mut self) -> Result<(), ModelError> {
         if self.continuous_time().is_none() {
             let reason = match self.original.reduced.loading().motion {
-                Some(_) => "a drive with prescribed motion has no continuous states; use co-simulation",
+                Some(_) => "a mechanism with a prescribed motion has no continuous states; use co-simulation",
                 None => "the states of a hydraulic circuit are integrated together with the motion; use co-simulation",
             };
             return Err(ModelError::Derivative { what: "model exchange".into(), reason: reason.into() });
@@ -162,7 +162,7 @@ impl Model {
         let [x, v] = states;
         if !(x.is_finite() && v.is_finite()) {
             return Err(NoValue::AtState(format!(
-                "the states are {} and {}; they must be finite",
+                "the continuous states are {} and {}; both states must be finite",
                 Decimal(x),
                 Decimal(v)
             )));

@@ -135,10 +135,15 @@ impl Model {
             Err(ModelError::Derivative { what, reason: reason.to_owned() })
         };
         if self.parameter_values.method() == Method::RigidFem {
-            return refused("solver.method = \"rigid_fem\" has more states; choose solver.method = \"reduced\"");
+            return refused(
+                "solver.method = \"rigid_fem\" has more states than position and speed; choose solver.method = \
+                 \"reduced\"",
+            );
         }
         if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
-            return refused("a drive has a prescribed motion, so there are no states; set motion.enabled to false");
+            return refused(
+                "a drive has a prescribed motion, so the mechanism has no states; set motion.enabled to false",
+            );
         }
         match self.original.parameter_values.mechanism().has_hydraulics() {
             true => refused("a hydraulic circuit has more states; remove hydraulics to linearise the mechanism alone"),

@@ -92,13 +92,17 @@ impl Model {
             Ok(value) if value.is_finite() => return None,
             Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
                 format!(
-                    "indeterminate at {}, because this is a dead centre or a crossing of branches",
+                    "the value is indeterminate at {}, because this position is a dead centre or a crossing of \
+                     branches",
                     state.describe(reduced)
                 )
             }
-            Ok(_) => "larger than the largest number with the present inputs and parameters: check their values".into(),
+            Ok(_) => {
+                "the value is larger than the largest number with the present inputs and parameters: check their values"
+                    .into()
+            }
             Err(OutputError::Table(at)) => {
-                format!("not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
+                format!("the value is not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
             }
             Err(OutputError::Locked) => format!(
                 "friction locks the mechanism near {} under the present inputs, mainly in {}: the joint forces cause \

@@ -155,7 +155,8 @@ impl SavedState {
             if let Err((stretch, _)) = reduced.reach(self.sigma) {
                 let (first, last) = stretch.curve().range;
                 return refuse(format!(
-                    "sigma = {}: must be from {first} to {last} on the last stretch of the curve",
+                    "position along the path (sigma) = {}: must be from {first} to {last} in the last computed part of \
+                     the path",
                     self.sigma
                 ));
             }
@@ -163,43 +164,54 @@ impl SavedState {
             return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
         }
         if reduced.period().is_none() && self.revolutions != 0.0 {
-            return refuse(format!("turns = {}: must be 0, as the travel is open", self.revolutions));
+            return refuse(format!(
+                "number of cycles (turns) = {}: must be 0, because the motion is not a cycle",
+                self.revolutions
+            ));
         }
         let loading = reduced.loading();
         if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
-            return refuse(format!("air acts = {}: does not agree with the airspeed {}", self.air, self.airspeed));
+            return refuse(format!(
+                "air acts = {}: this value does not agree with the airspeed {}",
+                self.air, self.airspeed
+            ));
         }
         for (end, rigid) in self.travel.stops() {
             if loading.stops.get(end).is_none_or(|stop| !stop.enabled || rigid && !stop.rigid) {
-                return refuse(format!("stop = {end}: there is no enabled stop of this type with this index"));
+                return refuse(format!("stop = {end}: the mechanism has no enabled stop of this type with this index"));
             }
         }
         let is_place = |place: Place| self.travel.position(place).is_some();
         if self.contact.at_rest().is_some_and(|place| !is_place(place)) {
-            return refuse("resting at a stop, but there is no stop at this position".into());
+            return refuse(
+                "the saved mechanism is at rest at a stop, but there is no stop at the saved position".into(),
+            );
         }
         if self.contact.arrival().is_some_and(|place| self.travel.stop(place).is_none() || !is_place(place)) {
-            return refuse("arrival at a stop, but there is no stop at this position".into());
+            return refuse("the saved mechanism arrives at a stop, but there is no stop at the saved position".into());
         }
         let state_loads = self.state_loads(reduced)?;
         let (bumpers, touching) = (state_loads.map_or(0, |s| s.bumpers.len()), self.contact.touching());
         if !touching.is_below(bumpers) {
-            return refuse(format!("bumpers that touch: must be below {bumpers}"));
+            return refuse(format!("index of a bumper in contact: must be below {bumpers}"));
         }
         let constants = &self.applied[loading.inputs.len()..];
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
-            return refuse("the constant loads do not agree with the parameters".into());
+            return refuse("the saved constant loads do not agree with the saved parameters".into());
         }
         if let Some(event) = self.memory.event_ahead() {
             let (exists, what) = match event {
                 Event::Regime(joint) => (
                     joint < state_loads.map_or(0, |s| s.friction_joints.len()),
-                    format!("index of an event = {joint}: there is no such joint with friction"),
+                    format!("index of an event = {joint}: the mechanism has no joint with friction with this index"),
                 ),
-                Event::Bumper(bumper) => {
-                    (bumper < bumpers, format!("index of an event = {bumper}: there is no such bumper"))
+                Event::Bumper(bumper) => (
+                    bumper < bumpers,
+                    format!("index of an event = {bumper}: the mechanism has no bumper with this index"),
+                ),
+                Event::Stop(place) => {
+                    (is_place(place), "next event: there is no stop at the position of the event".into())
                 }
-                Event::Stop(place) => (is_place(place), "event ahead: there is no stop at this position".into()),
                 Event::Border(border) => {
                     let own = state_loads.map_or(0, StateLoads::borders);
                     let of_circuit = |border| {
@@ -207,16 +219,18 @@ impl SavedState {
                         drive.is_some_and(|drive| border_of(&drive.laws, border).is_some())
                             || network.is_some_and(|network| network.laws.border(border).is_some())
                     };
-                    let what = "the friction table, curve, cushion, pump or valve edge of this index does not exist";
+                    let what =
+                        "the mechanism has no friction table, curve, cushion, pump or valve edge with this index";
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);
                     (is_one, format!("index of an event = {border}: {what}"))
                 }
-                Event::Knot(_) => {
-                    (reduced.has_knots(), "event ahead: no coupling and no spring has a knot there".into())
-                }
+                Event::Knot(_) => (
+                    reduced.has_knots(),
+                    "next event: no curve of a coupling or a spring has a point at the position of the event".into(),
+                ),
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),
-                    format!("index of an event = {switch}: there is no such change of sign"),
+                    format!("index of an event = {switch}: the mechanism has no change of sign with this index"),
                 ),
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };
@@ -226,7 +240,7 @@ impl SavedState {
         }
         // The energy lost is integrated if there are state loads, and in steps with inputs that change.
         if state_loads.is_some() && matches!(self.memory, Memory::Conservative(..)) {
-            return refuse("the integration method does not agree with the parameters".into());
+            return refuse("the saved integration method does not agree with the saved parameters".into());
         }
         Ok(())
     }

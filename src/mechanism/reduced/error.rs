@@ -82,7 +82,7 @@ impl fmt::Display for ReductionError {
             ),
             Self::NoVolume { name, least, position } => write!(
                 f,
-                "{name}: at {position} the length is {} m, where the gas volume is zero; increase the gas volume, \
+                "{name}: at {position} the length is {} m, at which the gas volume is zero; increase the gas volume, \
                  or add a stop before this position",
                 Decimal::rounded(*least)
             ),
@@ -109,9 +109,9 @@ impl fmt::Display for ReductionError {
                 let (owner, held) = (name.split('.').next().unwrap_or_default(), Decimal::rounded(*held));
                 write!(
                     f,
-                    "{name} = {}{unit} cannot be reached: {owner} is held at {held}{unit} by the joints or couplings \
-                     of its loop, which is rigid, while {} move{} freely; remove a joint or a coupling of the rigid \
-                     loop or add a body to it, and constrain the bodies and joints that move freely",
+                    "{name} = {}{unit} cannot be reached: the joints or couplings of a rigid loop hold {owner} at \
+                     {held}{unit}, while {} move{} freely; remove a joint or a coupling of the rigid loop, or add a \
+                     body to this loop; then constrain the bodies and joints that move freely",
                     Decimal(*value),
                     moving.join(", "),
                     if moving.len() == 1 { "s" } else { "" }

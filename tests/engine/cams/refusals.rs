@@ -28,12 +28,12 @@ fn what_is_no_cam_is_refused() {
         slides,
         "points",
         json!([[0.0, 0.0], [1.0, 0.1], [2.0, 0.0]]),
-        &["couplings.cam.points", "the segments define the lift already"],
+        &["couplings.cam.points", "already defines the lift"],
     );
     refused(slides, "second", json!("disc.origin"), &["couplings.cam.second", "joint"]);
     refused(slides, "joint", Value::Null, &["couplings.cam", "no motion", "second"]);
     refused(slides, "joint", json!("bearing"), &["couplings.cam.joint", "prismatic", "follower"]);
-    refused(slides, "roller_radius", Value::Null, &["couplings.cam.roller_radius", "missing"]);
+    refused(slides, "roller_radius", Value::Null, &["couplings.cam.roller_radius", "needs this key"]);
     refused(slides, "face_angle", json!(0.0), &["couplings.cam.face_angle", "roller"]);
     refused(slides, "phase", json!(0.0), &["couplings.cam.phase", "base circle"]);
     refused(slides, "teeth", json!(3), &["teeth"]);

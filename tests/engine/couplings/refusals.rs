@@ -9,8 +9,8 @@ fn what_cannot_be_coupled_is_refused() {
         assert_says(refusal(shafts(coupling)), pieces);
     };
     refused(&GEARS.replace("43", "-43"), &["couplings.mesh.second_teeth", "-43", "> 0"]);
-    refused(r#""type": "gears", "first_teeth": 20"#, &["couplings.mesh.second_teeth", "missing"]);
-    refused(&format!(r#"{GEARS}, "crossed": true"#), &["couplings.mesh.crossed", "another type", "first_teeth"]);
+    refused(r#""type": "gears", "first_teeth": 20"#, &["couplings.mesh.second_teeth", "needs this key"]);
+    refused(&format!(r#"{GEARS}, "crossed": true"#), &["couplings.mesh.crossed", "this type", "first_teeth"]);
     refused(&format!(r#"{GEARS}, "carrier": "two""#), &["couplings.mesh.second", "on two"]);
     refused(&format!(r#"{GEARS}, "carrier": "arm""#), &["couplings.mesh.carrier", "arm", "bodies"]);
     refused(&format!(r#"{GEARS}, "pressure_angle": 1.5"#), &["couplings.mesh.pressure_angle", "1.5", "1.2"]);

@@ -18,14 +18,14 @@ fn what_is_no_curve_is_refused_by_name() {
     for (more, pieces) in [
         (
             damper(json!([[0, 0]])),
-            &["springs.d.damping_points", "has 1 points [speed, force]; a curve needs 2 or more"][..],
+            &["springs.d.damping_points", "has 1 points [speed, force], but a curve needs 2 or more"][..],
         ),
         (damper(json!([[-1, -1], [1, 1]])), &["springs.d.damping_points", "add the point [0, 0]"]),
-        (damper(json!([[-1, 1], [0, 0], [1, 1]])), &["damping_points[0]", "the force 1 at the speed -1 drives"]),
-        (damper(json!([[0, 0], [1, 5], [2, 3]])), &["damping_points", "beyond the speed 2", "not smaller"]),
+        (damper(json!([[-1, 1], [0, 0], [1, 1]])), &["damping_points[0]", "the force 1 at the speed -1 would drive"]),
+        (damper(json!([[0, 0], [1, 5], [2, 3]])), &["damping_points", "end point at the speed 2", "not smaller"]),
         (
             damper(json!([[-2, -1], [-1, -5], [0, 0], [1, 5]])),
-            &["damping_points", "beyond the speed -2", "not smaller"],
+            &["damping_points", "end point at the speed -2", "not smaller"],
         ),
         (damper(json!([[1, 1], [0, 0]])), &["damping_points[1]", "speed = 0 must be larger than speed = 1"]),
         (
@@ -40,7 +40,7 @@ fn what_is_no_curve_is_refused_by_name() {
         (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "start with [0, 0]"]),
         (
             buffer(json!([[0, 0], [1, 2], [2, 1]])),
-            &["stops.b.points[2]", "the force 1 is smaller than 2 at the point before"],
+            &["stops.b.points[2]", "the force 1 is smaller than 2 at the preceding point"],
         ),
         (rigid, &["stops.b.points", "only a bumper has this key", "\"rigid\": false"]),
     ] {

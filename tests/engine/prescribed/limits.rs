@@ -128,7 +128,7 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     assert_says(refusal(two), &["motor already has a prescribed motion"]);
     let mut equilibrium = lift(&json!({ "position": 0.5 }));
     equilibrium["start"] = json!("equilibrium");
-    assert_says(refusal(equilibrium), &["with a prescribed motion, as every position is an equilibrium"]);
+    assert_says(refusal(equilibrium), &["with a prescribed motion, because every position is then an equilibrium"]);
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
     assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);

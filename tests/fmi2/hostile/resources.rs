@@ -123,7 +123,7 @@ fn a_file_without_a_size_is_read_up_to_the_limit() {
     if endless.exists() {
         let folder = Folder::new("proc");
         std::os::unix::fs::symlink(endless, folder.0.join("mechanism.json")).unwrap();
-        assert!(refusal(folder.location()).contains("no mechanism"));
+        assert!(refusal(folder.location()).contains("not a valid mechanism"));
     }
 }
 
@@ -136,8 +136,8 @@ fn text_that_is_none() {
         |open: &str, close: &str| format!("{}{}", open.repeat(1_000_000), close.repeat(1_000_000)).into_bytes();
     let truncated = &mechanism().into_bytes()[..700];
     for (content, expected) in [
-        (vec![], "no mechanism"),
-        (vec![0; 1000], "no mechanism"),
+        (vec![], "not a valid mechanism"),
+        (vec![0; 1000], "not a valid mechanism"),
         (vec![0xff; 1000], "UTF-8"),
         (mechanism().encode_utf16().flat_map(u16::to_le_bytes).collect(), "mechanism.json"),
         (nested("[", "]"), "more than 128 brackets"),

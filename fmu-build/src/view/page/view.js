@@ -127,9 +127,9 @@ function setUpTravel() {
   byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
   const [low, high] = data.travel.goes_on;
   const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
-  const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end to the other";
+  const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end of the travel to the other end";
   const beyond = low || high ? "; the motion of the mechanism continues beyond this range" : "";
-  byId("hint").textContent = `The Travel slider moves the mechanism by its position instead of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame.`;
+  byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame.`;
 }
 
 function onKey(event) {

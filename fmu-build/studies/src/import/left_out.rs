@@ -39,7 +39,7 @@ pub fn of_drive(node: Node) -> Option<String> {
     let gear = node.attribute("gear").and_then(|gear| gear.split_whitespace().next());
     if let Some(gear) = gear.filter(|gear| gear.parse() != Ok(1.0)) {
         parts.push(format!(
-            "gear {} (the input of the drive is the force or torque on the joint itself)",
+            "gear {} (the input of the imported drive is the force or torque on the joint)",
             gear.escape_debug()
         ));
     }

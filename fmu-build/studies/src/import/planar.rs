@@ -206,7 +206,10 @@ impl Linkage {
         parts.push(("start".to_owned(), Part::One(self.start())));
         let parts: Named<Part> = parts.into_iter().collect();
         if let Some(key) = unnumbered(&serde_json::to_value(&parts)?) {
-            bail!("{key} is not finite: lengths, masses or forces of the file are too large; use larger units");
+            bail!(
+                "{key} is not finite, because lengths, masses or forces of the file are too large; use larger units in \
+                 the file"
+            );
         }
         Ok(serde_json::to_string_pretty(&parts)? + "\n")
     }

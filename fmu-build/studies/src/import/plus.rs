@@ -93,7 +93,7 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     ensure!(
         DIGITS.chars().nth(length % CHECKS) == Some(check),
         "the last letter of a PMKS+ file checks its length, but \"{}\" does not fit {length} letters: the file or link \
-         is incomplete, or older than 2023; open it in PMKS+ and save it again",
+         is incomplete, or older than 2023; open the file or link in PMKS+ and save the mechanism again",
         check.escape_debug()
     );
     let mut sections = body.split('.');
@@ -411,7 +411,9 @@ impl<'a> Builder<'a> {
         // turn.
         let rider = match block {
             Some(block) => block,
-            None if pin.is_welded => *bodies.first().context("nothing slides")?,
+            None if pin.is_welded => {
+                *bodies.first().context("the slot contains no joint that slides: correct the slot in PMKS+")?
+            }
             None => {
                 let block =
                     Body { name: self.name(pin, "_block"), points: vec![pin.place], is_block: true, ..Body::default() };

@@ -69,7 +69,7 @@ pub fn unescaped(text: &str) -> Result<String> {
         bytes.push(escaped.unwrap_or(*first));
         rest = if escaped.is_some() { &tail[2..] } else { tail };
     }
-    String::from_utf8(bytes).context("the link is not UTF-8 after decoding: copy it again")
+    String::from_utf8(bytes).context("the link is not UTF-8 after decoding: copy the link again")
 }
 
 fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {

@@ -98,8 +98,9 @@ impl Mjcf {
             let half = (x * x + y * y + z * z).sqrt();
             inner = unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)));
         } else if let Some([x, y, z, angle]) = fixed(node, "axisangle")? {
-            let axis = unit([x, y, z])
-                .with_context(|| format!("{}: axisangle has no axis: write a vector with a length", at(node)))?;
+            let axis = unit([x, y, z]).with_context(|| {
+                format!("{}: the vector of axisangle is zero: write a vector whose length is not zero", at(node))
+            })?;
             inner = about(axis, self.angle(angle));
         } else if let Some(angles) = fixed::<3>(node, "euler")? {
             for (axis, angle) in SAME.into_iter().zip(angles) {
@@ -117,7 +118,8 @@ impl Mjcf {
         let stated = child(node, "inertial");
         if let Some(inertial) = stated {
             let (center, rotation) = self.frame(inertial, frame)?;
-            let mass = one(inertial, "mass")?.with_context(|| format!("{}: mass is missing: add it", at(inertial)))?;
+            let mass =
+                one(inertial, "mass")?.with_context(|| format!("{}: mass is missing: add the mass", at(inertial)))?;
             let own = match (fixed::<3>(inertial, "diaginertia")?, fixed::<6>(inertial, "fullinertia")?) {
                 (Some(d), _) => [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]],
                 (None, Some([xx, yy, zz, xy, xz, yz])) => [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
@@ -133,7 +135,8 @@ impl Mjcf {
                     joints += 1;
                     if joints > 1 {
                         bail!(
-                            "{}: a second joint of one body; put a body without mass between the two joints",
+                            "{}: this joint is the second joint of one body; put a body without mass between the two \
+                             joints",
                             at(inner)
                         );
                     }
@@ -176,7 +179,9 @@ impl Mjcf {
         }
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(fixed(node, "axis")?.unwrap_or([0.0, 0.0, 1.0]));
-        let axis = axis.with_context(|| format!("{}: the axis is zero: write a direction", at(node)))?;
+        let axis = axis.with_context(|| {
+            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", at(node))
+        })?;
         let stated = fixed::<2>(node, "range")?.filter(|_| node.attribute("limited") != Some("false"));
         // MuJoCo takes a range without width for none, unless it is said to be a limit.
         let stated = stated.filter(|[lower, upper]| lower != upper || node.attribute("limited") == Some("true"));
@@ -210,7 +215,8 @@ impl Mjcf {
             let (a, b) = ([ax, ay, az], [bx, by, bz]);
             let along = add(b, scaled(a, -1.0));
             place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
-            let direction = unit(along).with_context(|| format!("{}: fromto has no length: move an end", at(node)))?;
+            let direction = unit(along)
+                .with_context(|| format!("{}: the two ends in fromto are at the same place: move one end", at(node)))?;
             half = Some(0.5 * super::spatial::dot(along, along).sqrt());
             if matches!(kind, "box" | "ellipsoid") {
                 bail!("{}: fromto is not supported for a {kind}: write pos, euler and size", at(node));
@@ -278,7 +284,8 @@ impl Mjcf {
             return Ok(());
         }
         let (first, second) = (self.body_named(node, "body1")?, self.body_named(node, "body2")?);
-        let anchor = fixed(node, "anchor")?.with_context(|| format!("{}: anchor is missing: add it", at(node)))?;
+        let anchor =
+            fixed(node, "anchor")?.with_context(|| format!("{}: anchor is missing: add the anchor", at(node)))?;
         let frame = self.frame_of(node.document().root_element(), first)?;
         let count = self.space.hinges.len();
         self.space.hinges.push(Hinge {
@@ -376,7 +383,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     let joints: Vec<Node> = elements(root).filter(|node| node.has_tag_name("joint")).collect();
     let of = |node: Node, key: &str| -> Result<String> {
         let name = child(node, key).and_then(|child| child.attribute("link"));
-        Ok(name.with_context(|| format!("{}: the element <{key}> is missing: add it", at(node)))?.to_owned())
+        Ok(name.with_context(|| format!("{}: the element <{key}> is missing: add this element", at(node)))?.to_owned())
     };
     let ends: Vec<(String, String)> =
         joints.iter().map(|joint| Ok((of(*joint, "parent")?, of(*joint, "child")?))).collect::<Result<_>>()?;
@@ -453,7 +460,9 @@ fn urdf_joint(
         bail!("{}: <mimic> is not supported, because a linkage has no joint that copies another", at(node));
     }
     let axis = child(node, "axis").map(|axis| fixed(axis, "xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
-    let axis = unit(axis).with_context(|| format!("{}: the axis is zero: write a direction", at(node)))?;
+    let axis = unit(axis).with_context(|| {
+        format!("{}: the vector of the axis is zero: write a vector whose length is not zero", at(node))
+    })?;
     let mut damping = 0.0;
     if let Some(dynamics) = child(node, "dynamics") {
         damping = one(dynamics, "damping")?.unwrap_or(0.0);

@@ -122,7 +122,7 @@ pub fn read(
 ) -> Result<()> {
     let length = runs as usize * columns * 8;
     let Some((numbers, mut remarks)) = bytes.split_at_checked(length) else {
-        bail!("a part of the journal has {} bytes instead of {length}", bytes.len());
+        bail!("a part of the journal has {} bytes, but the runs of this part need {length} bytes", bytes.len());
     };
     let mut next = next_remark(&mut remarks)?;
     let mut values = vec![0.0; columns];
@@ -141,7 +141,7 @@ pub fn read(
         take(run, &values, remark)?;
     }
     if next.is_some() {
-        bail!("a part of the journal contains a remark on a run of another part");
+        bail!("a part of the journal contains a message of a run that belongs to another part");
     }
     Ok(())
 }
@@ -160,7 +160,7 @@ fn next_remark<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u64, Remark<'a>)>> {
     let index = number(take(4)?);
     let is_failure = take(1)? != [0];
     let length = number(take(4)?) as usize;
-    let text = std::str::from_utf8(take(length)?).context("a remark is not UTF-8")?;
+    let text = std::str::from_utf8(take(length)?).context("a message of a run in the journal is not UTF-8 text")?;
     Ok(Some((u64::from(index), Remark { is_failure, text })))
 }
 

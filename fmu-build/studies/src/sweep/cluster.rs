@@ -122,7 +122,7 @@ pub fn run(
     let mut child = program.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
     let child = child.as_mut().map_err(|_| anyhow::anyhow!(command::cannot_start(&program, PROGRAM)))?;
     let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
-        bail!("{PROGRAM}: has no pipes");
+        bail!("the standard input and output of {PROGRAM} cannot be opened");
     };
     let (sender, done) = channel();
     let mut left = chunks.len();
@@ -161,7 +161,7 @@ pub fn run(
         }
         result
     });
-    let status = child.wait().with_context(|| format!("{PROGRAM}: waiting for its end failed"))?;
+    let status = child.wait().with_context(|| format!("the program cannot wait for the end of {PROGRAM}"))?;
     let _ = fs::remove_file(&told);
     result?;
     if left == 0 && !status.success() {

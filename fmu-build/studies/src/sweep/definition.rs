@@ -11,138 +11,141 @@ use linkage_fmu::format::{
 use std::path::Path;
 
 keys! {
-    /// A study.
+    /// A study: many runs of one mechanism.
     pub struct Definition {
-        /// Where an editor finds the schema; not read.
+        /// Path of the JSON schema for a text editor. The program ignores this key.
         schema as "$schema": Option<String>;
-        /// One line of text; not read.
+        /// Description of the study, one line. The program ignores this key.
         description: Option<String>;
-        /// Path of the mechanism, from the folder of the study.
+        /// Path of the mechanism, relative to the folder of the study.
         mechanism: String => Key::PLAIN.required();
-        /// Values that all runs share, by the name of the variable.
+        /// Start values that all runs have in common, by the name of the variable.
         start_values: Named<Setting>;
-        /// What differs from run to run, by the name of the variable.
+        /// Parameters and inputs that differ between the runs, by the name of the variable.
         factors: Named<Factor>;
-        /// Path of a CSV file of points, from the folder of the study: a column for each factor, a line for each point.
+        /// Path of a CSV file with combinations of values, relative to the folder of the study. The file has one column
+        /// for each factor and one line for each combination.
         points: Option<String>;
-        /// How the factors with a distribution are sampled.
+        /// How the program draws samples of the factors that have a distribution.
         sampling: Option<Sampling>;
-        /// What happens in each run.
+        /// Duration, inputs and communication steps of each run.
         scenario: Scenario;
-        /// What is reported of each run, by the name of its column.
+        /// Results that are recorded for each run, by the name of the column of the results.
         responses: Named<Response> => Key::PLAIN.required();
-        /// What an optimisation makes small or large.
+        /// Response that an optimisation minimises or maximises.
         objective: Option<Objective>;
-        /// Limits of responses, by the name of the column, in an optimisation.
+        /// Limits of responses in an optimisation, by the name of the column of the results.
         constraints: Named<Limits>;
-        /// How an optimisation searches.
+        /// Effort of the search of an optimisation.
         search: Option<Search>;
     }
 
-    /// What an optimisation makes small or large: exactly one of its keys names a column of the responses.
+    /// Aim of an optimisation: exactly one key, whose value is the name of a column of the responses.
     pub struct Objective {
-        /// Column whose value is to be small.
+        /// Column of the responses whose value the optimisation minimises.
         minimise: Option<String>;
-        /// Column whose value is to be large.
+        /// Column of the responses whose value the optimisation maximises.
         maximise: Option<String>;
     }
 
-    /// Limits of a response; at least one.
+    /// Limits of a response: at least one of the two keys.
     pub struct Limits: Copy {
-        /// Least value that is allowed.
+        /// Smallest allowed value of the response.
         at_least: Option<f64>;
-        /// Largest value that is allowed.
+        /// Largest allowed value of the response.
         at_most: Option<f64>;
     }
 
-    /// How an optimisation searches.
+    /// Effort of the search of an optimisation.
     pub struct Search: Copy {
-        /// Most runs.
+        /// Largest number of runs of the search.
         evaluations: u64 => Key::PLAIN.required();
-        /// Another seed takes another way.
+        /// Start value of the random number generator. Another seed gives another search.
         seed: u64;
     }
 
-    /// A factor: a list, a range, a distribution, or the bounds of an optimisation.
+    /// A factor: a list of values, a range, a distribution, or the bounds of an optimisation.
     pub struct Factor {
-        /// Values one by one.
+        /// List of all values of the factor.
         values: Option<Vec<Setting>>;
-        /// First and last of equally spaced values.
+        /// First and last value of equally spaced values.
         range: Option<[f64; 2]>;
-        /// Number of values of the range.
+        /// Number of equally spaced values of the key range.
         steps: Option<u64>;
-        /// Ends of a uniform distribution.
+        /// Smallest and largest value of a uniform distribution.
         uniform: Option<[f64; 2]>;
-        /// Normal distribution.
+        /// Mean and standard deviation of a normal distribution.
         normal: Option<Normal>;
-        /// Least and largest value in an optimisation.
+        /// Smallest and largest value that an optimisation may choose.
         bounds: Option<[f64; 2]>;
     }
 
     /// Normal distribution.
     pub struct Normal: Copy {
-        /// Mean.
+        /// Mean of the normal distribution.
         mean: f64 => Key::PLAIN.required();
-        /// Standard deviation, > 0.
+        /// Standard deviation of the normal distribution, > 0.
         standard_deviation: f64 => Key::PLAIN.required();
     }
 
-    /// How the factors with a distribution are sampled.
+    /// How the program draws samples of the factors that have a distribution.
     pub struct Sampling: Copy {
-        /// Kind of the samples.
+        /// Method of sampling.
         method: Method => Key::PLAIN.required();
         /// Number of samples, at least 1.
         count: u64 => Key::PLAIN.required();
-        /// Another seed gives other samples.
+        /// Start value of the random number generator. Another seed gives other samples.
         seed: u64;
     }
 
-    /// What happens in each run.
+    /// Duration, inputs and communication steps of each run.
     pub struct Scenario {
-        /// Time at which the run ends [s]; none: that of the mechanism's experiment.
+        /// Time at which each run ends [s]. Without this key, a run ends at the stop time of the default experiment of
+        /// the mechanism.
         stop_time: Option<f64>;
-        /// The run ends when this comes true, if that is before the stop time.
+        /// Name of the flag of a stop: a run ends when this flag becomes true, but at the latest at the stop time.
         stop_at: Option<String>;
-        /// Time from one communication instant to the next [s]; none: the run is one step.
+        /// Time between two communication points [s]. Without this key, each run is one communication step.
         output_interval: Option<f64>;
-        /// Inputs over time, by name.
+        /// Inputs over time, by the name of the input.
         inputs: Named<Input>;
-        /// Path of a CSV file of inputs over time, from the folder of the study.
+        /// Path of a CSV file of inputs over time, relative to the folder of the study.
         input_file: Option<String>;
     }
 
-    /// A response: exactly one of its keys, but for `times`, names a variable.
+    /// A response: exactly one key with the name of a variable. The key `times` belongs to the key `course`.
     pub struct Response {
-        /// Time at which a flag of a stop comes true.
+        /// Time of the first impact on the stop whose flag this key names [s].
         event: Option<String>;
-        /// Value at the end of the run.
+        /// Value of the variable at the end of the run.
         last as "final": Option<String>;
-        /// Largest value at the communication instants, and its time.
+        /// Largest value of the variable at the communication points, and the first time of this value.
         maximum: Option<String>;
-        /// Least value at the communication instants, and its time.
+        /// Smallest value of the variable at the communication points, and the first time of this value.
         minimum: Option<String>;
-        /// Integral over time, by the trapezoidal rule.
+        /// Integral of the variable over time, by the trapezoidal rule.
         integral: Option<String>;
-        /// Square root of the mean of the square over time, by the trapezoidal rule.
+        /// Root mean square of the variable over time, by the trapezoidal rule.
         root_mean_square: Option<String>;
-        /// Values at the instants `times`.
+        /// Values of the variable at the instants in the key `times`.
         course: Option<String>;
-        /// Instants of `course` [s].
+        /// Instants at which the values of the key `course` are recorded [s].
         times: Option<Vec<f64>>;
     }
 }
 
 words! {
-    /// Kind of samples.
+    /// Method of sampling.
     pub enum Method {
         /// Independent pseudo-random samples.
         Random = "random",
-        /// One sample in each of `count` equally probable parts of every factor.
+        /// The range of every factor is divided into `count` equally probable parts. Each part contains one sample.
         LatinHypercube = "latin_hypercube",
         /// Sobol's sequence with a random digital shift.
         Sobol = "sobol",
-        /// Saltelli's design for Sobol's indices, made of Sobol's sequence: `count` points and as many again, and for
-        /// each factor the first ones with its values from the second.
+        /// Sampling plan by Saltelli, from which Sobol's sensitivity indices are computed. The plan contains two sets
+        /// of `count` points. For each factor, it also contains the first set with the values of this factor from the
+        /// second set.
         Saltelli = "saltelli",
     }
 }
@@ -252,7 +255,10 @@ impl Definition {
     fn from_json(text: &str) -> Result<Self, DefinitionError> {
         let study: Self = format::read("study", text)?;
         if study.responses.is_empty() {
-            return Err(DefinitionError::key("responses", "is empty; add at least one response of the runs"));
+            return Err(DefinitionError::key(
+                "responses",
+                "is empty; add at least one result that is recorded for each run",
+            ));
         }
         Ok(study)
     }

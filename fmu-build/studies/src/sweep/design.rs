@@ -217,16 +217,19 @@ fn factor(
     };
     let ends = |what: &str, [first, last]: [f64; 2]| {
         if !(last - first).is_finite() {
-            bail!("{key}.{what} = [{first:?}, {last:?}]: the difference must be finite");
+            bail!("{key}.{what} = [{first:?}, {last:?}]: the difference of the two numbers must be finite");
         }
         Ok([first, last])
     };
     let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
     if bounds.is_some() {
-        bail!("{key}.bounds: belongs to `optimise`; a sweep has values, range, uniform or normal");
+        bail!(
+            "{key}.bounds: this key belongs to `optimise`; for a sweep, write values, range, uniform or normal \
+             instead"
+        );
     }
     if steps.is_some() && range.is_none() {
-        bail!("{key}.steps: belongs to a range; add range, or remove steps");
+        bail!("{key}.steps: this key is allowed only together with the key range; add range, or remove steps");
     }
     factor.source = match (values, range, uniform, normal) {
         (Some(values), None, None, None) => {
@@ -279,7 +282,7 @@ fn factor(
 /// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
 pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
-        bail!("points and sampling: belong to `sweep`; an optimisation has factors with bounds");
+        bail!("points and sampling: these keys belong to `sweep`; remove them, and give the factors bounds");
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
     for (name, stated) in study.factors.iter() {
@@ -288,7 +291,7 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
         let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
         let Some([least, largest]) = bounds.filter(|_| !is_other) else {
-            bail!("{key}: an optimisation varies a factor between its bounds; give only bounds = [least, largest]");
+            bail!("{key}: an optimisation varies a factor between two bounds; give only bounds = [least, largest]");
         };
         if factor.kind != Kind::Real {
             bail!("{key}.bounds: {name} is not a number; set its value in start_values");
@@ -302,7 +305,7 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         all.push((factor, [least, largest]));
     }
     if all.is_empty() {
-        bail!("factors: an optimisation needs at least one factor with bounds");
+        bail!("factors: an optimisation needs at least one factor with the key bounds");
     }
     Ok(all)
 }

@@ -58,10 +58,10 @@ pub fn warning(
 fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
     let all = runs as f64;
     format!(
-        "{runs} runs: the results will need about {} on the disk, and the same space again until all runs are \
-         complete; if each run needs {}, as the first runs did, the study will need about {} on one core; --resume can \
-         continue after each of the {chunks} parts of the study; for a smaller study, use fewer values for the \
-         factors, or samples (sampling) instead of a full grid",
+        "{runs} runs: the results will need about {} on the disk. Until all runs are complete, the study needs the \
+         same space a second time. If each run needs {}, as the first runs did, the study will need about {} on one \
+         core. You can stop the study: --resume continues after the last complete part of its {chunks} parts. For a \
+         smaller study, use fewer values for the factors, or samples (sampling) instead of a full grid",
         amount(all * bytes, &BYTES),
         amount(seconds, &TIMES),
         amount(all * seconds, &TIMES)
@@ -99,6 +99,6 @@ mod tests {
     fn a_large_study_is_told_with_its_size_and_its_time() {
         let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
         assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
-        assert!(line.contains("if each run needs 20 us") && line.contains("about 2.3 days on one core"), "{line}");
+        assert!(line.contains("If each run needs 20 us") && line.contains("about 2.3 days on one core"), "{line}");
     }
 }

@@ -60,7 +60,7 @@ pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Resul
         Causality::Parameter | Causality::Input => Ok(reference),
         Causality::CalculatedParameter => {
             model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
-            bail!("{key}: {name} is calculated; {remedy}")
+            bail!("{key}: {name} is calculated from other parameters; {remedy}")
         }
         _ => bail!("{key}: {name} is a variable of causality {}; {remedy}", causality.word().to_lowercase()),
     }
@@ -81,7 +81,9 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
                 factor.texts.len() - 1
             }) as f64)
         }
-        (kind, value) => bail!("{} is a {}, but {} is not", factor.name, kind.word(), shown(value)),
+        (kind, value) => {
+            bail!("the value of {} must be a {}, but {} is not of this type", factor.name, kind.word(), shown(value))
+        }
     }
 }
 

@@ -39,8 +39,8 @@ impl Journal {
         let stands = path.exists();
         if stands && !resumes {
             bail!(
-                "{shown}: contains results of a run that was stopped; continue the run with --resume; to start again, \
-                 remove this file"
+                "{shown}: contains results of a study that was stopped; to continue the study, use --resume; to start \
+                 the study again, remove this file"
             );
         }
         let mut file = OpenOptions::new()
@@ -52,8 +52,8 @@ impl Journal {
             .with_context(|| format!("{shown}: cannot be opened"))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             bail!(
-                "{shown}: another run is writing this file; wait until that run ends, or give another folder with \
-                 --out"
+                "{shown}: another run of the program is writing this file; wait until the other run ends, or give \
+                 another folder with --out"
             );
         }
         let journal = |file: &mut File| -> std::io::Result<Option<(Records, u64)>> {
@@ -68,8 +68,8 @@ impl Journal {
         let known = journal(&mut file).with_context(|| format!("{shown}: cannot be read"))?;
         let Some((done, end)) = known else {
             bail!(
-                "{shown}: belongs to another study, or the study or its mechanism has changed; give another folder \
-                 with --out"
+                "{shown}: this file belongs to another study, or the study or the mechanism has changed since; give \
+                 another folder with --out"
             );
         };
         file.set_len(end).with_context(|| format!("{shown}: cannot be written"))?;
@@ -180,10 +180,17 @@ mod tests {
         journal.add(4, b"four").unwrap();
         journal.add(1, b"one").unwrap();
         journal.add(4, b"again").unwrap();
-        assert!(Journal::open(&path, 7, true).unwrap_err().to_string().contains("another run is writing this file"));
+        assert!(
+            Journal::open(&path, 7, true)
+                .unwrap_err()
+                .to_string()
+                .contains("another run of the program is writing this file")
+        );
         drop(journal);
         let whole = fs::read(&path).unwrap();
-        assert!(Journal::open(&path, 7, false).unwrap_err().to_string().contains("continue the run with --resume"));
+        assert!(
+            Journal::open(&path, 7, false).unwrap_err().to_string().contains("to continue the study, use --resume")
+        );
         assert!(Journal::open(&path, 8, true).unwrap_err().to_string().contains("belongs to another study"));
         for cut in HEAD as usize..=whole.len() {
             fs::write(&path, &whole[..cut]).unwrap();

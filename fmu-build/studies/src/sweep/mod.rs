@@ -105,7 +105,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         Ok(())
     };
     if arguments.resume && is_complete(&out, &identity, arguments.csv) {
-        eprintln!("{}: the results of all {} runs are already there", out.join(PARQUET).display(), study.design.runs());
+        eprintln!("{}: the results of all {} runs already exist", out.join(PARQUET).display(), study.design.runs());
         draw()?;
         return Ok(Outcome::Complete);
     }
@@ -128,7 +128,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let (chunks, seconds) = (journal.len(), started.elapsed().as_secs_f64());
     let runs_of = |chunks: u64| (chunks * study.cut.runs_of(0).end).min(study.design.runs());
     if chunks < study.cut.chunks() {
-        eprintln!("stopped after about {} of {} runs; --resume continues", runs_of(chunks), study.design.runs());
+        eprintln!(
+            "the study was stopped after about {} of {} runs; the option --resume continues the study",
+            runs_of(chunks),
+            study.design.runs()
+        );
         return Ok(Outcome::Interrupted);
     }
     let csv = arguments.csv.then(|| out.join(CSV));
@@ -144,7 +148,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
     if remarked > 0 {
         let runs = study.design.runs();
-        eprintln!("warning: {remarked} of {runs} runs have a text in the column `message`; the first is: {first}");
+        eprintln!(
+            "warning: {remarked} of {runs} runs have a text in the column `message` of the results; the first text is: \
+             {first}"
+        );
     }
     eprintln!("{}", out.join(PARQUET).display());
     csv.iter().for_each(|path| eprintln!("{}", path.display()));

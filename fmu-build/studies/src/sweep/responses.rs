@@ -140,7 +140,7 @@ impl Responses {
         };
         let key = format!("{key}.{kind}");
         if times.is_some() != (kind == "course") {
-            bail!("{key}: times belong to a time series (course), and course needs the key times");
+            bail!("{key}: give the keys course and times together; times lists the instants of the time series");
         }
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
         let of = &model.interface().list()[reference as usize];

@@ -79,7 +79,9 @@ pub fn write(
     journal.replay(|chunk, bytes| {
         let runs = cut.runs_of(chunk);
         if runs.start != next {
-            bail!("run {next} is missing in the journal; to start again, remove the journal");
+            bail!(
+                "run {next} is missing in the journal (file runs.journal); to start the study again, remove this file"
+            );
         }
         next = runs.end;
         chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
@@ -89,7 +91,7 @@ pub fn write(
         })
     })?;
     if next != cut.runs_of(cut.chunks() - 1).end {
-        bail!("run {next} is missing in the journal; to start again, remove the journal");
+        bail!("run {next} is missing in the journal (file runs.journal); to start the study again, remove this file");
     }
     parquet.end()?;
     csv.map_or(Ok(()), Partial::end)?;

@@ -222,8 +222,8 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
         Some(variable) if variable.causality != Causality::Input => {
             let what = variable.causality.word().to_lowercase();
             bail!(
-                "{key}: is not an input but a {what}; set this variable in start_values, or as a factor if the value \
-                 differs between runs"
+                "{key}: this variable is not an input but a {what}; set this variable in start_values, or as a factor \
+                 if the value differs between runs"
             )
         }
         _ => Ok(()),
@@ -235,7 +235,10 @@ fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> 
     let reference = find(interface, name).with_context(|| key.to_owned())?;
     let variable = &interface.list()[reference as usize];
     if variable.causality != Causality::Input || !matches!(variable.kind, Kind::Real | Kind::Boolean) {
-        bail!("{key}: is not an input that changes over time but a {}", variable.causality.word().to_lowercase());
+        bail!(
+            "{key}: only an input of the type Real or Boolean can change over time, but this variable is a {}",
+            variable.causality.word().to_lowercase()
+        );
     }
     if let Some(pair) = points.windows(2).find(|pair| pair[0][0] > pair[1][0]) {
         bail!("{key}: the time decreases from {} to {} s; sort the points", pair[0][0], pair[1][0]);

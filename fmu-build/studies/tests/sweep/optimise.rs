@@ -42,7 +42,7 @@ fn what_is_wrong_with_an_optimisation_is_said_in_one_line() {
         (with("factors", json!({ "friction.enabled": { "bounds": [0, 1] } })), "friction.enabled is not a number"),
         (with("start_values", json!({ "crank.mass": 12 })), "factors.crank.mass: is also set by start_values"),
         (with("search", json!({ "evaluations": 3 })), "search.evaluations = 3: must be from 20 to 1000000"),
-        (with("points", json!("points.csv")), "points and sampling: belong to `sweep`"),
+        (with("points", json!("points.csv")), "points and sampling: these keys belong to `sweep`"),
         (
             with("responses", json!({ "r": { "final": "crank.angle" }, "violation": { "final": "crank.angle" } })),
             "responses.violation",

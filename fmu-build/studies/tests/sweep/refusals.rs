@@ -63,11 +63,11 @@ fn what_is_wrong_is_said_in_one_line() {
         ),
         (
             with("scenario", json!({ "inputs": { "crank.mass": [[0, 1]] } })),
-            "scenario.inputs.crank.mass: is not an input",
+            "scenario.inputs.crank.mass: only an input of the type Real or Boolean can change over time",
         ),
         (
             with("scenario", json!({ "inputs": { "crank.mass": 20 } })),
-            "scenario.inputs.crank.mass: is not an input but a parameter; set this variable in start_values, or",
+            "scenario.inputs.crank.mass: this variable is not an input but a parameter; set this variable in",
         ),
         (
             with("scenario", json!({ "inputs": { "actuator.force": [[0, 0], [0.1, 1], [0.1, 2], [0.1, 3]] } })),
@@ -81,7 +81,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
         (response(json!({ "event": "crank.angle" })), "an event must be the flag variable of a stop"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
-        (response(json!({ "course": "crank.angle" })), "course needs the key times"),
+        (response(json!({ "course": "crank.angle" })), "give the keys course and times together"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),

@@ -6,17 +6,17 @@ use crate::format::words;
 words! {
     /// Motion of the cylinders within a step.
     pub enum Mode {
-        /// The cylinders move as predicted.
+        /// The cylinders make the motion that the FMU predicts.
         Preview = "preview",
-        /// The cylinders move as the inputs state.
+        /// The inputs `<name>.length` and `<name>.speed` prescribe the motion of the cylinders.
         Follow = "follow",
     }
 
     /// Lengths of a cylinder at which a valve is open.
     pub enum Opens {
-        /// Lengths above `length`.
+        /// The valve is open while the cylinder is longer than the key `length`.
         Above = "above",
-        /// Lengths below `length`.
+        /// The valve is open while the cylinder is shorter than the key `length`.
         Below = "below",
     }
 

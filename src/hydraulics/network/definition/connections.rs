@@ -168,7 +168,7 @@ impl HydraulicSystem {
         for (key, what, count, most) in [
             ("cylinders", "cylinders", self.cylinders.len(), MOST_CYLINDERS),
             ("valves", "valves", self.valves.len(), MOST_VALVES),
-            ("nodes", "components of the state", components, MOST_COMPONENTS),
+            ("nodes", "state variables", components, MOST_COMPONENTS),
             ("nodes", "ports", ports.names().len(), MOST_COMPONENTS),
             ("valves", "inputs of reservoirs, pumps, valves and by-passes", self.inputs_of_flows(), MOST_COMPONENTS),
             ("resistances", "flow paths (four in each valve)", paths, MOST_PATHS),
@@ -289,8 +289,11 @@ impl HydraulicSystem {
                 Some((_, cylinder)) => {
                     let [least, most] = cylinder.lengths();
                     if !(least..=most).contains(&valve.length) {
-                        let allowed =
-                            format!("within the travel, {} m to {} m", Decimal(least), Decimal::rounded(most));
+                        let allowed = format!(
+                            "within the travel of the cylinder, from {} m to {} m",
+                            Decimal(least),
+                            Decimal::rounded(most)
+                        );
                         faults.push(DefinitionError::value(path("length"), Decimal(valve.length), allowed));
                     }
                     if !(LEAST_WIDTH..=cylinder.stroke).contains(&valve.width) {
@@ -390,7 +393,8 @@ impl HydraulicSystem {
             let below = self.reliefs.iter().find(|(_, one)| one.from == pump.to && one.pressure <= pump.full_pressure);
             if let Some((relief, one)) = below {
                 let message = format!(
-                    "is {} Pa, above reliefs.{relief}.pressure = {} Pa",
+                    "is {} Pa, above reliefs.{relief}.pressure = {} Pa: the relief valve opens before the flow of the \
+                     pump falls",
                     Decimal(pump.full_pressure),
                     Decimal(one.pressure)
                 );
@@ -452,7 +456,7 @@ fn unknown(ports: &Ports, link: &Link<'_>) -> DefinitionError {
     let allowed = match near.is_empty() {
         true => "declare this port under nodes with a volume, or under reservoirs".to_owned(),
         false => format!(
-            "the nearest names are {}; declare a node with a volume, or write the name of a port",
+            "the most similar names are {}; declare a node with a volume, or write the name of a port",
             near.join(", ")
         ),
     };

@@ -40,7 +40,7 @@ keys! {
     }
 
     /// Pump. The input `<name>.speed` is the relative speed of the pump: 1 is the full speed, and 0 is off. The start
-    /// value is 1.
+    /// value of this input is 1.
     pub struct Pump {
         /// Reservoir or node from which the pump takes oil.
         from: String => line().required();
@@ -213,7 +213,8 @@ keys! {
         /// Port whose pressure opens the valve for the reverse flow.
         pilot: String => line().required();
         /// Pressure ratio at which the pilot opens the valve [1], > 0: the reverse flow is possible while p_pilot >
-        /// `ratio` * p_to. Data sheets usually state the reciprocal, an area ratio.
+        /// `ratio` * p_to. Data sheets usually state the reciprocal of this ratio: the area of the pilot piston divided
+        /// by the area of the valve seat.
         ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pilot pressure divided by the pressure at the \
             locked port, above which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
@@ -261,19 +262,21 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve that a cylinder operates. The valve is open while the cylinder is longer than a length, or
-    /// shorter.
+    /// Sequence valve that a cylinder operates. The key `opens` states whether the valve is open while the cylinder is
+    /// longer or shorter than the key `length`.
     pub struct PositionValve {
-        /// Port upstream.
+        /// Upstream port, on the side of the pressure source.
         from: String => line().required();
-        /// Port downstream.
+        /// Downstream port, on the side of the consumer.
         to: String => line().required();
         /// Cylinder that operates the valve.
         cylinder: String => line().required();
-        /// Length of the cylinder at which the valve is half open [m], within its travel.
+        /// Length of the cylinder at which the valve is half open [m]. This length must be within the travel of the
+        /// cylinder.
         length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the cylinder at which @ is half \
             open").required();
-        /// Lengths at which the valve is open.
+        /// Cylinder lengths at which the valve is open. `above`: lengths above the key `length`. `below`: lengths below
+        /// the key `length`.
         opens: Opens;
         /// Width of the range of lengths over which the valve opens smoothly [m], > 0.
         width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of lengths over which @ \
@@ -281,9 +284,10 @@ keys! {
         /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Free flow back at the rated pressure drop, through a check valve in parallel [m3/s], >= 0. 0: none.
-        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow back through @ at the \
-            rated pressure drop");
+        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
+        /// 0. 0: there is no check valve in parallel.
+        reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
+            reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
@@ -351,7 +355,7 @@ keys! {
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
         /// `overlap`, an edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
-            the full opening; at the overlap, a metering edge is open by half of the clearance");
+            the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
         /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
         /// negative overlap is an underlap.
         overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
@@ -445,7 +449,8 @@ keys! {
         seal: Option<Seal>;
     }
 
-    /// Lock that oil pressure releases, such as an uplock. The output `<name>.engaged` is true while the lock holds.
+    /// Lock that oil pressure releases, such as an uplock. The output `<name>.engaged` is true while the lock is
+    /// engaged.
     pub struct PressureLock {
         /// Node or chamber whose pressure releases the lock.
         at: String => line().required();
@@ -462,7 +467,8 @@ keys! {
     /// Coupling with the mechanisms that the cylinders drive.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`: the motion of the cylinders within a step. `preview`: the
-        /// motion that the FMU predicts. `follow`: the motion at the inputs `<name>.length` and `<name>.speed`.
+        /// motion that the FMU predicts. `follow`: the motion that the inputs `<name>.length` and `<name>.speed`
+        /// prescribe.
         mode: Mode => Key::PLAIN.parameter(Circuit, "");
     }
 }

@@ -293,7 +293,8 @@ impl Laws {
             .enumerate()
             .fold((0, f64::INFINITY), |least, (index, p)| if *p < least.1 { (index, *p) } else { least });
         let remedy = if lowest + self.ambient < CAVITATES * self.ambient {
-            ", where the oil cavitates; increase fluid.air_fraction, or connect a check valve from a reservoir"
+            ", where the oil cavitates; increase fluid.air_fraction, or connect a check valve through which oil flows \
+             in from a reservoir"
         } else {
             ", the lowest pressure of the network"
         };

@@ -66,7 +66,7 @@ pub(super) fn alternatives(what: &str, names: &[&str], name: &str) -> String {
         sorted.truncate(COMPARED);
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
-    format!("{what} are {} in number; the nearest names are {nearest}", names.len())
+    format!("{what} have {} names; similar names are {nearest}", names.len())
 }
 
 impl Mechanism {

@@ -130,8 +130,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let Some(best) = found.best else {
         let reason = found.all.iter().map(|(evaluation, _)| &*evaluation.message).find(|message| !message.is_empty());
         bail!(
-            "none of {} runs has a value of the objective and of all responses with limits; reason of the first run: \
-             {}",
+            "none of {} runs has a value of the objective and of all responses with limits; the message of the first \
+             run is: {}",
             found.all.len(),
             reason.unwrap_or("nothing")
         );

@@ -58,7 +58,7 @@ impl Optimiser {
         program.arg(scripts.join(PROGRAM)).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = program.spawn().with_context(|| command::cannot_start(&program, PROGRAM))?;
         let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
-            bail!("{PROGRAM}: has no pipes");
+            bail!("the standard input and output of {PROGRAM} cannot be opened");
         };
         let mut own = Self { child, input, output: BufReader::new(output) };
         let Problem { limits, start, evaluations, seed } = problem;
@@ -72,11 +72,12 @@ impl Optimiser {
     /// The program has ended before its time, or says what is no answer.
     pub fn next(&mut self) -> Result<Said> {
         let mut line = String::new();
-        let length = self.output.read_line(&mut line).with_context(|| format!("{PROGRAM}: cannot be read"))?;
+        let length =
+            self.output.read_line(&mut line).with_context(|| format!("the output of {PROGRAM} cannot be read"))?;
         if length == 0 {
             bail!("{PROGRAM} ended early; the messages above state the reason");
         }
-        serde_json::from_str(&line).with_context(|| format!("{PROGRAM}: its output is not understood"))
+        serde_json::from_str(&line).with_context(|| format!("{PROGRAM} printed a line that is not a valid answer"))
     }
 
     /// Answer with what the points are worth; none for a run that failed.

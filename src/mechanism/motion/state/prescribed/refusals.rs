@@ -47,8 +47,8 @@ impl Step<'_> {
         let whole = self.track.whole;
         let (within, _) = whole.unwound(sigma);
         let why = format!(
-            "friction locks the mechanism against the drive there, mainly in {}; reduce the coefficients or pin \
-             radii, or end the motion before this position",
+            "friction locks the mechanism against the drive at this position, mainly in {}; reduce the coefficients or \
+             pin radii, or end the motion before this position",
             whole.locking_joint(within)
         );
         let [value, ..] = self.motion.at(time);
@@ -85,13 +85,13 @@ impl Step<'_> {
                 format!("{words}, so its motion cannot be prescribed and its force cannot be computed; {remedy}")
             }
             Missed::DeadPoint(sigma) => format!(
-                "the drive has a dead centre near {}, where no force of the drive moves the mechanism; end the \
-                 motion before this position, or use another drive there",
+                "the drive has a dead centre near {}, where no force of the drive moves the mechanism; end the motion \
+                 before this position, or use another drive at this position",
                 reach(sigma)
             ),
             Missed::End(side) => match ends.travel.rigid[side] {
                 Some(end) => format!(
-                    "{} ends the travel at {}; end the motion there, or set enabled of the stop to false",
+                    "{} ends the travel at {}; end the motion at this position, or set enabled of the stop to false",
                     whole.loading().stops[end.stop].name,
                     reach(ends.limits[side])
                 ),
@@ -104,7 +104,9 @@ impl Step<'_> {
                 )
             }
             Missed::Far => {
-                "the position is too far from the previous position; use shorter communication steps".to_owned()
+                "the prescribed position is too far from the previous prescribed position; use shorter communication \
+                 steps"
+                    .to_owned()
             }
         };
         ModelError::Prescribed { name, value, time, why }
