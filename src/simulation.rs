@@ -50,8 +50,8 @@ impl fmt::Display for SimulationError {
                 let nearest = nearest.join(", ");
                 write!(
                     f,
-                    "there is no variable \"{name}\": the nearest names are {nearest}; Simulation::names lists all \
-                     names"
+                    "there is no variable \"{name}\": the most similar names are {nearest}; Simulation::names lists \
+                     all names"
                 )
             }
             Self::Span { span, step } => {
@@ -352,10 +352,10 @@ mod tests {
     #[test]
     fn an_unknown_name_suggests_the_nearest() {
         let error = gear().get("crank.angel").unwrap_err().to_string();
-        assert!(error.contains("\"crank.angel\": the nearest names are crank.angle, "), "{error}");
+        assert!(error.contains("\"crank.angel\": the most similar names are crank.angle, "), "{error}");
         for (key, variable) in [("start.angle", "crank.start_angle"), ("bodies.leg.mass", "leg.mass")] {
             let error = gear().get(key).unwrap_err().to_string();
-            assert!(error.contains(&format!("the nearest names are {variable}, ")), "{error}");
+            assert!(error.contains(&format!("the most similar names are {variable}, ")), "{error}");
         }
     }
 

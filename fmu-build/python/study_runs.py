@@ -283,7 +283,7 @@ class Runner:
             self.make(step, step.whole)
             end, label, first_time = step.end, "", None
             if stop_at is not None and stop_at.count() != 0.0:
-                stopped, end, label = True, self.time_of(stop_at, step), "at the event"
+                stopped, end, label = True, self.time_of(stop_at, step), "at the impact (scenario.stop_at)"
                 first_time = end
             self.find_events(step, first_time, end, values)
             if stopped and reads:
@@ -294,7 +294,8 @@ class Runner:
                 break
         missed = ""
         if stop_at is not None and not stopped:
-            missed = f"the event {stop_at.name} did not happen within {self.plan['stop_label']} s"
+            stop = self.plan["stop_label"]
+            missed = f"the output {stop_at.name} (scenario.stop_at) did not become true within {stop} s"
         return "; ".join(remark for remark in (missed, self.undefined) if remark)
 
     def make(self, step: Step, call: Call) -> None:

@@ -52,7 +52,7 @@ impl Fmu {
         let archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is not an FMU"))?;
         let names = archive.file_names().filter(|name| !name.as_ref().is_ok_and(|name| name.ends_with('/')));
         let names = names.map(|name| Ok(name?.into_owned())).collect::<Result<_>>();
-        let names = names.with_context(|| format!("{shown}: the names of its entries cannot be read"))?;
+        let names = names.with_context(|| format!("{shown}: the names of the files in this FMU cannot be read"))?;
         Ok(Self { shown, names, faults, archive })
     }
 

@@ -89,8 +89,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
             let (path, name) = (fmu.source.definition.display(), &fmu.name);
             let other = other.display();
             refused.push(format!(
-                "{path}: the key name is {name}, as in {other}; both FMUs would have the file name {name}.fmu, so \
-                 change one of the two names"
+                "{path}: the value of the key `name` is {name}, as in {other}; both FMUs would have the file name \
+                 {name}.fmu, so change one of the two values"
             ));
         }
         prepared.push(fmu);
@@ -195,8 +195,8 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
         let folder = folder.canonicalize()?;
         if !folder.ends_with(&name) {
             bail!(
-                "{path}: the key name is {name}, but the folder has the name {}; use one name for the key and the \
-                 folder",
+                "{path}: the value of the key `name` is {name}, but the folder has the name {}; give the folder the \
+                 name {name}, or change the key",
                 folder.display()
             );
         }
@@ -233,7 +233,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let (replaced, generated): (Vec<_>, Vec<_>) = generated.into_iter().partition(is_own);
     if !replaced.is_empty() {
         let names: Vec<String> = replaced.into_iter().map(|entry| entry.name).collect();
-        println!("{shown}: your own files are packed instead of the generated ones: {}", source::listed(&names));
+        println!("{shown}: your own files are packed instead of the generated files: {}", source::listed(&names));
     }
     entries.extend(generated);
     let file = fmu.component.definition_file();
@@ -261,7 +261,9 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
             let libraries = binary.entries(version, &fmu.name);
             if libraries.is_empty() {
                 let (file, platform) = (path.display(), binary.platform());
-                println!("{file}: the library for {platform} is left out, because it has no functions of FMI 3.0");
+                println!(
+                    "{file}: the library for {platform} is left out, because the library has no functions of FMI 3.0"
+                );
             }
             entries.extend(libraries);
         }
@@ -375,7 +377,7 @@ mod tests {
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
         assert!(message("nowhere").ends_with(
             "there is no such file or folder; give the path of a mechanism.json or a hydraulics.json or a \
-             network.json or of a folder that contains one"
+             network.json, or of a folder that contains one of these files"
         ));
         assert!(message("fmu-build").ends_with("in one of these folders"));
     }

@@ -235,7 +235,7 @@ fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> Str
             Short::First => format!("{}, or {}", value(link, &table.keys[0].kind, &table.keys[0]), link(table)),
             Short::Word(word) => format!("`{word}`, or {}", link(table)),
         },
-        Kind::Group(of) => format!("by name: {}", value(link, of, key)),
+        Kind::Group(of) => format!("for each name: {}", value(link, of, key)),
         Kind::List(of) => format!("list: {}", value(link, of, key)),
         Kind::Own(words) => (*words).into(),
     }

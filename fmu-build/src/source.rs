@@ -62,7 +62,7 @@ impl Source {
         if !path.is_dir() {
             let fault = if path.exists() { "this is not a regular file" } else { "there is no such file or folder" };
             bail!(
-                "{}: {fault}; give the path of a {} or of a folder that contains one",
+                "{}: {fault}; give the path of a {}, or of a folder that contains one of these files",
                 path.display(),
                 files.join(" or a ")
             );

@@ -136,7 +136,7 @@ pub fn decimal_comma(text: &str) -> Option<String> {
 pub fn find(interface: &Interface, name: &str) -> Result<Reference> {
     interface.find(name).with_context(|| {
         let nearest = interface.nearest(name).join(", ");
-        format!("there is no variable \"{}\": the nearest names are {nearest}", name.escape_debug())
+        format!("there is no variable \"{}\": the most similar names are {nearest}", name.escape_debug())
     })
 }
 
@@ -195,7 +195,7 @@ mod tests {
     fn what_is_no_start_value_is_refused_by_name() {
         for (words, said) in [
             (&["crank.start_angle"][..], "crank.start_angle has no value"),
-            (&["crank.start_angel=1"], "nearest names are crank.start_angle"),
+            (&["crank.start_angel=1"], "most similar names are crank.start_angle"),
             (&["crank.mass=1", "crank.mass=2"], "crank.mass occurs twice"),
             (&["crank.mass=12lb"], "the unit of crank.mass is kg, not \"lb\""),
             (&["crank.start_angle=12grad"], "the unit of crank.start_angle is rad or deg, not \"grad\""),

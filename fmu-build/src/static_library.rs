@@ -67,7 +67,11 @@ impl StaticLibrary {
             &format!("native-static-libs={}/needed", folder.display()),
         ]);
         let output = cargo.stderr(Stdio::inherit()).output().with_context(|| command::cannot_start(&cargo, "cargo"))?;
-        ensure!(output.status.success(), "{shown}: cargo rustc failed ({}); its messages are above", output.status);
+        ensure!(
+            output.status.success(),
+            "{shown}: cargo rustc failed ({}); the messages above state the reason",
+            output.status
+        );
         let built = library::artifact(&String::from_utf8_lossy(&output.stdout), library.name, "a");
         let archive = built.with_context(|| format!("{shown}: cargo wrote no archive"))?;
         let functions =
@@ -159,9 +163,9 @@ pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entr
     text += &format!(
         "\n\
          Example: cc host.c {model}.a LIBRARIES -o host\n\n\
-         Pass the folder of the resources to {model}_{function}: a linked FMU cannot find it by itself.\n\
-         The code needs an operating system with memory allocation and files when an instance is created. A step\n\
-         allocates nothing. It does not run on a processor without an operating system.\n\n\
+         Pass the folder of the resources to {model}_{function}: a linked FMU cannot find this folder itself.\n\
+         When an instance is created, the code needs an operating system with memory allocation and files. So the\n\
+         code does not run on a processor without an operating system. A step allocates no memory.\n\n\
          This FMU contains no source code: the library is written in Rust, and FMI has source code in C only.\n"
     );
     Entry { name: PAGE.to_owned(), content: text.into_bytes() }

@@ -224,7 +224,7 @@ fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Fou
         }
     }
     if packed.interfaces != meant.interfaces {
-        differ("the interface", &format!("{:?}", packed.interfaces), &format!("{:?}", meant.interfaces));
+        differ("the list of interface types", &format!("{:?}", packed.interfaces), &format!("{:?}", meant.interfaces));
     }
     let mut others: BTreeMap<&str, &Described> = packed.variables.iter().map(|v| (v.name.as_str(), v)).collect();
     let mut starts = Vec::new();

@@ -25,7 +25,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
     if kind != MECHANISM {
         bail!(
-            "{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}, or of the FMU of one"
+            "{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}, or of the FMU of a \
+             mechanism"
         );
     }
     let checked = check::check(shown, kind, text)?;

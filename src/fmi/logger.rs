@@ -16,13 +16,13 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
     (
         c"logEvents",
-        "Changes of mode, impacts, contacts and locks with their times, and the number of integration steps",
+        "Start and end of the run, impacts, contacts and locks with their times, and the number of integration steps",
     ),
     (c"logStatusWarning", "Warnings of calls that succeeded, and outputs that have no value"),
     (c"logStatusDiscard", "Requests that are not supported, and steps that ended early"),
     (c"logStatusError", "Calls that returned an error, and the reason"),
     (c"logStatusFatal", "Faults inside the FMU, after which the instance can only be freed"),
-    (c"logDebug", "Changes between sticking and sliding friction in each joint"),
+    (c"logDebug", "Changes between static and kinetic friction in each joint"),
     (c"logAll", "All messages"),
 ];
 

@@ -2,13 +2,14 @@
 use super::{DefinitionError, line};
 
 /// Licence of the library in every FMU; that of a model whose definition states none.
-const LICENSE: &str = "Library: MIT OR Apache-2.0, see documentation/licenses; model: as stated by its author";
+const LICENSE: &str =
+    "Library: MIT OR Apache-2.0, see documentation/licenses; model: as stated by the author of the model";
 /// Copyright of the library in every FMU; that of a model whose definition states none.
-const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: its author";
+const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: the author of the model";
 
 super::keys! {
-    /// Author, copyright and licence of a model, one line of text each. The FMU states them in its file
-    /// `modelDescription.xml`.
+    /// Author, copyright and licence of a model, one line of text each. The file `modelDescription.xml` of the FMU
+    /// contains these texts.
     pub struct About {
         /// Name and organisation of the model's author. If this text is empty, the FMU states no author.
         author: String => line();

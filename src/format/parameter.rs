@@ -318,7 +318,7 @@ impl Owner<'_> {
             (Slot::Pair(pair), Some(role)) => {
                 for ((axis, index), value) in AXES.into_iter().zip(pair) {
                     let path = [self.group.unwrap_or_default(), ".", self.name, ".", key.name, index];
-                    let description = [key.words, ", ", axis, " coordinate, of ", self.name];
+                    let description = [key.words, " of ", self.name, ": ", axis, " coordinate in the body frame"];
                     let kind = (key.unit(self.is_rotary), key.range, role);
                     visit(Parameter::new([self.name, ".", key.name, "_", axis], path, description, kind), value);
                 }

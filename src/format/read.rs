@@ -21,7 +21,8 @@ const MOST: usize = 100;
 pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed) -> Faults {
     let mut faults = Faults::default();
     if text.len() as u64 > LARGEST_DEFINITION {
-        let message = format!("the file has {} bytes, but a definition has at most {LARGEST_DEFINITION}", text.len());
+        let size = text.len();
+        let message = format!("the file has {size} bytes, but at most {LARGEST_DEFINITION} bytes are allowed");
         faults.push(DefinitionError::key(format!("not a valid {kind}"), message));
         return faults;
     }

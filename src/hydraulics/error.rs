@@ -81,7 +81,9 @@ impl fmt::Display for HydraulicsError {
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::StepSize { h } => write!(f, "step size {} s: must be finite and greater than 0", Decimal(*h)),
-            Self::NotInitialised => f.write_str("doStep was called before the initialisation; initialise first"),
+            Self::NotInitialised => {
+                f.write_str("doStep was called before the initialisation; initialise the FMU first")
+            }
             Self::Travel { length, lengths: [least, most] } => write!(
                 f,
                 "actuator.length = {} m: the cylinder allows {} m (cylinder.closed_length) to {} m \
@@ -110,7 +112,7 @@ impl fmt::Display for HydraulicsError {
             Self::Stuck { time, what } => write!(
                 f,
                 "the integration stopped {} s after the start of the step, because no integration step reaches \
-                 solver.tolerance, at {what}; check the inputs, or increase solver.tolerance",
+                 solver.tolerance; at this time {what}; check the inputs, or increase solver.tolerance",
                 Decimal::rounded(*time)
             ),
             Self::Overflow { time } => write!(

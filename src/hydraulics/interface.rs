@@ -131,15 +131,15 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Predicted force over the next step, approximated by a straight line in time: force at the start of the step; \
-         preview.force_rate is the slope of the line",
+        "Predicted actuator force at the start of the next step; the force over the step is approximated by a straight \
+         line in time, whose slope is preview.force_rate",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
     (
         "preview.force_rate",
-        "Predicted force over the next step, approximated by a straight line in time: slope of the line",
+        "Slope of the straight line in time that approximates the predicted actuator force over the next step",
         Unit::NewtonPerSecond,
         Output::PreviewForceRate,
         FORESEEN,
@@ -308,8 +308,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "coupling.stable_step",
-        "Longest communication step with which a coupling without the outputs preview.* is stable; 0: no step is \
-         stable, or no reduced mass is connected",
+        "Longest communication step at which the coupling with the mechanism is stable if the outputs preview.* are \
+         not connected; 0: no step is stable, or no reduced mass is connected",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],
@@ -380,8 +380,9 @@ pub fn variables(actuator: &HydraulicActuator) -> (Vec<Variable>, Vec<Quantity>)
     list.push(Variable {
         name: "coupling.mode".to_owned(),
         description: format!(
-            "Motion of the actuator within a step: {words}; follow: the motion that the inputs prescribe; preview: the \
-             predicted motion; delayed: the predicted motion, for simulation tools that pass values one step late"
+            "Motion of the actuator that the FMU uses within a step: {words}; follow: the motion that the inputs \
+             prescribe; preview: the predicted motion; delayed: the predicted motion, for simulation tools that pass \
+             values one step late"
         ),
         kind: Kind::Enumeration,
         causality: Causality::Parameter,

@@ -318,13 +318,13 @@ impl State {
         record.option("last step", &mut self.last, blank, |record, last| {
             record.positive("size of the last step", &mut last.step)?;
             record.finite("length at the start of the last step", &mut last.start_length)?;
-            record.flag("start of the last step at rest", &mut last.rests)?;
+            record.flag("rest at the start of the last step", &mut last.rests)?;
             record.flag("predicted force passed", &mut last.is_known)?;
             record.flag("piston position ahead", &mut last.owes)?;
-            record.flag("end of the cylinder met", &mut last.met_end)?;
+            record.flag("end of the cylinder reached", &mut last.met_end)?;
             record.flag("rests on the end of the cylinder", &mut last.rests_on_end)?;
             for value in [&mut last.reach, &mut last.settling] {
-                record.number("way to the end", value, |value| value.is_finite() && value >= 0.0, ">= 0")?;
+                record.number("distance to the end", value, |value| value.is_finite() && value >= 0.0, ">= 0")?;
             }
             record.finite("predicted length", &mut last.end_length)?;
             record.finite("speed at the start of the last step", &mut last.start_speed)?;

@@ -105,16 +105,16 @@ impl ModelError {
     #[cold]
     pub fn travel((stretch, end): (&Reduced, End), sigma: f64) -> Self {
         let reason = match end {
-            End::OfTravel => "limit the loads or the time".into(),
+            End::OfTravel => "limit the loads or the duration of the run".into(),
             End::OfNumbers => format!(
                 "at {:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding errors of \
-                 positions are larger than the mechanism; limit the loads or the time, or add a stop",
+                 positions are larger than the mechanism; limit the loads or the duration of the run, or add a stop",
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
             ),
             End::Failed(error @ ReductionError::EndsMeet { .. }) => error.to_string(),
             End::Failed(error) => {
-                format!("{error}; or limit the loads or the time, or add a stop before this position")
+                format!("{error}; or limit the loads or the duration of the run, or add a stop before this position")
             }
         };
         Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
@@ -169,7 +169,7 @@ impl fmt::Display for ModelError {
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::Calculated { name, text, names } => {
                 let remedy = match names.as_slice() {
-                    [] => "change the number in the definition".to_owned(),
+                    [] => "change the number in the definition file".to_owned(),
                     names => format!("set {}", names.join(" or ")),
                 };
                 write!(f, "{name} is calculated from \"{text}\" and cannot be set: {remedy}")
@@ -197,12 +197,14 @@ impl fmt::Display for ModelError {
                 "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check \
                  their values"
             ),
-            Self::NotInitialised => f.write_str("doStep was called before the initialisation: initialise first"),
+            Self::NotInitialised => {
+                f.write_str("doStep was called before the initialisation: initialise the instance first")
+            }
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,
                 "the integration stopped {} s after the start of the communication step: no integration step longer \
-                 than {step:.1e} s reaches solver.tolerance; check the values of the inputs",
+                 than {step:.1e} s is accurate to solver.tolerance; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::Locked { position, joint } => write!(
@@ -254,7 +256,7 @@ impl fmt::Display for ModelError {
             Self::Stuck { error: IntegrationError::StepTooSmall { t, step }, circuit } => write!(
                 f,
                 "the integration stopped {} s after the start of the communication step: no integration step longer \
-                 than {step:.1e} s reaches solver.tolerance, at {circuit}; check the values of the inputs",
+                 than {step:.1e} s is accurate to solver.tolerance, at {circuit}; check the values of the inputs",
                 Decimal(*t)
             ),
             Self::LoadOverflow { name, value } => write!(

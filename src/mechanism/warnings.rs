@@ -42,14 +42,16 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
     let unit = if mechanism.turns(drive) { "rad" } else { "m" };
     let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
-    let message =
-        format!("starts at {there}, but the drive is at {here} at the start: the drive would jump to {there}");
+    let message = format!(
+        "the prescribed motion starts at {there}, but the drive is at {here} at the start: the drive would jump to \
+         {there}"
+    );
     let (key, remedy) = match motion.profile {
         Some(_) => (
             "points",
             format!("let the table start with 0 {unit} at time 0, because the distances count from the start position"),
         ),
-        None => ("position", format!("write {here}, or start the mechanism where the motion starts")),
+        None => ("position", format!("write {here}, or start the mechanism at the position {there} of the drive")),
     };
     Some(Finding::warning(format_args!("actuators.{name}.motion.{key}"), message, remedy))
 }
@@ -72,7 +74,8 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
             let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
             if (radius - other).abs() > SAME * radius {
                 let message = format!(
-                    "gives the wheel of {} with {teeth} teeth a pitch radius of {} m, but couplings.{at} gives {} m",
+                    "this coupling gives the wheel of {} with {teeth} teeth a pitch radius of {} m, but \
+                     couplings.{at} gives this wheel a pitch radius of {} m",
                     linkage.bodies[body].name,
                     Decimal::rounded(radius),
                     Decimal::rounded(other)
@@ -193,13 +196,13 @@ pub fn remarks(reduced: &Reduced, snap: f64) -> Vec<String> {
         .map(|(position, miss)| {
             format!(
                 "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}, \
-                 less than snap = {}: the branches are made to cross, and the motion continues straight",
+                 less than snap = {}: the program makes the branches cross, and the motion continues straight",
                 Decimal(snap)
             )
         })
         .collect();
     lines.push(format!(
-        "the points of joints are moved by at most {largest:.1e} m for the crossing: {}",
+        "for the crossing, the program moves points of joints by at most {largest:.1e} m: {}",
         told.join("; ")
     ));
     lines
@@ -212,7 +215,7 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
     for (group, name, key, at) in forces.chain(torques) {
         let body = at.split('.').next().unwrap_or_default();
         if linkage.carrier(mechanism, body).is_some_and(|(carrier, _)| carrier == GROUND) {
-            let message = format!("acts on {at}, which does not move, so this load has no effect");
+            let message = format!("this load acts on {at}, which does not move, so it has no effect");
             let remedy = if key == "at" { "give a point that moves" } else { "give a body that moves" };
             all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
         }

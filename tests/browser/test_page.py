@@ -181,7 +181,7 @@ def test_a_tick_in_the_table_plots_a_variable(make: Make, show: Show) -> None:
 def test_the_travel_goes_from_stop_to_stop(make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     page = shown.page
-    page.get_by_label("Position along the whole travel, without time").focus()
+    page.get_by_label("Position of the mechanism along the travel, independent of time").focus()
     angles = []
     for key in ("Home", "End"):
         page.keyboard.press(key)

@@ -46,7 +46,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
             let remarks = run.0.model().remarks();
             assert_eq!(remarks.len(), 3, "two flat positions, and the moves: {remarks:?}");
             assert_says(&remarks[0], &["less than snap = 1e-6", "crank = "]);
-            assert_says(&remarks[2], &["points of joints are moved by", "of crank by"]);
+            assert_says(&remarks[2], &["moves points of joints by", "of crank by"]);
             assert!(run.warnings().is_empty());
             let inspection = inspect(&text);
             assert!(inspection.findings.is_empty(), "{:?}", inspection.findings);

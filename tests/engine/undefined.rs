@@ -105,7 +105,7 @@ fn the_bucket_locks_where_statics_has_no_force() {
                         let reason = run.undefined(name);
                         assert_says(
                             reason,
-                            &["friction locks the mechanism against cylinder near", "every force of this drive"],
+                            &["the mechanism against the drive cylinder near", "every force of this drive"],
                         );
                         lacks = true;
                         locked += 1;

@@ -49,9 +49,9 @@ fn an_impact_is_told_with_time_speed_and_impulse() {
     assert!((time - 5.0 - HIT).abs() < 1e-9, "{time}");
     assert!(said.iter().all(|(category, _)| category == "logEvents"), "{said:?}");
     let first = &said[0].1;
-    assert!(first.starts_with("at t = 5.13205985") && first.contains("impact on upstop at -30.2577"), "{first}");
+    assert!(first.starts_with("at t = 5.13205985") && first.contains("the stop upstop at -30.2577"), "{first}");
     assert!(first.contains(&format!("impulse {impulse:.4}")[..12]) && first.ends_with("kg.m2/s"), "{first} {impulse}");
-    assert!(said[1].1.ends_with("the mechanism stops at upstop"), "{said:?}");
+    assert!(said[1].1.ends_with("the mechanism stops at the stop upstop"), "{said:?}");
     assert_eq!(said.len(), 2, "{said:?}");
 }
 
@@ -63,12 +63,12 @@ fn bounces_are_told_as_one_series() {
     let said = texts(&host);
     let count = host.get("upstop.impact_count").unwrap();
     assert!(count > 50.0, "{count}");
-    assert!(said.len() == 6 && said[..5].iter().all(|line| line.contains("impact on upstop")), "{said:?}");
+    assert!(said.len() == 6 && said[..5].iter().all(|line| line.contains("impact on the stop upstop")), "{said:?}");
     assert!(
         said[4].ends_with("; slower impacts that follow are counted and reported at the end of the series"),
         "{said:?}"
     );
-    assert!(said[5].ends_with(&format!("stops at upstop after {count} impacts")), "{said:?}");
+    assert!(said[5].ends_with(&format!("stops at the stop upstop after {count} impacts")), "{said:?}");
     // The same series over many steps.
     let host = gear("series cut", &elastic, true, 0.0);
     (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));
@@ -82,7 +82,7 @@ fn impacts_without_losses_are_told_each() {
     let host = gear("lossless", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 2.0), Status::Ok);
     let count = host.get("upstop.impact_count").unwrap();
-    let told = texts(&host).iter().filter(|line| line.contains("impact on upstop")).count();
+    let told = texts(&host).iter().filter(|line| line.contains("impact on the stop upstop")).count();
     assert!(count > 5.0 && told as f64 == count, "{told} of {count}");
 }
 
@@ -92,12 +92,12 @@ fn locks_are_told() {
     host.set_boolean("uplock.engage", true);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
     let said = texts(&host);
-    assert!(said.len() == 2 && said[1].ends_with("a lock catches the mechanism at upstop"), "{said:?}");
+    assert!(said.len() == 2 && said[1].ends_with("a lock catches the mechanism at the stop upstop"), "{said:?}");
     host.set_boolean("uplock.engage", false);
     assert_eq!(host.set("actuator.force", -3e4), Status::Ok);
     assert_eq!(host.step(0.2, 0.01), Status::Ok);
     let said = texts(&host);
-    assert!(said[0].starts_with("at t = 0.2 s the lock at upstop releases the mechanism"), "{said:?}");
+    assert!(said[0].starts_with("at t = 0.2 s the lock at the stop upstop releases the mechanism"), "{said:?}");
     assert_eq!(said.len(), 1, "{said:?}");
 }
 
@@ -108,7 +108,7 @@ fn regimes_of_friction_are_told_for_debugging() {
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
     let said = told(&host);
     assert!(
-        said.iter().any(|(category, text)| category == "logDebug" && text.contains("friction in joint")),
+        said.iter().any(|(category, text)| category == "logDebug" && text.contains("friction in the joint joint")),
         "{said:?}"
     );
     assert!(said.iter().any(|(_, text)| text.ends_with("becomes viscous")), "{said:?}");
@@ -117,7 +117,7 @@ fn regimes_of_friction_are_told_for_debugging() {
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
     assert_eq!(told(&host), []);
     assert_eq!(host.step(0.1, 0.1), Status::Ok);
-    assert!(texts(&host)[0].contains("impact on upstop"));
+    assert!(texts(&host)[0].contains("impact on the stop upstop"));
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
                 message.text
             );
             assert!(lacking.iter().all(|name| message.text.contains(name)), "{}", message.text);
-            assert!(message.text.contains("friction locks the mechanism against cylinder near "), "{}", message.text);
+            assert!(message.text.contains("the mechanism against the drive cylinder near "), "{}", message.text);
             // One after the other: the same answers.
             for (name, value) in lacking.iter().map(|name| (*name, f64::NAN)).chain([("bucket.speed", 0.0)]) {
                 let mut one = [1.0];

@@ -118,7 +118,7 @@ def test_own_files_win_and_what_is_not_wanted_stays_out(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if "your own files are packed" in line]
     assert len(said) == 1
-    assert said[0].endswith("instead of the generated ones: documentation/index.html")
+    assert said[0].endswith("instead of the generated files: documentation/index.html")
     with zipfile.ZipFile(tmp_path / "FourBar.fmu") as archive:
         names = archive.namelist()
         assert archive.read("documentation/index.html") == b"<html>mine</html>"

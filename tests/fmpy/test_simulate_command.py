@@ -168,7 +168,7 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--output-interval", "0"], "must be finite and > 0"),
         (["--start-values", "crank.start_angle"], "has no value"),
         (["--start-values", "crank.mass", "-1"], "crank.mass"),
-        (["--output-variables", "crank.angel"], "nearest names are crank.angle"),
+        (["--output-variables", "crank.angel"], "most similar names are crank.angle"),
         (["--input-file", "missing.csv"], "missing.csv"),
         (["--input-file", "wrong.csv"], "line 3: the time decreases to 0 s"),
         (["--plot", "run.bmp"], "must end in .png, .svg or .pdf"),

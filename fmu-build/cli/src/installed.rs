@@ -44,7 +44,8 @@ pub fn command() -> Command {
         (
             "package",
             "paths",
-            "Definition file (mechanism.json), or folder that contains one [default: the landing gear of the program]",
+            "Definition file (mechanism.json), or folder that contains a definition file [default: the landing gear of \
+             the program]",
         ),
         (
             "package",

@@ -36,7 +36,7 @@ pub enum Task {
     /// List the interface of an FMU or a mechanism: variables, default experiment, platforms
     #[command(after_help = examples::INFO)]
     Info(Info),
-    /// Check that an FMU is complete: archive, description, libraries, definition
+    /// Check that an FMU is complete: archive, modelDescription.xml, libraries, definition
     #[command(after_help = examples::VALIDATE)]
     Validate(Validate),
     /// Write a web page that shows the moving mechanism
@@ -83,13 +83,13 @@ pub enum Task {
 /// Arguments of `check`.
 #[derive(Args)]
 pub struct Check {
-    /// Definition file (mechanism.json), folder that contains one, or FMU
+    /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
     /// Print errors, warnings and facts as a JSON list with one object per path
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 1 also if there are warnings but no errors
+    /// Exit with code 1 if there is an error or a warning. Without this option, only errors give the code 1
     #[arg(long)]
     pub deny_warnings: bool,
 }
@@ -97,7 +97,7 @@ pub struct Check {
 /// Arguments of `info`.
 #[derive(Args)]
 pub struct Info {
-    /// FMU, definition file (mechanism.json), or folder that contains one
+    /// FMU, definition file (mechanism.json), or folder that contains a definition file
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Print the list as JSON
@@ -108,7 +108,7 @@ pub struct Info {
 /// Arguments of `validate`.
 #[derive(Args)]
 pub struct Validate {
-    /// FMU, definition file (mechanism.json), or folder that contains one
+    /// FMU, definition file (mechanism.json), or folder that contains a definition file
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
 }
@@ -116,7 +116,7 @@ pub struct Validate {
 /// Arguments of `view`.
 #[derive(Args, Default)]
 pub struct View {
-    /// Definition file (mechanism.json), folder that contains one, or FMU
+    /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "MECHANISM")]
     pub path: PathBuf,
     /// File for the page [default: target/view/<Name>.html in the repository]
@@ -128,7 +128,7 @@ pub struct View {
     /// End time of the motion [s] [default: stop_time of the definition]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub stop_time: Option<f64>,
-    /// Start values of inputs and parameters: pairs of a name and a value, such as actuator.force 2e4
+    /// Start values of inputs and parameters: pairs of a variable name and a value, such as actuator.force 2e4
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
@@ -137,7 +137,7 @@ pub struct View {
 /// Arguments of `simulate`.
 #[derive(Args, Default)]
 pub struct Simulate {
-    /// Definition file (mechanism.json), folder that contains one, or FMU
+    /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Start time of the run [s]
@@ -254,7 +254,7 @@ pub enum ImportForm {
 /// Arguments of `linearise`.
 #[derive(Args, Default)]
 pub struct Linearise {
-    /// Definition file (mechanism.json), folder that contains one, or FMU
+    /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. This coordinate and its
@@ -302,7 +302,7 @@ pub struct Sweep {
     /// Draw the results: page.html for the browser, and pictures as PNG
     #[arg(long)]
     pub page: bool,
-    /// Continue a study that was stopped
+    /// Continue a study that was stopped before its last run
     #[arg(long)]
     pub resume: bool,
     /// Number of threads [default: one per core]
@@ -388,7 +388,8 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Name and options of the benchmark; the names are listed below [default: run times]
+    /// Name and options of the benchmark; the list of benchmarks at the end of this help contains the names [default:
+    /// run times]
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

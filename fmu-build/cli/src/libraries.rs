@@ -7,7 +7,8 @@ use std::path::PathBuf;
 /// Arguments of `package`.
 #[derive(Args, Clone, Default)]
 pub struct Package {
-    /// Definition file (mechanism.json), or folder that contains one [default: modelDescription/LandingGearRetraction]
+    /// Definition file (mechanism.json), or folder that contains a definition file [default:
+    /// modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
     /// Pack every example mechanism in modelDescription/, and the example system of landing gear and hydraulic actuator

@@ -136,7 +136,7 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
             Fault::new(format!("this `{bracket}` has no closing bracket: add `{close}`"), open..open + 1)
         }
         _ if matches!(first, Some('}' | ']')) => {
-            Fault::new("a surplus or wrong closing bracket: remove or correct it", one).written("")
+            Fault::new("a surplus or wrong closing bracket: remove or correct this bracket", one).written("")
         }
         ParseErrorKind::MultipleRootJsonValues => Fault::new(
             "the definition ends before this place: remove the text after the end, or a surplus closing bracket before \
@@ -229,7 +229,7 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     }
     if let Some(value) = formula(word) {
         let is_number = word.parse::<f64>().is_ok();
-        let what = if is_number { "write this number as" } else { "JSON has no formulas here; write the number" };
+        let what = if is_number { "write this number as" } else { "JSON allows no formula here; write the number" };
         let message = format!("`{word}`: {what} {}", Decimal::rounded(value));
         let fits = (0..=17).rev().map(|digits| format!("{value:.digits$}")).find(|text| text.len() <= length);
         return Some(Fault::new(message, place).written(&fits.unwrap_or_else(|| "1".into())));

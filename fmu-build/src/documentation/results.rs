@@ -90,14 +90,14 @@ impl Results {
             "Reference results of {name}, in the form of the layered standard FMI-LS-REF.\n\n\
              {name}_out.csv contains every output over the default experiment, with {rows}.\n\
              All parameters and inputs have their start values. The communication step is {interval} s.\n\
-             The library in this FMU computed these results. On the same platform the same communication steps give\n\
-             identical results. On other platforms the rounding can differ.\n\
+             The library in this FMU computed these results. On the same platform, a run with the same communication\n\
+             steps gives identical results. On other platforms the rounding can differ.\n\
              NaN marks an output without a value in the present state.\n{inputs}",
             name = self.name,
             interval = number(self.interval),
             rows = match self.stride {
-                1 => "one row per step".to_owned(),
-                stride => format!("one row per {stride} steps and one row for the end"),
+                1 => "one row for each communication step".to_owned(),
+                stride => format!("one row for every {stride} communication steps, and one row for the end of the run"),
             },
             inputs = match &self.inputs {
                 Some(_) => format!(

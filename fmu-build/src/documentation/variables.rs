@@ -54,22 +54,23 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
         (
             "parameters",
             "Parameters",
-            "A simulation tool can set these variables before the start. A value that is set replaces the value of the \
-             definition.",
+            "A simulation tool can set these variables before the start of the run. A value that a simulation tool \
+             sets replaces the value of the definition.",
             Causality::Parameter,
         ),
         (
             "calculated",
             "Calculated parameters",
-            "These parameters are calculated from the parameters in the last column. The expression is at the end of \
-             each description.",
+            "Each of these parameters is calculated from the parameters in the last column. The expression is at the \
+             end of the description.",
             Causality::CalculatedParameter,
         ),
         (
             "locals",
             "Local variables",
-            "These variables are for drawing. They give the position and rotation of each body: the origin in the \
-             mechanism frame, and the rotation matrix. They are computed only when they are read.",
+            "These variables are for animations. They give the position and rotation of each body: the coordinates of \
+             the origin of the body in the mechanism frame, and the rotation matrix. The FMU computes these variables \
+             only when a simulation tool reads them.",
             Causality::Local,
         ),
     ];

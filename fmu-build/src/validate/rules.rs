@@ -178,7 +178,7 @@ impl Rules {
         }
         if has_start && (initial == "calculated" || causality == "independent") {
             broken.push(format!(
-                "has a start value, but {} does not allow one",
+                "has a start value, but {} does not allow a start value",
                 if initial.is_empty() { causality } else { initial }
             ));
         }
@@ -196,7 +196,7 @@ impl Rules {
                 |start: &f64| least.is_some_and(|least| *start < least) || most.is_some_and(|most| *start > most);
             let starts = v.get("start").split_whitespace().filter_map(|text| text.parse().ok());
             broken.extend(
-                starts.filter(outside).map(|start: f64| format!("the start value {start} is outside min and max")),
+                starts.filter(outside).map(|start: f64| format!("the start value {start} is not between min and max")),
             );
         }
         let [unit, display, declared] = ["unit", "displayUnit", "declaredType"].map(|name| v.get(name));
@@ -386,7 +386,7 @@ mod tests {
             (" start=\"1\"", "", "p: has no start value"),
             ("<Real derivative=\"2\"/>", "<Real derivative=\"2\" start=\"1\"/>", "y: has a start value"),
             ("max=\"2\"", "max=\"-2\"", "p: max -2 is below min 0"),
-            ("start=\"1\"", "start=\"3\"", "p: the start value 3 is outside min and max"),
+            ("start=\"1\"", "start=\"3\"", "p: the start value 3 is not between min and max"),
             ("nominal=\"1\"", "nominal=\"0\"", "u: nominal is not above 0"),
             ("unit=\"rad\"", "unit=\"m\"", "u: the unit m has no definition"),
             ("displayUnit=\"deg\"", "displayUnit=\"grad\"", "u: the unit rad has no display unit grad"),

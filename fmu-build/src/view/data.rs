@@ -144,7 +144,7 @@ impl Data {
         match (&self.motion, &self.still) {
             (Some(motion), _) => format!("{} frames over {} s", motion.frames(), motion.stop_time()),
             (None, Some(still)) if !still.is_assembled() => {
-                "the mechanism with open loops, in the position of the guess".into()
+                "the mechanism with open loops, in the position in the key guess".into()
             }
             (None, Some(_)) => "the assembled mechanism without motion".into(),
             (None, None) => "the error message only".into(),

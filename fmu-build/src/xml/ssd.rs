@@ -109,7 +109,7 @@ impl System<'_> {
                     Value::Item(_) => Kind::Enumeration,
                 };
                 if variable.kind != kind {
-                    bail!("{name} is a {}; give it a value of this type", variable.kind.word());
+                    bail!("{name} is a {}; give {name} a value of this type", variable.kind.word());
                 }
             }
         }

@@ -65,10 +65,10 @@ keys! {
 
     /// Coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
-        /// Start value of the parameter `coupling.mode`: the motion of the actuator within a step. `preview`: the
-        /// motion that the actuator FMU predicts. `follow`: the motion that the inputs `actuator.length` and
-        /// `actuator.speed` prescribe. `delayed`: the predicted motion, for a simulation program that passes every
-        /// value one step late.
+        /// Start value of the parameter `coupling.mode`. This parameter selects the motion of the actuator that the
+        /// FMU uses within a communication step. `preview`: the motion that the FMU predicts. `follow`: the motion
+        /// that the inputs `actuator.length` and `actuator.speed` prescribe. `delayed`: the motion that the FMU
+        /// predicts, for a simulation program that passes every value one step late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
@@ -77,7 +77,7 @@ keys! {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
-        /// Largest number of integration steps in one communication step [1], a whole number.
+        /// Largest number of integration steps in one communication step [1]. The value must be a whole number.
         max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }

@@ -81,7 +81,7 @@ keys! {
         /// Flow through one fully open metering edge at the pressure drop `valve.rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge at the rated pressure drop");
-        /// Pressure drop to which all rated flows refer [Pa], > 0.
+        /// Pressure drop to which all keys `rated_flow` of the circuit refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -92,8 +92,8 @@ keys! {
         /// above.
         transition: Transition;
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance rounds the
-        /// curve of the opening over the spool position: at the position `overlap`, an edge is open by half of the
-        /// clearance.
+        /// curve of the opening over the spool position. At the spool position `valve.overlap`, a metering edge is open
+        /// by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
             full opening; at the spool position overlap, a metering edge is open by half of the clearance");
         /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
@@ -250,7 +250,7 @@ keys! {
         /// this value plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
             accumulator: gas pressure when the accumulator contains no oil");
-        /// Polytropic exponent n of the gas [1], > 0.
+        /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             the accumulator");
     }
@@ -260,7 +260,7 @@ keys! {
         /// Flow of the pump at pressures up to `pump.full_pressure` [m3/s], >= 0.
         max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow of the pump at \
             pressures up to pump.full_pressure");
-        /// Pressure up to which the pump delivers its full flow [Pa].
+        /// Pressure up to which the pump delivers the flow `pump.max_flow` [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which the pump \
             delivers its full flow");
         /// Pressure at and above which the pump delivers no flow [Pa]. This pressure must be greater than

@@ -105,8 +105,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
              drive, and with long steps also set the time derivatives of actuator.speed"
         ),
         Warning::Horizon => format!(
-            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again for this step; set \
-             preview.horizon to the size of the next step"
+            "the size of the step is {two} s, but preview.horizon is {one} s: the motion was predicted again with the \
+             size of this step; set preview.horizon to the size of the next step"
         ),
         Warning::Unstable => format!(
             "the outputs preview.* are not used, and the step of {two} s is longer than coupling.stable_step = {one} \
@@ -119,7 +119,8 @@ fn text(kind: Warning, numbers: [f64; 2]) -> String {
         ),
         Warning::Unforeseen => format!(
             "no motion can be predicted with actuator.reduced_mass = {one} kg and actuator.holding_force = {two} N: \
-             preview.force is the present force; check the reduced mass and the holding force"
+             the output preview.force is the present force of the actuator; check the reduced mass and the holding \
+             force"
         ),
     }
 }

@@ -64,14 +64,14 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
 const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Predicted force of @ over the next step, approximated by a straight line in time: force at the start of the \
-         step; @.preview.force_rate is the slope of the line",
+        "Predicted force of @ at the start of the next step; the force over the step is approximated by a straight \
+         line in time, whose slope is @.preview.force_rate",
         Unit::Newton,
         Ahead::Force,
     ),
     (
         "force_rate",
-        "Predicted force of @ over the next step, approximated by a straight line in time: slope of the line",
+        "Slope of the straight line in time that approximates the predicted force of @ over the next step",
         Unit::NewtonPerSecond,
         Ahead::ForceRate,
     ),
@@ -226,7 +226,8 @@ impl Builder<'_> {
             );
         }
         for (name, one) in system.valves.iter() {
-            let text = format!("Command of the valve {name}, from -1 to 1; positive: supply to port a");
+            let text =
+                format!("Command of the valve {name}, from -1 to 1; a positive command connects the supply to port a");
             self.input(format!("{name}.command"), text, Unit::One, one.command);
         }
         for (name, one) in system.bypasses.iter() {
@@ -252,7 +253,7 @@ impl Builder<'_> {
                 self.input(format!("{name}.{key}"), text.replace('@', name), unit, start);
             }
         }
-        let text = "Size of the next communication step; 0: as long as the last step".to_owned();
+        let text = "Size of the next communication step; 0: the FMU assumes the size of the last step".to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
 
@@ -335,7 +336,7 @@ impl Builder<'_> {
                 unit: None,
                 ..Row::real(Causality::Output, Unit::One)
             };
-            let text = format!("Whether the lock {name} is engaged; oil pressure releases the lock");
+            let text = format!("True while the lock {name} is engaged; oil pressure releases the lock");
             self.push(format!("{name}.engaged"), text, Quantity::Lock(index), row);
         }
     }
@@ -403,8 +404,8 @@ impl Builder<'_> {
             ..Row::real(Causality::Parameter, Unit::One)
         };
         let text = format!(
-            "Motion of the cylinders within a step: {words}; preview: the predicted motion; follow: the motion that \
-             the inputs prescribe"
+            "Motion of the cylinders that the FMU uses within a step: {words}; preview: the predicted motion; follow: \
+             the motion that the inputs prescribe"
         );
         self.push("coupling.mode".to_owned(), text, Quantity::Mode, row);
     }

@@ -173,7 +173,9 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                         "the position of this joint follows from other prismatic joints between the same bodies: \
                          remove this key; a guess is possible for {all}"
                     ),
-                    (None, None) => format!("there is no such body or prismatic joint; a guess is possible for {all}"),
+                    (None, None) => {
+                        format!("there is no body or prismatic joint with this name; a guess is possible for {all}")
+                    }
                 };
                 return Err(AssemblyError::Guess { name: on_one_line(name), message });
             }

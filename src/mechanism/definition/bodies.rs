@@ -11,8 +11,8 @@ keys! {
         fixed_to: Option<String> => point();
         /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. Allowed only together with
         /// `fixed_to`.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the \
-            body in fixed_to to the x axis").absent("0");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x axis of @, from \
+            the x axis of the body to which it is fixed").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass of the body [kg], >= 0.
@@ -55,22 +55,23 @@ keys! {
         second: String => point().required();
         /// Prismatic joint only: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
-            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding, as an angle in the frame \
-                of the first body,").absent("0");
+            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding in the joint @, as an angle \
+                in the frame of the first body").absent("0");
         /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
-                axis of the second body").absent("0");
+                axis of the second body in the joint @").absent("0");
         /// Revolute joint only: pin radius [m], >= 0. Without this key the joint has no friction.
-        pin_radius: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin");
+        pin_radius: Option<f64> =>
+            number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
         /// Coefficient of static friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
         /// applies.
         static_coefficient: Option<f64> =>
-            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction");
+            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in the joint @");
         /// Coefficient of kinetic friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
         /// applies.
         kinetic_coefficient: Option<f64> =>
-            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction");
+            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
     }
 
     /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With the
@@ -81,7 +82,7 @@ keys! {
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
-            Key::PLAIN.parameter(Role::Load, "Whether the joints have friction").absent("false");
+            Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: no friction").absent("false");
         /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
         /// the mechanism at rest. `stick`: Coulomb's law, with which friction holds the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
@@ -143,7 +144,7 @@ impl Body {
         for (point, coordinates) in self.points.iter_mut() {
             for ((axis, index), value) in AXES.into_iter().zip(coordinates) {
                 let key = ["bodies.", name, ".points.", point, index];
-                let description = ["Point ", point, ", ", axis, " coordinate, of ", name];
+                let description = [axis, " coordinate of the point ", point, " of ", name, " in the frame of the body"];
                 let kind = (Metre, Range::Coordinate, Role::Geometry);
                 visit(Parameter::new([name, ".", point, "_", axis], key, description, kind), value);
             }

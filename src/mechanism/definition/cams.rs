@@ -104,7 +104,9 @@ impl Coupling {
             _ => {}
         }
         if self.interpolation.is_some() && self.points.is_none() {
-            return refused(at("interpolation"), "each segment has a motion law: remove interpolation, or use points");
+            let message = "only a lift that points define has an interpolation, but this cam has no points: remove the \
+                           key interpolation, or give points";
+            return refused(at("interpolation"), message);
         }
         if self.phase.is_some() {
             return refused(
@@ -114,12 +116,12 @@ impl Coupling {
         }
         match (self.follower, self.roller_radius, self.face_angle) {
             (Some(Follower::Roller), None, _) => {
-                return refused(at("roller_radius"), "a roller needs this key: add it");
+                return refused(at("roller_radius"), "a roller follower needs this key: add the key roller_radius");
             }
             (Some(Follower::Roller), _, Some(_)) => {
                 return refused(
                     at("face_angle"),
-                    "a roller has no face: remove face_angle, or write \"follower\": \"flat\"",
+                    "a roller follower has no flat face: remove face_angle, or write \"follower\": \"flat\"",
                 );
             }
             (Some(Follower::Flat), Some(_), _) => {
@@ -158,7 +160,10 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
             None => return refused(at("angle"), "the angle is missing: only the last segment may be without an angle"),
         };
         let distance = match (law, segment.rise) {
-            (None, Some(_)) => return refused(at("rise"), "a dwell has no rise: remove rise, or choose another law"),
+            (None, Some(_)) => {
+                let message = "a segment with the law dwell has no rise: remove the key rise, or choose another law";
+                return refused(at("rise"), message);
+            }
             (None, None) => 0.0,
             (Some(_), Some(rise)) => {
                 Range::Coordinate.check_in(unit, at("rise"), rise)?;
@@ -193,7 +198,7 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
         return refused(format!("{key}.segments"), message);
     }
     Periodic::of_segments(&all)
-        .map_or_else(|| refused(format!("{key}.segments"), "the list is empty: add segments"), Ok)
+        .map_or_else(|| refused(format!("{key}.segments"), "the list of segments is empty: add segments"), Ok)
 }
 
 fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Result<Periodic, DefinitionError> {

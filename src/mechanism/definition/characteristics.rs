@@ -56,7 +56,12 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
         }
     }
     let Some(points) = &spring.points else { return Ok(()) };
-    function(&format!("{key}.points"), points, "S").map(drop)
+    let abscissa = match (is_rotary, &spring.joint) {
+        (true, _) => "angle",
+        (false, Some(_)) => "position",
+        (false, None) => "length",
+    };
+    function(&format!("{key}.points"), points, abscissa).map(drop)
 }
 
 /// The points of a damper take power at every speed, also beyond the first and the last one.
@@ -81,8 +86,8 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
             let message = format!(
-                "beyond the end point at the speed {speed}, the curve falls through 0, so the force would drive the \
-                 motion: add a point there with a force that is not smaller in magnitude"
+                "beyond the end point at the speed {speed}, the force would change its sign and drive the motion: add \
+                 a point beyond this speed, with a force that is not smaller in magnitude"
             );
             refused(key, message)
         }
@@ -122,7 +127,8 @@ pub(super) fn check_bumper(key: &str, stop: &Stop) -> Check {
     let key = format!("{key}.points");
     function(&key, points, "compression")?;
     if points[0] != [0.0, 0.0] {
-        return refused(format_args!("{key}[0]"), "the force of a bumper is 0 at the first contact: start with [0, 0]");
+        let message = "the force of a bumper is 0 at the first contact: start with [0, 0] as the first point";
+        return refused(format_args!("{key}[0]"), message);
     }
     match points.windows(2).position(|pair| pair[1][1] < pair[0][1]) {
         Some(i) => {
@@ -155,7 +161,8 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message = format!("give a constant force beyond {depth} {unit} of compression, in any impact");
+                let message =
+                    format!("the bumper has a constant force beyond {depth} {unit} of compression, even in an impact");
                 let remedy = "add a point at the largest compression of an impact, or add the key stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
@@ -167,15 +174,15 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if points.iter().all(|[_, force]| *force == 0.0) {
         all.push(Finding::warning(
             key,
-            "all have the force 0, so the damper has no effect",
+            "all points have the force 0, so the damper has no effect",
             "give the points forces, or remove them",
         ));
         return;
     }
     if let Some([a, b]) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]).map(|pair| [pair[0][0], pair[1][0]]) {
         let message = format!(
-            "have forces that fall from the speed {} to the speed {}. In this range the damper force decreases with \
-             the speed, which can excite vibrations",
+            "the forces fall from the speed {} to the speed {}. In this range the damper force decreases with the \
+             speed, which can excite vibrations",
             Decimal(a),
             Decimal(b)
         );
@@ -186,8 +193,10 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         (points.last().is_some_and(|point| point[0] <= 0.0), "positive"),
     ] {
         if is_missing {
-            let message =
-                format!("have no point at a {word} speed, so the force there continues with the slope at rest");
+            let message = format!(
+                "the curve has no point at a {word} speed, so the force at {word} speeds continues with the slope at \
+                 rest"
+            );
             all.push(Finding::warning(key, message, "add points for both directions of motion"));
         }
     }
@@ -198,7 +207,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if points.iter().all(|[_, force]| *force == 0.0) {
         all.push(Finding::warning(
             key,
-            "all have the force 0, so the drive never moves the mechanism",
+            "all points have the force 0, so the drive never moves the mechanism",
             "give the points forces, or remove them",
         ));
         return;
@@ -206,7 +215,8 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     if !(*first..=*last).contains(&0.0) {
         let end = if *first > 0.0 { first } else { last };
         let message = format!(
-            "do not include the speed 0, so the force at rest is extrapolated with the slope at the speed {}",
+            "the points do not include the speed 0, so the force at rest is extrapolated with the slope at the \
+             speed {}",
             Decimal(*end)
         );
         all.push(Finding::warning(key, message, "add a point at the speed 0"));
@@ -215,7 +225,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         // With the sign of the speed the force adds to it.
         if slope > 0.0 && value * speed > 0.0 {
             let message = format!(
-                "rise beyond the speed {}: the force of the drive grows with the speed without limit",
+                "the forces rise beyond the speed {}: the force of the drive grows with the speed without limit",
                 Decimal(speed)
             );
             all.push(Finding::warning(key, message, "add a point at the speed at which the drive has no force"));

@@ -40,10 +40,10 @@ keys! {
             by the speed before the impact");
         /// Bumper only: stiffness of the bumper [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Stiffness of the stop @ as a bumper");
+            .parameter(Role::Law, "Stiffness of the stop @, if the stop is a bumper");
         /// Bumper only: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Damping of the stop @ as a bumper");
+            .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
         /// Bumper only: additional force as a curve over the compression. State pairs of compression and force [m or
         /// rad, N or N.m]. The first pair must be [0, 0], and the force must not fall with the compression. Beyond the
         /// last pair the curve continues as a straight line.

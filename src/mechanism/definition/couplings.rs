@@ -41,7 +41,7 @@ keys! {
         /// that is nearest to this centre, as an angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
-                to the nearest vertex of its pitch curve, in the frame of the wheel").absent("0");
+                to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");
         /// Cam: shape of the follower.
         follower: Option<Follower>;
         /// Cam: point of the follower (`body.point`): the centre of the roller, or a point on the flat face.
@@ -51,12 +51,13 @@ keys! {
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam: direction of the flat face, as an angle in the frame of the follower [rad]. Default for a translating
-        /// follower: perpendicular to the direction of sliding. Default for an oscillating follower: along the x axis
-        /// of the follower.
-        face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction of the flat face \
-            of the follower, in the frame of the follower,");
-        /// Cam: angle u1 at which the first segment starts, or at which the table `points` has the angle 0 [rad].
+        /// Cam with a flat-faced follower: direction along the face, as an angle in the frame of the follower [rad].
+        /// Default for a translating follower: perpendicular to the direction of sliding. Default for an oscillating
+        /// follower: along the x axis of the follower.
+        face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
+            face of the follower of @, as an angle in the frame of the follower");
+        /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0
+        /// [rad].
         start_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of the cam @ at which the \
                 first segment or the table of the lift starts").absent("0");
@@ -66,7 +67,7 @@ keys! {
         /// angle. Use this key in place of `segments`.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
         /// Cam: kind of the curve through `points`. `spline`: a smooth curve, which may overshoot the points.
-        /// `monotone`: a curve that rises or falls only where the points do.
+        /// `monotone`: a curve that rises only where the points rise, and falls only where the points fall.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
@@ -91,7 +92,7 @@ keys! {
         /// Belt: tension of each span at rest without load [N], >= 0.
         pretension: Option<f64> =>
             number(Newton, Range::NonNegative)
-                .parameter(Role::Load, "Tension of each span at rest without load").absent("0");
+                .parameter(Role::Load, "Tension of each span of @ at rest without load").absent("0");
         /// Rack: pitch radius of the wheel [m], > 0.
         radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Pitch radius of the wheel");
         /// Rack: side of the wheel centre on which the rack lies, looking in the direction of the joint axis.
@@ -99,8 +100,8 @@ keys! {
         /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2 rad. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
-        /// Value of the motion u2 at u1 = 0 [m or rad]. For a rack the value is in m. Default: the value that follows
-        /// from the positions in `guess`. Not allowed for a cam.
+        /// Value of u2 (the position of the rack or the angle of the second wheel) where the angle u1 of the first
+        /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. Not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency [1], > 0 and <= 1. It is equal in both directions of power flow. Without this
         /// key there are no losses.
@@ -181,9 +182,9 @@ impl Coupling {
                     _ => 1,
                 };
                 let key = match (key.name, is_rotary) {
-                    ("phase", false) => Key { words: "Position of the rack @ at angle 0 of its wheel", ..key },
+                    ("phase", false) => Key { words: "Position of the rack @ at the angle 0 of the wheel", ..key },
                     ("phase", true) => Key {
-                        words: "Angle of the second wheel of @ at angle 0 of the first wheel",
+                        words: "Angle of the second wheel of @ at the angle 0 of the first wheel",
                         range: Range::Turn,
                         ..key
                     },
@@ -216,8 +217,8 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so its rotation is not a planar motion: use the \
-                           key screw of an actuator, or write \"type\": \"rack\" for a wheel that turns in the \
+            let message = "the axis of a screw lies in the plane, so the rotation of the screw is not a planar motion: \
+                           use the key screw of an actuator, or write \"type\": \"rack\" for a wheel that turns in the \
                            plane";
             return refused("type", message);
         }
@@ -254,7 +255,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("is a revolute joint: give the prismatic joint in which the {what} slides"),
+                &format!("this joint is a revolute joint: give the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {
@@ -266,7 +267,7 @@ impl Mechanism {
         if coupling.internal == Some(true) && coupling.first_teeth == coupling.second_teeth {
             return refused(
                 "internal",
-                "a wheel cannot run inside a ring with the same number of teeth: change a number of teeth",
+                "a wheel cannot run inside a ring with the same number of teeth: change one of the numbers of teeth",
             );
         }
         Ok(())

@@ -216,8 +216,8 @@ impl Mechanism {
             let off = (of + turned(Vec2::from(local), own) - origin).norm();
             if off > ROUNDING * size {
                 let message = format!(
-                    "the drawn origin of {name} is {} m away from {to}, but must be at this point; correct one of the \
-                     two positions",
+                    "the drawn origin of {name} is {} m away from the point {to}, but must be at this point: correct \
+                     one of the two positions",
                     Decimal::rounded(off)
                 );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("bodies.{name}.drawn.origin"), message)));
@@ -286,7 +286,7 @@ impl Mechanism {
                 let what =
                     if is_prismatic { "off the line through the first point" } else { "away from the first point" };
                 let message = format!(
-                    "the second point is drawn {} m {what}: correct one of the two points",
+                    "the second point of the joint is drawn {} m {what}: correct one of the two points",
                     Decimal::rounded(off)
                 );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
@@ -371,7 +371,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
             let along = Vec2::from(end) - origin;
             let length = along.norm();
             if length == 0.0 {
-                return Err(DefinitionError::key(key(".end"), "end and origin coincide, so the body has no length"));
+                let message = "the points end and origin coincide, so the body has no length: correct one of them";
+                return Err(DefinitionError::key(key(".end"), message));
             }
             match body.length {
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {

@@ -15,8 +15,8 @@ keys! {
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Start speed of the body in `body` or of the joint in `joint` [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The loads are the
-        /// loads at the start.
+        /// true: the run starts at the stable equilibrium that is nearest to the stated position. This is the
+        /// equilibrium under the loads at the start of the run.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
@@ -24,7 +24,7 @@ keys! {
     pub struct Solver {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
-            .parameter(Role::Tolerance, "Relative tolerance of the integration").required();
+            .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
         /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved it over
         /// 1 rad. Small values make slow creep accurate.
@@ -43,7 +43,7 @@ keys! {
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
         /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5 s. Allowed only together with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
-            .parameter(Role::Step, "Largest step of Newmark's method (rigid_fem)");
+            .parameter(Role::Step, "Largest step of Newmark's method, if solver.method is rigid_fem");
         /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables
         /// over the position of the mechanism. false: each evaluation solves the loop equations of the linkage, which
         /// is about a hundred times slower.
@@ -90,7 +90,9 @@ impl Start {
             };
         let mut add = |quantity, kind, value| {
             let word = match (self.equilibrium, quantity) {
-                (true, "angle" | "position") => "Position from which the stable equilibrium at the start is searched: ",
+                (true, "angle" | "position") => {
+                    "Position from which the program searches for the stable equilibrium at the start: "
+                }
                 _ => "Start ",
             };
             let description = [word, quantity, " of ", of];

@@ -97,7 +97,7 @@ fn warn_of_table(
     let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
     let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
     let message = format!(
-        "give a spline that overshoots the points: {} {second} at the {of} {} {first}, but the points lie between \
+        "the spline overshoots the points: it reaches {} {second} at the {of} {} {first}, but the points lie between \
          {} {second} and {} {second}",
         Decimal::rounded(value),
         Decimal::rounded(x),
@@ -124,8 +124,8 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
         let message = format!(
-            "have values in steps of {} {of}. At this spacing of the points, the rounding of the values causes up to \
-             about {part:.0} % of the acceleration",
+            "the points have values in steps of {} {of}. At this spacing of the points, the rounding of the values \
+             causes up to about {part:.0} % of the acceleration",
             Decimal(unit)
         );
         let remedy = "give values with more digits, or give fewer points";
@@ -203,7 +203,8 @@ mod tests {
         {
             let told = warnings(json!({ "profile": "table", "points": points(count, digits) }));
             assert_eq!(told.len(), usize::from(is_told), "{count} {digits}: {told:?}");
-            assert!(!is_told || told[0].contains("servo.motion.points: have values in steps of 0.0001"), "{told:?}");
+            let start = "servo.motion.points: the points have values in steps of 0.0001";
+            assert!(!is_told || told[0].contains(start), "{told:?}");
         }
     }
 }

@@ -20,7 +20,7 @@ keys! {
             .parameter(Role::Load, "Acceleration of free fall").required();
         /// Upward direction, as an angle from the X axis of the mechanism frame [rad].
         up_angle: f64 => number(Radian, Range::Finite)
-            .parameter(Role::Load, "Upward direction, angle from the X axis").required();
+            .parameter(Role::Load, "Upward direction, as an angle from the X axis of the mechanism frame").required();
         /// Start value of the input `load_factor` [1], the factor by which all weights are multiplied.
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
@@ -144,7 +144,7 @@ keys! {
         /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston, this area is the cross section
         /// of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Area under gas pressure").required();
+            .parameter(Role::Load, "Gas-loaded area").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
@@ -164,7 +164,8 @@ keys! {
             .parameter(Role::Law, "Density of the air").required();
         /// Direction in which the air flows, as an angle from the X axis of the mechanism frame [rad].
         flow_angle: f64 => number(Radian, Range::Finite)
-            .parameter(Role::Load, "Direction of the air flow, angle from the X axis").required();
+            .parameter(Role::Load, "Direction of the air flow, as an angle from the X axis of the mechanism \
+                frame").required();
         /// true: drag depends on the air velocity relative to the moving surface. false: drag depends on the airspeed
         /// only.
         relative_wind: bool => Key::PLAIN.parameter(
@@ -245,7 +246,12 @@ impl Torque {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let (key, kind) = (["torques.", name, ".torque"], (NewtonMetre, Range::Finite, Role::Load));
         visit(
-            Parameter::new([name, ".torque"], key, ["Constant torque on ", &self.on, ", anticlockwise positive"], kind),
+            Parameter::new(
+                [name, ".torque"],
+                key,
+                ["Constant torque ", name, " on the body ", &self.on, ", anticlockwise positive"],
+                kind,
+            ),
             &mut self.torque,
         );
     }

@@ -30,7 +30,8 @@ keys! {
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String => line();
-        /// Author, copyright and licence of the model. The FMU states them in its file `modelDescription.xml`.
+        /// Author, copyright and licence of the model. The file `modelDescription.xml` of the FMU contains this
+        /// information.
         about: About => Key::PLAIN.brief();
         /// Path of a file with named parameters that several mechanisms share. The path is relative to the folder of
         /// the mechanism file.
@@ -72,7 +73,7 @@ keys! {
         friction: Option<Friction>;
         /// Air flow past the mechanism. Without this key there is no air.
         air: Option<Air>;
-        /// Surfaces with drag, by name. Only with `air`.
+        /// Surfaces on which the air exerts drag, by name. Allowed only together with the key `air`.
         surfaces: Named<Surface>;
         /// Stops by name. A stop limits the travel of the mechanism.
         stops: Named<Stop>;
@@ -144,10 +145,13 @@ impl Mechanism {
         }
         match owners.as_slice() {
             [first, second, ..] => {
-                let message = format!("{first} and {second} both have the variable {variable}: rename one element");
+                let message = format!("{first} and {second} both have the variable {variable}: rename one of them");
                 DefinitionError::key(second, message)
             }
-            [one] => DefinitionError::key(one, format!("another element also has the variable {variable}: rename one")),
+            [one] => DefinitionError::key(
+                one,
+                format!("another element also has the variable {variable}: rename one of the two elements"),
+            ),
             [] => DefinitionError::key(variable, "two elements have a variable of this name: rename one element"),
         }
     }

@@ -26,24 +26,25 @@ keys! {
         /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
-        /// Duration of the profile [s], > 0. A trapezoid or a table cannot have this key, because its duration follows
-        /// from other keys.
+        /// Duration of the profile [s], > 0. The profiles `trapezoid` and `table` cannot have this key, because their
+        /// duration follows from other keys.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
         /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first
         /// prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
-        /// Largest speed of a trapezoid [m/s or rad/s], > 0.
+        /// Only for the profile `trapezoid`: largest speed [m/s or rad/s], > 0.
         speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Positive)
             .parameter(Role::Load, "Largest speed of the prescribed motion");
-        /// Acceleration and deceleration of a trapezoid [m/s2 or rad/s2], > 0.
+        /// Only for the profile `trapezoid`: acceleration and deceleration [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
             .parameter(Role::Load, "Acceleration and deceleration of the prescribed motion");
         /// Only for the profile `table`: pairs of time and distance [s, m or rad], in the order of increasing time.
         points: Option<Vec<[f64; 2]>> => curve([Second; 2], [Metre, Radian], Range::Finite);
-        /// Kind of the curve through the points of a table. `spline`: a smooth curve, which may overshoot the points.
-        /// `monotone`: a curve that rises or falls only where the points do.
+        /// Only for the profile `table`: kind of the curve through `points`. `spline`: a smooth curve, which may
+        /// overshoot the points. `monotone`: a curve that rises only where the points rise, and falls only where the
+        /// points fall.
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
     }
 }
@@ -134,8 +135,8 @@ impl Mechanism {
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
             let message = format!(
-                "{other} already has a prescribed motion, which moves the whole mechanism: remove one of the two \
-                 motions"
+                "the drive {other} already has a prescribed motion, which moves the whole mechanism: remove one of the \
+                 two motions"
             );
             faults.keep::<()>(refused(&key, message));
         }

@@ -54,7 +54,9 @@ impl Mechanism {
         let Solver { method, fem_step, .. } = &mut self.solver;
         match (method, &fem_step) {
             (Some(_), None) => *fem_step = Some(Solver::FEM_STEP),
-            (None, Some(_)) => return refused("solver.fem_step", "needs solver.method: add the key solver.method"),
+            (None, Some(_)) => {
+                return refused("solver.fem_step", "this key needs solver.method: add the key solver.method");
+            }
             _ => {}
         }
         Ok(())
@@ -97,7 +99,7 @@ impl Mechanism {
         if name == GROUND
             && let Some((key, _)) = given.iter().find(|(_, there)| *there)
         {
-            return refused(key, "the ground does not move and has only length and points: remove this key");
+            return refused(key, "the ground does not move and has only the keys length and points: remove this key");
         }
         if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
             let other = to.split('.').next().unwrap_or_default();
@@ -147,9 +149,9 @@ impl Mechanism {
             faults.keep(self.point(key("first"), &joint.first));
             faults.keep(self.point(key("second"), &joint.second));
             let is_revolute = joint.kind == JointKind::Revolute;
-            let (no_slide, no_pin) =
-                ("only a prismatic joint has this key: remove it", "only a revolute joint has this key: remove it");
-            let no_friction = "has no effect without friction: add the key friction, or remove this key";
+            let no_slide = "only a prismatic joint has this key: remove the key";
+            let no_pin = "only a revolute joint has this key: remove the key";
+            let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, is_revolute, no_slide),
@@ -173,7 +175,7 @@ impl Mechanism {
             if a.screw.is_some() {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
                 if is_rotary {
-                    refuse("a screw drives along a line: give the keys first and second, or a prismatic joint");
+                    refuse("a screw acts along a line: give the keys first and second, or a prismatic joint");
                 }
                 if a.hydraulics.is_some() {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
@@ -189,13 +191,13 @@ impl Mechanism {
             if let Some(circuit) = &a.hydraulics {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
                 if is_rotary {
-                    refuse("a cylinder drives along a line: give the keys first and second, or a prismatic joint");
+                    refuse("a cylinder acts along a line: give the keys first and second, or a prismatic joint");
                 }
                 if a.force.is_some() {
                     refuse("the hydraulic circuit computes the force, which is an output: remove the key force");
                 }
                 if a.efficiency.is_some() {
-                    refuse("a hydraulic drive has the friction of its seals as its loss: remove the key efficiency");
+                    refuse("the losses of a hydraulic drive are the friction of its seals: remove the key efficiency");
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
                     refuse(&format!(
@@ -239,7 +241,8 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format!(
-                    "is fixed to {carrier} and turns with this body: guess the angle of {carrier}, and remove this key"
+                    "the body {name} turns with the body to which it is fixed ({carrier}): remove this key, and guess \
+                     the angle of that body"
                 );
                 faults.keep::<()>(refused(key, message));
             } else if is_body || is_joint {
@@ -285,7 +288,7 @@ impl Mechanism {
 
     fn check_surfaces(&self, faults: &mut Faults) {
         if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
-            let message = "drag needs the density and flow of the air: add the key air to the definition";
+            let message = "drag needs the density and flow of the air: add the key air to the mechanism file";
             faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
         }
         for (name, s) in self.surfaces.iter() {
@@ -305,8 +308,8 @@ impl Mechanism {
                 if s.surface_angle.is_some() {
                     return refused(
                         key("surface_angle"),
-                        "belongs to a surface with at and area: remove this key, because this surface lies along the \
-                         line from `from` to `to`",
+                        "only a surface with the keys at and area has this key: remove the key, because this surface \
+                         lies along the line from `from` to `to`",
                     );
                 }
                 Ok(())

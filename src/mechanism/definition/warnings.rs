@@ -112,7 +112,7 @@ impl Mechanism {
                             _ => "points",
                         }
                     ),
-                    "has no effect while the stop is rigid",
+                    "this key has no effect while the stop is rigid",
                     "write \"rigid\": false for a bumper",
                 )),
                 _ => {}
@@ -138,7 +138,8 @@ impl Mechanism {
     fn warn_of_bodies(&self, all: &mut Vec<Finding>) {
         for (name, body) in self.bodies.iter() {
             if body.shape.is_some() && body.mass.is_none() {
-                let (message, remedy) = ("describes the mass distribution, but the body has no mass", "add mass");
+                let message = "this key describes the mass distribution, but the body has no mass";
+                let remedy = "add the key mass";
                 all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
             }
             let Some([x, y]) = body.center else { continue };

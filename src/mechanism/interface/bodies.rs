@@ -13,9 +13,13 @@ pub(super) fn add_bodies(b: &mut Builder) {
     let bodies = b.source.linkage.bodies.iter().enumerate();
     for (body, name) in bodies.filter(|(_, b)| b.angle_coordinate.is_some()).map(|(i, b)| (i, &b.name)) {
         let derivatives = [
-            ("angle", "Angle (anticlockwise positive) from the X axis of the mechanism frame to the x axis of", Radian),
-            ("speed", "Angular speed (anticlockwise positive) of", RadianPerSecond),
-            ("acceleration", "Angular acceleration (anticlockwise positive) of", RadianPerSecondSquared),
+            (
+                "angle",
+                "Angle (anticlockwise positive) from the X axis of the mechanism frame to the x axis of the body",
+                Radian,
+            ),
+            ("speed", "Angular speed (anticlockwise positive) of the body", RadianPerSecond),
+            ("acceleration", "Angular acceleration (anticlockwise positive) of the body", RadianPerSecondSquared),
         ];
         let stated = b.source.mechanism.start.body.as_ref() == Some(name);
         b.motion(name, derivatives, stated, |order| Output::Angle { body, order });
@@ -46,7 +50,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
         }
         let body = |index: usize| s.linkage.bodies[index].name.as_str();
         let (n, is_revolute) = (j.name.as_str(), j.freedom == Freedom::Revolute);
-        let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in ", n].concat();
+        let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in the joint ", n].concat();
         let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
         let reaction = |part| Output::Reaction { joint, part };
         add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
@@ -67,7 +71,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
             true => add("friction_torque", "Friction torque", NewtonMetre, friction),
             false => add("friction_force", "Friction force along the axis", Newton, friction),
         }
-        let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in ", n];
+        let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in the joint ", n];
         let needs = s.slip_speed(friction_joints[friction_joint].load);
         b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
     }
@@ -80,9 +84,15 @@ pub(super) fn add_markers(b: &mut Builder) {
         let velocity = Needs { speed: true, ..position };
         let acceleration = Needs { marker: Some(marker), ..s.acceleration() };
         for (order, suffixes, word, unit, needs) in [
-            (0, ["x", "y"], " position of ", Metre, position),
-            (1, ["velocity_x", "velocity_y"], " velocity of ", MetrePerSecond, velocity),
-            (2, ["acceleration_x", "acceleration_y"], " acceleration of ", MetrePerSecondSquared, acceleration),
+            (0, ["x", "y"], " coordinate of the marker ", Metre, position),
+            (1, ["velocity_x", "velocity_y"], " component of the velocity of the marker ", MetrePerSecond, velocity),
+            (
+                2,
+                ["acceleration_x", "acceleration_y"],
+                " component of the acceleration of the marker ",
+                MetrePerSecondSquared,
+                acceleration,
+            ),
         ] {
             for (axis, letter) in ["x", "y"].into_iter().enumerate() {
                 let (text, output) =
@@ -102,7 +112,7 @@ pub(super) fn add_energy(b: &mut Builder) {
     let stored: Vec<usize> = gravity.iter().copied().chain(loading.sized()..loading.base()).collect();
     let kinetic = Needs { speed: true, inertia: true, ..placed() };
     let potential = Needs { inputs: gravity, loads: &stored, ..placed() };
-    b.output("energy", "kinetic", &["Kinetic energy"], Joule, Output::Kinetic, kinetic);
+    b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, kinetic);
     let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
     let text = "Energy error of the integration: present energy minus the energy at the start, minus the work of all \
@@ -129,11 +139,11 @@ pub(super) fn add_small_motion(b: &mut Builder) {
 pub(super) fn add_frames(b: &mut Builder) {
     for (body, carried) in b.source.linkage.bodies.iter().enumerate().skip(1) {
         let parts = [
-            ("x", "x coordinate of the origin of ", Metre, FramePart::Origin(0)),
-            ("y", "y coordinate of the origin of ", Metre, FramePart::Origin(1)),
-            ("cos", "Cosine of the angle of ", One, FramePart::Cos),
-            ("sin", "Sine of the angle of ", One, FramePart::Sin),
-            ("minus_sin", "Negative sine of the angle of ", One, FramePart::MinusSin),
+            ("x", "x coordinate (in the mechanism frame) of the origin of the body ", Metre, FramePart::Origin(0)),
+            ("y", "y coordinate (in the mechanism frame) of the origin of the body ", Metre, FramePart::Origin(1)),
+            ("cos", "Cosine of the angle of the body ", One, FramePart::Cos),
+            ("sin", "Sine of the angle of the body ", One, FramePart::Sin),
+            ("minus_sin", "Negative sine of the angle of the body ", One, FramePart::MinusSin),
         ];
         for (suffix, text, unit, part) in parts {
             let name = [&carried.name, ".frame.", suffix].concat();

@@ -13,7 +13,7 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     let is_cam = matches!(s.linkage.couplings[coupling].kind, Kind::Cam(_));
     let body = |index: usize| s.linkage.bodies[index].name.as_str();
     let n = j.name.as_str();
-    let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in ", n].concat();
+    let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in the coupling ", n].concat();
     let mut add = |suffix, text, part| {
         let output = Output::Reaction { joint, part };
         b.output(n, suffix, &[text, &between], Newton, output, needs);
@@ -22,11 +22,12 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force_y", "y component of the force", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     if !is_cam {
-        add("transmitted_force", "Force along the motion (positive: drives forward)", ReactionPart::Moment);
+        let text = "Transmitted force (positive if it drives the second body forward)";
+        add("transmitted_force", text, ReactionPart::Moment);
         let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
         let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
-        let on = [first, " exerts on ", body(j.second.body), " because of the losses in ", n].concat();
+        let on = [first, " exerts on ", body(j.second.body), " because of the losses in the coupling ", n].concat();
         return match s.linkage.couplings[coupling].second {
             Second::Angle { .. } => b.output(n, "loss_torque", &["Torque that ", &on], NewtonMetre, output, needs),
             Second::Position { .. } => b.output(n, "loss_force", &["Force that ", &on], Newton, output, needs),
@@ -37,6 +38,7 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
         "Contact force (positive in compression) along the normal of the cam profile",
         ReactionPart::Moment,
     );
-    let text = ["Pressure angle of ", n, ": angle from the direction of the lift to the normal of the cam profile"];
+    let text =
+        ["Pressure angle of the cam ", n, ": angle from the direction of the lift to the normal of the cam profile"];
     b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, placed());
 }

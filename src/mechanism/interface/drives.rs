@@ -19,12 +19,14 @@ pub(super) fn add_inputs(b: &mut Builder) {
             continue;
         }
         let (what, unit, start) = match drive.is_rotary {
-            true => ("Torque of ", NewtonMetre, a.torque),
-            false => ("Force of ", Newton, a.force),
+            true => ("Torque of the drive ", NewtonMetre, a.torque),
+            false => ("Force of the drive ", Newton, a.force),
         };
         let (sense, joint) = match (drive.is_rotary, &a.joint) {
             (true, _) => (". A positive torque turns the second body anticlockwise", ""),
-            (false, Some(joint)) => (". A positive force moves the second body along the axis of ", joint.as_str()),
+            (false, Some(joint)) => {
+                (". A positive force moves the second body along the axis of the joint ", joint.as_str())
+            }
             (false, None) => (". A positive force pushes the two ends of the drive apart", ""),
         };
         b.load_input(&[what, name, sense, joint], unit, start.unwrap_or(0.0));
@@ -37,7 +39,7 @@ pub(super) fn add_commands(b: &mut Builder) {
     for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
         if drive.curve.is_some() {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            let text = ["Command of ", name, ": factor by which the ", what, "-speed curve of the drive is multiplied"];
+            let text = ["Command of the drive ", name, ": factor that multiplies the ", what, "-speed curve"];
             b.load_input(&text, One, a.command());
         }
     }
@@ -46,7 +48,7 @@ pub(super) fn add_commands(b: &mut Builder) {
 pub(super) fn add_demands(b: &mut Builder) {
     for drive in &b.source.loading.drives {
         let (n, unit) = (&drive.name, if drive.is_rotary { RadianPerSecondSquared } else { MetrePerSecondSquared });
-        let text = ["Demanded acceleration of ", n, ", for which the output required_force is computed"];
+        let text = ["Demanded acceleration of the drive ", n, ", for which the output required_force is computed"];
         b.input([n, ".demanded_acceleration"].concat(), &text, unit, 0.0);
     }
 }
@@ -62,7 +64,7 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
     };
     let starts = [motion.position.unwrap_or(0.0), 0.0, 0.0];
     for ((word, unit), start) in ["position", "speed", "acceleration"].into_iter().zip(units).zip(starts) {
-        let text = ["Prescribed ", word, " of ", name, " at the communication point"];
+        let text = ["Prescribed ", word, " of the drive ", name, " at the communication point"];
         b.input([name, ".motion.", word].concat(), &text, unit, start);
     }
 }
@@ -71,7 +73,8 @@ pub(super) fn add_motion_inputs(b: &mut Builder) {
 pub(super) fn add_motion_switch(b: &mut Builder) {
     let Some((_, name, motion)) = b.source.mechanism.motion_drive() else { return };
     let text = b.text(|| {
-        ["true: the motion of ", name, " is prescribed. false: the input of the drive is its force or torque"].concat()
+        ["true: the motion of the drive ", name, " is prescribed. false: the input force or torque of the drive acts"]
+            .concat()
     });
     let start = (None, Value::Boolean(motion.enabled));
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
@@ -82,15 +85,15 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
     let s = b.source;
     let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
     let (suffix, what, unit) = match is_rotary {
-        true => ("acting_torque", "Acting torque of ", NewtonMetre),
-        false => ("acting_force", "Acting force of ", Newton),
+        true => ("acting_torque", "Acting torque of the drive ", NewtonMetre),
+        false => ("acting_force", "Acting force of the drive ", Newton),
     };
     let output = Output::ActingForce { drive };
     if let Some(curve) = &s.loading.drives[drive].curve {
         let text = [
             what,
             n,
-            ": input of the drive, plus the command times the value of the drive's curve at the present speed",
+            ": input force or torque, plus the command times the value of the drive's curve at the present speed",
         ];
         let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
         b.output(n, suffix, &text, unit, output, needs);
@@ -118,7 +121,7 @@ pub(super) fn add(b: &mut Builder) {
             (2, "acceleration", "Second time derivative of the ", s.acceleration()),
         ] {
             let output = Output::Displacement { load, order };
-            b.output(n, suffix, &[word, what, " of ", n], units[order], output, needs);
+            b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, needs);
         }
         add_one_element(b, load);
         add_acting_force(b, load);
@@ -175,13 +178,15 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
     let text = "Derivative of the reduced mass or inertia with respect to the displacement of the drive @";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    let text = "Sum of all loads that act at present, without the load of the drive itself, reduced to the drive @";
+    let text = "Sum of all loads that act at present, without the force of the drive itself, reduced to the drive @";
     add("static_load", "static_load", text, force, StaticLoad, load);
-    let text = "Force or torque at @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the reduced mass";
+    let text = "Force or torque at the drive @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the \
+        reduced mass";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
-    let text = "Force or torque of @ that gives the demanded acceleration, including friction and losses";
+    let text = "Force or torque of the drive @ that gives the demanded acceleration, including friction and losses";
     add("required_force", "required_force", text, force, RequiredForce, required);
-    let text = "Force or torque of @ that holds the mechanism at rest under the present loads, without friction";
+    let text = "Force or torque of the drive @ that holds the mechanism at rest under the present loads, without \
+        friction and losses";
     add("holding_force", "holding_torque", text, force, HoldingForce, holding);
     let text = "Derivative of the holding force or torque with respect to the displacement of the drive @";
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
@@ -189,20 +194,22 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     add(linear, rotary, text, stiffness, term, holding);
     if !l.stops.is_empty() {
         let limit = Needs { inputs: &locks, loads: &stops, ..placed() };
-        let (text, way) = ("Smallest displacement of @ that stops and locks allow", [Metre, Radian]);
+        let (text, way) = ("Smallest displacement of the drive @ that stops and locks allow", [Metre, Radian]);
         add("lower_limit", "lower_limit", text, way, LowerLimit, limit);
-        let text = "Largest displacement of @ that stops and locks allow";
+        let text = "Largest displacement of the drive @ that stops and locks allow";
         add("upper_limit", "upper_limit", text, way, UpperLimit, limit);
     }
     if rubs {
-        let text = "Force or torque of @ above which the mechanism starts to move forward from rest, with friction";
+        let text = "Force or torque of the drive @ above which the mechanism starts to move forward from rest, with \
+            friction";
         add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
-        let text = "Force or torque of @ below which the mechanism starts to move backward from rest, with friction";
+        let text = "Force or torque of the drive @ below which the mechanism starts to move backward from rest, with \
+            friction";
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
             let force =
                 ": no force of this drive gives the demanded acceleration, or no force of this drive starts a motion ";
-            ["Whether friction locks the mechanism against ", n, force, "forward or backward"].concat()
+            ["True while friction locks the mechanism against the drive ", n, force, "forward or backward"].concat()
         });
         let locking = Needs { statics: true, ..required };
         b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);

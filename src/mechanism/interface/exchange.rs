@@ -111,7 +111,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         }
         Indicator::Reversal => (
             own("reversal"),
-            ["Event indicator: speed whose sign is the direction of friction and of losses of drives", "", "", ""],
+            ["Event indicator: speed whose sign determines the direction of friction and losses", "", "", ""],
         ),
         Indicator::Slip { joint, kinetic } => {
             let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
@@ -124,7 +124,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let name = s.loading.drives[load].name.as_str();
             (
                 [name, ".loss_indicator"].concat(),
-                ["Event indicator: force whose sign is the direction of the losses of the drive ", name, "", ""],
+                ["Event indicator: value whose sign determines the direction of losses of the drive ", name, "", ""],
             )
         }
         Indicator::NormalForce(joint) => {
@@ -132,7 +132,13 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
             (
                 [name, ".normal_indicator"].concat(),
-                ["Event indicator: normal or transmitted force whose sign is the direction of loss in ", name, "", ""],
+                [
+                    "Event indicator: normal or transmitted force whose sign determines the direction of friction or \
+                     losses in the joint or coupling ",
+                    name,
+                    "",
+                    "",
+                ],
             )
         }
         Indicator::Points(curve) => {

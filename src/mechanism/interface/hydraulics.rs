@@ -118,7 +118,7 @@ const OUTPUTS: &[Row] = &[
     (
         "cylinder",
         "end_force",
-        "Force on the piston from the end of the cylinder at which the piston is at rest, positive in the direction of \
+        "Force that an end of the cylinder exerts on the piston in contact with this end, positive in the direction of \
          extension",
         Newton,
         Hydraulic::EndForce,
@@ -195,7 +195,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "balance",
-        "Supplied energy minus all other energies of the circuit: 0 except for rounding",
+        "Supplied energy minus all other energies of the circuit: 0 except for rounding errors",
         Joule,
         Hydraulic::Balance,
         [false; 3],
@@ -253,7 +253,7 @@ pub(super) fn add(b: &mut Builder) {
     let ports = [drive.first_input + 1, drive.first_input + 2];
     let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
     let stiffness = Needs { circuit: true, ..position };
-    let text = ["Stiffness of the oil in the cylinder of ", name];
+    let text = ["Stiffness of the oil in the cylinder of the drive ", name];
     b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
     let damping = Needs { speed: true, ..stiffness };
     let text = ["Derivative of the friction of the seals with respect to the speed of the drive ", name];

@@ -19,7 +19,7 @@ pub(super) fn add_inputs(b: &mut Builder) {
         }
     }
     for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
-        b.load_input(&["External torque on ", &t.on, ", anticlockwise positive"], NewtonMetre, t.torque);
+        b.load_input(&["External torque on the body ", &t.on, ", anticlockwise positive"], NewtonMetre, t.torque);
     }
 }
 
@@ -86,7 +86,7 @@ pub(super) fn add_stops(b: &mut Builder) {
             _ => s.displacement(stop.load),
         };
         let needs = Needs { loads: &[stop.load], ..position };
-        let text = b.text(|| ["Whether the mechanism is at the stop ", n, " or beyond this stop"].concat());
+        let text = b.text(|| ["True while the mechanism is at the stop ", n, " or beyond this stop"].concat());
         b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
         let (suffix, what, unit) = match stop.quantity == "angle" {
             true => ("torque", "Torque of the stop ", NewtonMetre),
@@ -107,7 +107,7 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
         ("impact_count", ["Number of impacts on the stop ", " since the start"], One, ImpactPart::Count),
         (
             "impact_time",
-            ["Time of the last impact on the stop ", "; -1 before the first impact"],
+            ["Time of the last impact on the stop ", "; -1 s before the first impact"],
             Second,
             ImpactPart::Time,
         ),
@@ -126,9 +126,9 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
     let text = b.text(|| {
         let modes = CONTACT_MODES.join(", ");
         format!(
-            "Contact of the mechanism with its stops: {modes}. pushed: a bumper pushes the mechanism; resting: the \
-             mechanism is at rest on a rigid stop; locked: a lock holds the mechanism; arrived: the mechanism is at a \
-             stop, just before the impact"
+            "Contact of the mechanism with its stops: {modes}. free: no contact; pushed: a bumper pushes the \
+             mechanism; resting: the mechanism is at rest on a rigid stop; locked: a lock holds the mechanism; \
+             arrived: the mechanism is at a stop, just before the impact"
         )
     });
     let name = "contact.mode".to_owned();
@@ -139,7 +139,7 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
 pub(super) fn add_sticking(b: &mut Builder) {
     let s = b.source;
     if s.mechanism.sticks() && s.has_friction() {
-        let text = b.text(|| "Whether friction holds the mechanism at rest".to_owned());
+        let text = b.text(|| "True while friction holds the mechanism at rest".to_owned());
         b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, s.acceleration());
     }
 }

@@ -21,11 +21,15 @@ pub fn vectors(variables: &Variables<Quantity>) -> Vec<Vector> {
 fn vector(quantity: Quantity) -> Option<(&'static str, &'static str, Output)> {
     match quantity {
         Quantity::Output(Output::Reaction { joint, part: ReactionPart::X }) => {
-            Some(("reaction", "Reaction force in ", Output::Reaction { joint, part: ReactionPart::Y }))
+            let other = Output::Reaction { joint, part: ReactionPart::Y };
+            Some(("reaction", "Reaction force in the joint or coupling ", other))
         }
         Quantity::Output(Output::Marker { marker, axis: 0, order }) => {
-            let names =
-                [("position", "Position of "), ("velocity", "Velocity of "), ("acceleration", "Acceleration of ")];
+            let names = [
+                ("position", "Position of the marker "),
+                ("velocity", "Velocity of the marker "),
+                ("acceleration", "Acceleration of the marker "),
+            ];
             let (suffix, what) = *names.get(order)?;
             Some((suffix, what, Output::Marker { marker, axis: 1, order }))
         }

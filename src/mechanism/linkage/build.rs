@@ -192,7 +192,7 @@ impl Linkage {
             let second = self.locate(mechanism, format_args!("joints.{name}.second"), &joint.second)?;
             if first.body == second.body {
                 let body = &self.bodies[first.body].name;
-                let message = format!("connects {body} to itself: give points of two bodies");
+                let message = format!("this joint connects {body} to itself: give points of two bodies");
                 return Err(DefinitionError::key(format_args!("joints.{name}"), message));
             }
             let freedom = match joint.kind {
@@ -228,8 +228,8 @@ impl Linkage {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
                 let message = format!(
-                    "other prismatic joints hold these bodies at an angle that differs by {shift} rad: correct one of \
-                     the angles"
+                    "other prismatic joints hold the two bodies at an angle that differs from this angle by {shift} \
+                     rad: correct one of the angles"
                 );
                 return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }

@@ -153,7 +153,7 @@ impl Linkage {
         for (key, wheel) in [("first", first), ("second", second)] {
             if wheel.body == carrier {
                 let message = format!(
-                    "is on {}, the carrier of this coupling: give a wheel that turns on the carrier",
+                    "this point is on {}, the carrier of this coupling: give a wheel that turns on the carrier",
                     self.bodies[carrier].name
                 );
                 return named.refused(key, message);
@@ -163,7 +163,8 @@ impl Linkage {
             return named.refused(
                 "second",
                 format_args!(
-                    "is on {}, the body of the key first, so nothing is coupled: give another body",
+                    "this point is on {}, as the point in the key first, so nothing is coupled: give a point of \
+                     another body",
                     self.bodies[first.body].name
                 ),
             );
@@ -225,8 +226,8 @@ impl Linkage {
                 let ratio = sign * teeth[0] / teeth[1];
                 if !RATIOS.contains(&ratio.abs()) {
                     let message = format!(
-                        "with first_teeth = {} the ratio would be {}, but must be from {} to {}: change a number of \
-                         teeth",
+                        "with first_teeth = {} the ratio would be {}, but must be from {} to {}: change one of the \
+                         numbers of teeth",
                         Decimal(teeth[0]),
                         Decimal::rounded(ratio.abs()),
                         Decimal(*RATIOS.start()),
@@ -257,8 +258,10 @@ impl Linkage {
         let slide = &self.joints[joint];
         let ends = [(slide.first, slide.second, 1.0), (slide.second, slide.first, -1.0)];
         if let Some((on, ..)) = ends.iter().find(|(on, ..)| on.body == first.body) {
-            let message =
-                format!("is on {}, which slides in {}: give a wheel that turns", self.bodies[on.body].name, slide.name);
+            let message = format!(
+                "this point is on {}, which slides in {}: give the centre of a wheel that turns",
+                self.bodies[on.body].name, slide.name
+            );
             return named.refused("first", message);
         }
         let hinged = ends.into_iter().find_map(|(carrier, second, sign)| {

@@ -131,7 +131,7 @@ impl Model {
     /// Refuse what has more states than position and speed.
     fn has_two_states(&self) -> Result<(), ModelError> {
         let refused = |reason: &str| {
-            let what = "the linearisation to position and speed".to_owned();
+            let what = "the linearisation with respect to position and speed".to_owned();
             Err(ModelError::Derivative { what, reason: reason.to_owned() })
         };
         if self.parameter_values.method() == Method::RigidFem {
@@ -158,7 +158,10 @@ impl Model {
             Err(ModelError::Derivative { what, reason: reason.into() })
         };
         if self.output_of(what.coordinate).and_then(coordinate_of).is_none() {
-            return refuse(what.coordinate, "the coordinate must be the angle of a body or the position of a joint");
+            return refuse(
+                what.coordinate,
+                "the coordinate of the linearisation must be the angle of a body or the position of a joint",
+            );
         }
         let is = |reference: Reference, causality: Causality| {
             let variable = self.original.variables.get(reference);

@@ -86,15 +86,15 @@ impl Told {
                 };
                 event(if is_rigid {
                     let impulse = Decimal::rounded(impulse);
-                    format!("impact on {name} at {speed} {per}, impulse {impulse} {impulse_unit}{more}")
+                    format!("impact on the stop {name} at {speed} {per}, impulse {impulse} {impulse_unit}{more}")
                 } else {
-                    format!("the mechanism reaches {name} at {speed} {per}{more}")
+                    format!("the mechanism reaches the bumper {name} at {speed} {per}{more}")
                 })
             }
             What::Rests { stop } => {
                 let series = self.series.take().filter(|series| series.stop == stop && series.count > 1);
                 let after = series.map_or(String::new(), |series| format!(" after {} impacts", series.count));
-                event(format!("the mechanism stops at {}{after}", name(stop)))
+                event(format!("the mechanism stops at the stop {}{after}", name(stop)))
             }
             What::Gripped { change, impulse } => {
                 let drive = loading.drives.get(loading.motion.as_ref()?.load)?;
@@ -102,17 +102,17 @@ impl Told {
                 let [change, impulse] = [change, impulse].map(Decimal::rounded);
                 let name = &drive.name;
                 event(format!(
-                    "the motion of {name} is prescribed from this time on: the speed jumps by {change} {per}, for \
-                     which the drive needs an impulse of {impulse} {unit}"
+                    "the motion of the drive {name} is prescribed from this time on: the speed of the drive jumps by \
+                     {change} {per}, for which the drive needs an impulse of {impulse} {unit}"
                 ))
             }
-            What::Touched { stop } => event(format!("bumper {} starts to push", name(stop))),
-            What::Left { stop } => event(format!("bumper {} stops pushing", name(stop))),
+            What::Touched { stop } => event(format!("the bumper {} starts to push the mechanism", name(stop))),
+            What::Left { stop } => event(format!("the bumper {} no longer pushes the mechanism", name(stop))),
             What::Caught { stop } => {
                 self.series = None;
-                event(format!("a lock catches the mechanism at {}", name(stop)))
+                event(format!("a lock catches the mechanism at the stop {}", name(stop)))
             }
-            What::LetGo { stop } => event(format!("the lock at {} releases the mechanism", name(stop))),
+            What::LetGo { stop } => event(format!("the lock at the stop {} releases the mechanism", name(stop))),
             What::Reversal => {
                 event("the motion stops or reverses, and the losses of the drives change their direction".to_owned())
             }
@@ -121,7 +121,7 @@ impl Told {
             What::Regime { joint, regime } => {
                 let load = loading.friction.as_ref()?.acting().nth(joint)?.joint;
                 let joint = &reduced.linkage().joints[load].name;
-                Some((true, format!("friction in {joint} becomes {}", word(regime))))
+                Some((true, format!("friction in the joint {joint} becomes {}", word(regime))))
             }
         }
     }

@@ -112,8 +112,8 @@ impl Model {
                 reduced.locking_joint(state.sigma)
             ),
             Err(OutputError::SelfLocking(drive)) => format!(
-                "friction locks the mechanism against {} near {}: every force of this drive causes more friction \
-                 than it overcomes",
+                "friction locks the mechanism against the drive {} near {}: every force of this drive causes more \
+                 friction than it overcomes",
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),
@@ -122,7 +122,8 @@ impl Model {
                 state.describe(reduced)
             ),
             Err(OutputError::Dead(drive)) => format!(
-                "{} is at a dead centre near {}, where no force of this drive can produce the prescribed motion",
+                "the drive {} is at a dead centre near {}, where no force of this drive can produce the prescribed \
+                 motion",
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),

@@ -63,13 +63,13 @@ impl PowerAhead {
 
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        record.all_finite("energy ahead", &mut self.energy)?;
-        record.positive("time of the power ahead", &mut self.width)?;
+        record.all_finite("predicted energy", &mut self.energy)?;
+        record.positive("duration of the predicted power", &mut self.width)?;
         let allowed = |next: f64| next >= 0.0 && next.is_finite();
-        record.number("next time of the power ahead", &mut self.next, allowed, "a finite number >= 0")?;
-        let width = self.width;
-        record.number("present", &mut self.now, |now| 0.0 <= now && now <= width, "within the power ahead")?;
-        record.flag("at rest ahead", &mut self.is_at_rest)
+        record.number("next duration of the predicted power", &mut self.next, allowed, "a finite number >= 0")?;
+        let (width, text) = (self.width, "within the duration of the predicted power");
+        record.number("present time", &mut self.now, |now| 0.0 <= now && now <= width, text)?;
+        record.flag("predicted rest", &mut self.is_at_rest)
     }
 }
 

@@ -42,7 +42,7 @@ impl PrescribedState {
         self.time.record(record)?;
         record.finite("start of the prescribed motion", &mut self.origin)?;
         record.all_finite("prescribed motion", &mut self.given)?;
-        record.option("power ahead", &mut self.ahead, PowerAhead::blank, |record, power| power.record(record))
+        record.option("predicted power", &mut self.ahead, PowerAhead::blank, |record, power| power.record(record))
     }
 }
 

@@ -123,7 +123,7 @@ impl SavedState {
         record.length("sizes", self.applied.len())?;
         record.all_finite("size", &mut self.applied)?;
         record.finite("airspeed", &mut self.airspeed)?;
-        record.flag("air acts", &mut self.air)?;
+        record.flag("drag of the air", &mut self.air)?;
         record.finite("energy", &mut self.reference)?;
         self.time.record(record)?;
         record.length("stops", self.impacts.len())?;
@@ -161,7 +161,7 @@ impl SavedState {
                 ));
             }
         } else if !(first - slack..=last + slack).contains(&self.sigma) {
-            return refuse(format!("sigma = {}: must be from {first} to {last}", self.sigma));
+            return refuse(format!("position along the path (sigma) = {}: must be from {first} to {last}", self.sigma));
         }
         if reduced.period().is_none() && self.revolutions != 0.0 {
             return refuse(format!(
@@ -172,7 +172,7 @@ impl SavedState {
         let loading = reduced.loading();
         if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
             return refuse(format!(
-                "air acts = {}: this value does not agree with the airspeed {}",
+                "drag of the air = {}: this value does not agree with the airspeed {}",
                 self.air, self.airspeed
             ));
         }
@@ -266,7 +266,7 @@ fn record_travel(travel: &mut Travel, record: &mut Record) -> Result<(), Damaged
         record.all_finite("slope at a bumper", &mut bumper.slopes)?;
     }
     let mut count = travel.beside.len();
-    record.place("stops next to a rigid one", &mut count, usize::MAX)?;
+    record.place("stops next to a rigid stop", &mut count, usize::MAX)?;
     for k in 0..count {
         // The list grows entry by entry, so that a false count ends with the record.
         let (mut side, mut stop) = travel.beside.get(k).copied().unwrap_or_default();

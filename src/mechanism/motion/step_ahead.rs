@@ -72,14 +72,14 @@ impl<const N: usize> StepAhead<N> {
     /// All fields, written or read.
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.dense.record(record)?;
-        record.positive("size of the step ahead", &mut self.h)?;
+        record.positive("size of the present integration step", &mut self.h)?;
         let h = self.h;
-        record.number("end of the step ahead", &mut self.end, |end| 0.0 < end && end <= h, "within the step")?;
-        record.all_finite("end of the step ahead", &mut self.end_state)?;
-        record.option("event ahead", &mut self.event, || Event::Reversal, |record, event| event.record(record))?;
-        let end = self.end;
-        record.number("present", &mut self.now, |now| 0.0 <= now && now <= end, "within the step ahead")?;
-        record.all_finite("origin", &mut self.origin)
+        record.number("end of the integration step", &mut self.end, |end| 0.0 < end && end <= h, "within the step")?;
+        record.all_finite("state at the end of the integration step", &mut self.end_state)?;
+        record.option("next event", &mut self.event, || Event::Reversal, |record, event| event.record(record))?;
+        let (end, text) = (self.end, "within the integration step");
+        record.number("present time", &mut self.now, |now| 0.0 <= now && now <= end, text)?;
+        record.all_finite("state at the start of the integration step", &mut self.origin)
     }
 }
 
@@ -189,6 +189,6 @@ impl<const N: usize> Lookahead<N> {
         self.locked.record(record)?;
         record.small("unchanged steps", &mut self.unchanged_steps)?;
         record.small("required unchanged steps", &mut self.required_steps)?;
-        record.option("step ahead", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))
+        record.option("integration step", &mut self.step_ahead, StepAhead::blank, |record, step| step.record(record))
     }
 }

@@ -46,7 +46,7 @@ impl fmt::Display for RigidFemError {
             Self::Screw => {
                 write!(
                     f,
-                    "a drive has a screw, which rigid finite elements do not support; choose solver.method = \
+                    "a drive has a screw, but rigid finite elements do not support screws; choose solver.method = \
                     \"reduced\""
                 )
             }
@@ -62,7 +62,7 @@ impl fmt::Display for RigidFemError {
             ),
             Self::AxialStiffness { body, value } => {
                 let value = Decimal(*value);
-                write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; write E A of the rod")
+                write!(f, "axial stiffness of {body} = {value} N: must be finite and > 0; give E A of the rod in N")
             }
             Self::Massless { body, mass } => write!(
                 f,

@@ -16,7 +16,8 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
         let distance = linkage.hinge_distance(coupling.carrier, joint);
         if first + second > distance * (1.0 + TOUCHING) {
             let message = format!(
-                "has pulleys with radii of {} and {} m, but centres only {} m apart: the pulleys overlap",
+                "the pulleys of this belt have radii of {} and {} m, but their centres are only {} m apart: the \
+                 pulleys overlap",
                 Decimal::rounded(first),
                 Decimal::rounded(second),
                 Decimal::rounded(distance)

@@ -55,8 +55,10 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
                 format!("for a flat face the profile would have a radius of curvature of {} m", told(sharpest.value))
             }
         };
-        let message =
-            format!("is undercut at the cam angle {} rad: {what}, so no cam disc has this profile", told(sharpest.u1));
+        let message = format!(
+            "the cam is undercut at the cam angle {} rad: {what}, so no cam disc has this profile",
+            told(sharpest.u1)
+        );
         let remedy = "use a larger base_radius, a smaller or slower rise, or a smaller roller";
         all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
     }

@@ -216,9 +216,9 @@ function describe() {
   const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
   const parts = scene ? `${count(scene.bodies.length - 1, "body").replace("bodys", "bodies")}, ${count(scene.joints.length, "joint")}, ${count(scene.actuators.length, "drive")}.` : "Nothing can be drawn.";
   const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${shown(gap.gap, 4)} m`).join(", ");
-  if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `In the position of the guess ${gaps}.`;
+  if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `In the position in the key guess, ${gaps}.`;
   const length = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
-  byId("drawing-description").textContent = parts + length + (gaps ? ` In the position of the guess ${gaps}.` : "");
+  byId("drawing-description").textContent = parts + length + (gaps ? ` In the position in the key guess, ${gaps}.` : "");
   const left = motion?.left_out ? ` ${motion.left_out} variables are not on this page.` : "";
   const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
   byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units. Built by linkage-fmu.`;

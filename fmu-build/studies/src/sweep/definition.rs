@@ -23,8 +23,8 @@ keys! {
         start_values: Named<Setting>;
         /// Parameters and inputs that differ between the runs, by the name of the variable.
         factors: Named<Factor>;
-        /// Path of a CSV file with combinations of values, relative to the folder of the study. The file has one column
-        /// for each factor and one line for each combination.
+        /// Path of a CSV file with combinations of values of factors, relative to the folder of the study. The file has
+        /// one column for each factor whose values are in the file, and one line for each combination.
         points: Option<String>;
         /// How the program draws samples of the factors that have a distribution.
         sampling: Option<Sampling>;
@@ -36,11 +36,12 @@ keys! {
         objective: Option<Objective>;
         /// Limits of responses in an optimisation, by the name of the column of the results.
         constraints: Named<Limits>;
-        /// Effort of the search of an optimisation.
+        /// Largest number of runs and seed of the search of an optimisation.
         search: Option<Search>;
     }
 
-    /// Aim of an optimisation: exactly one key, whose value is the name of a column of the responses.
+    /// Aim of an optimisation: exactly one of the keys `minimise` and `maximise`. The value of the key is the name of a
+    /// column of the responses.
     pub struct Objective {
         /// Column of the responses whose value the optimisation minimises.
         minimise: Option<String>;
@@ -48,7 +49,7 @@ keys! {
         maximise: Option<String>;
     }
 
-    /// Limits of a response: at least one of the two keys.
+    /// Limits of a response: at least one of the keys `at_least` and `at_most`.
     pub struct Limits: Copy {
         /// Smallest allowed value of the response.
         at_least: Option<f64>;
@@ -56,11 +57,11 @@ keys! {
         at_most: Option<f64>;
     }
 
-    /// Effort of the search of an optimisation.
+    /// Largest number of runs and seed of the search of an optimisation.
     pub struct Search: Copy {
         /// Largest number of runs of the search.
         evaluations: u64 => Key::PLAIN.required();
-        /// Start value of the random number generator. Another seed gives another search.
+        /// Start value of the random number generator (seed). Another seed gives another search.
         seed: u64;
     }
 
@@ -68,15 +69,15 @@ keys! {
     pub struct Factor {
         /// List of all values of the factor.
         values: Option<Vec<Setting>>;
-        /// First and last value of equally spaced values.
+        /// First and last value of the factor. The key `steps` states the number of equally spaced values.
         range: Option<[f64; 2]>;
-        /// Number of equally spaced values of the key range.
+        /// Number of equally spaced values from the first to the last value in the key `range`.
         steps: Option<u64>;
         /// Smallest and largest value of a uniform distribution.
         uniform: Option<[f64; 2]>;
         /// Mean and standard deviation of a normal distribution.
         normal: Option<Normal>;
-        /// Smallest and largest value that an optimisation may choose.
+        /// Smallest and largest value of the factor that an optimisation may choose.
         bounds: Option<[f64; 2]>;
     }
 
@@ -94,7 +95,7 @@ keys! {
         method: Method => Key::PLAIN.required();
         /// Number of samples, at least 1.
         count: u64 => Key::PLAIN.required();
-        /// Start value of the random number generator. Another seed gives other samples.
+        /// Start value of the random number generator (seed). Another seed gives other samples.
         seed: u64;
     }
 
@@ -103,7 +104,7 @@ keys! {
         /// Time at which each run ends [s]. Without this key, a run ends at the stop time of the default experiment of
         /// the mechanism.
         stop_time: Option<f64>;
-        /// Name of the flag of a stop: a run ends when this flag becomes true, but at the latest at the stop time.
+        /// Name of the flag of a stop. A run ends when this flag becomes true, but at the latest at the stop time.
         stop_at: Option<String>;
         /// Time between two communication points [s]. Without this key, each run is one communication step.
         output_interval: Option<f64>;
@@ -115,13 +116,13 @@ keys! {
 
     /// A response: exactly one key with the name of a variable. The key `times` belongs to the key `course`.
     pub struct Response {
-        /// Time of the first impact on the stop whose flag this key names [s].
+        /// Name of the flag of a stop. The recorded value is the time of the first impact on this stop [s].
         event: Option<String>;
         /// Value of the variable at the end of the run.
         last as "final": Option<String>;
-        /// Largest value of the variable at the communication points, and the first time of this value.
+        /// Largest value of the variable at the communication points, and the first time at which this value occurs.
         maximum: Option<String>;
-        /// Smallest value of the variable at the communication points, and the first time of this value.
+        /// Smallest value of the variable at the communication points, and the first time at which this value occurs.
         minimum: Option<String>;
         /// Integral of the variable over time, by the trapezoidal rule.
         integral: Option<String>;
@@ -144,8 +145,8 @@ words! {
         /// Sobol's sequence with a random digital shift.
         Sobol = "sobol",
         /// Sampling plan by Saltelli, from which Sobol's sensitivity indices are computed. The plan contains two sets
-        /// of `count` points. For each factor, it also contains the first set with the values of this factor from the
-        /// second set.
+        /// of `count` points. For each factor, the plan contains a further set: the points of the first set, with the
+        /// values of this factor from the second set.
         Saltelli = "saltelli",
     }
 }

@@ -282,7 +282,9 @@ fn factor(
 /// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
 pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
-        bail!("points and sampling: these keys belong to `sweep`; remove them, and give the factors bounds");
+        bail!(
+            "points and sampling: these keys belong to `sweep`; remove these keys, and give each factor the key bounds"
+        );
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
     for (name, stated) in study.factors.iter() {

@@ -124,7 +124,7 @@ impl<'a> Runner<'a> {
         let mut remarks = Vec::new();
         if let Some(event) = scenario.stop_at.filter(|_| !has_stopped) {
             let (flag, stop) = (name(event.flag), Decimal(scenario.stop()));
-            remarks.push(format!("the event {flag} did not happen within {stop} s"));
+            remarks.push(format!("the output {flag} (scenario.stop_at) did not become true within {stop} s"));
         }
         if let Some((reference, time)) = self.progress.undefined {
             remarks.push(format!("{} has no value {}", name(reference), self.instant(time)));
@@ -136,7 +136,7 @@ impl<'a> Runner<'a> {
     fn instant(&self, time: f64) -> String {
         let mut ends = self.task.scenario.steps.iter().map(|step| step.end);
         let is_regular = time == 0.0 || ends.any(|end| end == time);
-        if is_regular { format!("at {} s", Decimal(time)) } else { "at the event".to_owned() }
+        if is_regular { format!("at {} s", Decimal(time)) } else { "at the impact (scenario.stop_at)".to_owned() }
     }
 
     /// A step of this length from the beginning of `step` on.

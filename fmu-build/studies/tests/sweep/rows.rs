@@ -90,7 +90,10 @@ fn a_run_ends_at_its_event() {
         let force = rows.number(row, "actuator.force");
         if force < 25e3 {
             // The actuator is too weak.
-            assert_eq!(rows.text(row, "message"), "the event retracted did not happen within 0.5 s");
+            assert_eq!(
+                rows.text(row, "message"),
+                "the output retracted (scenario.stop_at) did not become true within 0.5 s"
+            );
             assert!(rows.number(row, "met").is_nan() && rows.number(row, "up") == 0.0);
             continue;
         }

@@ -25,7 +25,7 @@ keys! {
 
     /// Node: a line or a gallery with a volume of oil at one pressure.
     pub struct Line: Copy {
-        /// Volume of the oil at the node [m3], > 0. A volume of 0 is rejected.
+        /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
         /// Pressure at the start [Pa]. The absolute pressure, which is this value plus `fluid.ambient_pressure`, must
         /// be above 0.
@@ -73,7 +73,7 @@ keys! {
         /// this value plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure when the accumulator contains no oil");
-        /// Polytropic exponent n of the gas [1], > 0.
+        /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             @");
     }
@@ -126,7 +126,7 @@ keys! {
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Conductance of a valve with a linear law: flow divided by the pressure drop above the cracking pressure
-        /// [m3/(s.Pa)], >= 0. 0: the flow is turbulent, and `rated_flow` states its size.
+        /// [m3/(s.Pa)], >= 0. 0: the flow is turbulent, and the key `rated_flow` states the flow of the open valve.
         conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
             the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
@@ -155,8 +155,8 @@ keys! {
         /// Downstream port, on the side of the consumer.
         to: String => line().required();
         /// Pressure at the port `from` at which the valve is half open [Pa], > 0.
-        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure upstream at which @ is half \
-            open");
+        pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at the upstream port at which \
+            @ is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
@@ -215,8 +215,8 @@ keys! {
         /// Pressure ratio at which the pilot opens the valve [1], > 0: the reverse flow is possible while p_pilot >
         /// `ratio` * p_to. Data sheets usually state the reciprocal of this ratio: the area of the pilot piston divided
         /// by the area of the valve seat.
-        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Pilot pressure divided by the pressure at the \
-            locked port, above which @ opens for the reverse flow");
+        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of the pilot pressure to the pressure \
+            at the locked port above which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
@@ -232,7 +232,7 @@ keys! {
     }
 
     /// Counterbalance valve. Oil flows freely from port `from` to port `to`. The reverse flow is possible while p_to +
-    /// `ratio` * p_pilot is above the key `pressure`. Here p_to and p_pilot are the pressures at the ports `to` and
+    /// `ratio` * p_pilot is above the key `pressure`. p_to and p_pilot are the pressures at the ports `to` and
     /// `pilot`.
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
@@ -241,13 +241,15 @@ keys! {
         to: String => line().required();
         /// Port whose pressure helps to open the valve.
         pilot: String => line().required();
-        /// Pilot ratio: factor of the pilot pressure in the sum p_to + `ratio` * p_pilot, which opens the valve [1], >
-        /// 0.
-        ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: factor of the pilot pressure \
-            in the sum of load pressure and pilot pressure, which opens the valve");
-        /// Sum p_to + ratio * p_pilot at which the valve is half open [Pa], > 0.
-        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Opening pressure of @: load pressure \
-            plus pilot ratio times pilot pressure, at which the valve is half open");
+        /// Pilot ratio [1], > 0: the pilot pressure is multiplied by this ratio. The valve is half open when the sum
+        /// p_to + `ratio` * p_pilot is equal to the key `pressure`. p_to is the pressure at the port `to`, which
+        /// carries the load.
+        ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: the valve is half open when \
+            the load pressure plus this ratio times the pilot pressure is equal to the opening pressure");
+        /// Opening pressure: value of the sum p_to + `ratio` * p_pilot at which the valve is half open [Pa], > 0. p_to
+        /// and p_pilot are the pressures at the ports `to` and `pilot`.
+        pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Opening pressure of @: the valve is \
+            half open when the load pressure plus the pilot ratio times the pilot pressure is equal to this pressure");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
@@ -322,26 +324,27 @@ keys! {
         supply: String => line().required();
         /// Port to which the valve returns oil.
         r#return as "return": String => line().required();
-        /// Reservoir, node or chamber at the working port a.
+        /// Reservoir, node or chamber to which the working port a of the valve is connected.
         a: String => line().required();
-        /// Reservoir, node or chamber at the working port b.
+        /// Reservoir, node or chamber to which the working port b of the valve is connected.
         b: String => line().required();
         /// Start value of the input `<name>.command` [1], -1 to 1.
         command: f64 => number(One, Finite);
         /// Flow through one fully open metering edge at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
-            open edge of @ at the rated pressure drop");
-        /// Flow through one fully open edge at port b, at the rated pressure drop [m3/s], > 0. Default: `rated_flow`.
-        rated_flow_b: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
-            open edge at port b of @, at the rated pressure drop");
-        /// Flow through the fully open edge from port b to the return, at the rated pressure drop [m3/s], > 0. Default:
-        /// `rated_flow_b`.
-        rated_flow_b_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
-            fully open edge from b to return of @, at the rated pressure drop");
-        /// Flow through the fully open edge from port a to the return, at the rated pressure drop [m3/s], > 0. Default:
+            open metering edge of @ at the rated pressure drop");
+        /// Flow through one fully open metering edge at port b, at the rated pressure drop [m3/s], > 0. Default:
         /// `rated_flow`.
+        rated_flow_b: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
+            open metering edge at port b of @, at the rated pressure drop");
+        /// Flow through the fully open metering edge from port b to the return, at the rated pressure drop [m3/s], >
+        /// 0. Default: `rated_flow_b`.
+        rated_flow_b_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
+            fully open metering edge from port b of @ to the return, at the rated pressure drop");
+        /// Flow through the fully open metering edge from port a to the return, at the rated pressure drop [m3/s], >
+        /// 0. Default: `rated_flow`.
         rated_flow_a_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
-            fully open edge from a to return of @, at the rated pressure drop");
+            fully open metering edge from port a of @ to the return, at the rated pressure drop");
         /// Pressure drop to which the rated flows refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
@@ -353,7 +356,7 @@ keys! {
         /// above.
         transition: Transition;
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
-        /// `overlap`, an edge is open by half of the clearance.
+        /// `overlap`, a metering edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
             the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
         /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
@@ -424,7 +427,7 @@ keys! {
         /// allow.
         lower_limit: f64 => number(Metre, NonNegative);
         /// Start value of the input `<name>.upper_limit` [m], >= 0: largest length that the stops of the mechanism
-        /// allow. If both limits are 0, the length is not limited.
+        /// allow. If `lower_limit` and `upper_limit` are both 0, the length of the cylinder is not limited.
         upper_limit: f64 => number(Metre, NonNegative);
         /// Pressure drop to which the flows of restrictors and cushions refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
@@ -454,21 +457,21 @@ keys! {
     pub struct PressureLock {
         /// Node or chamber whose pressure releases the lock.
         at: String => line().required();
-        /// Pressure at the port `at` at which the lock releases [Pa], > 0.
-        release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ releases");
-        /// Hysteresis [Pa], >= 0: the lock engages again when the pressure falls below `release_pressure` -
-        /// `hysteresis`.
-        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Difference between the pressures at \
-            which @ releases and engages");
+        /// Pressure at the port `at` at which the lock is released [Pa], > 0.
+        release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ is released");
+        /// Hysteresis [Pa], >= 0: the lock engages again when the pressure at the port `at` falls below
+        /// `release_pressure` - `hysteresis`.
+        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Pressure at which @ is released, \
+            minus the pressure at which @ engages again");
     }
 }
 
 keys! {
     /// Coupling with the mechanisms that the cylinders drive.
     pub struct Coupling: Copy {
-        /// Start value of the parameter `coupling.mode`: the motion of the cylinders within a step. `preview`: the
-        /// motion that the FMU predicts. `follow`: the motion that the inputs `<name>.length` and `<name>.speed`
-        /// prescribe.
+        /// Start value of the parameter `coupling.mode`. This parameter selects the motion of the cylinders that the
+        /// FMU uses within a communication step. `preview`: the motion that the FMU predicts. `follow`: the motion
+        /// that the inputs `<name>.length` and `<name>.speed` prescribe.
         mode: Mode => Key::PLAIN.parameter(Circuit, "");
     }
 }

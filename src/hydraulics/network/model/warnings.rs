@@ -116,8 +116,8 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
             )
         }
         Warning::Horizon => format!(
-            "the step is {two} s, but preview.horizon is {one} s: the motion was predicted again for this step; set \
-             preview.horizon to the size of the next step, or to 0 if all steps are equal"
+            "the size of the step is {two} s, but preview.horizon is {one} s: the motion was predicted again with the \
+             size of this step; set preview.horizon to the size of the next step, or to 0 if all steps are equal"
         ),
         Warning::Empty => format!(
             "the accumulator {} is empty: its pressure of {one} Pa is below the precharge pressure of {two} Pa, where \
@@ -126,8 +126,8 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
         ),
         Warning::Toggle => format!(
             "{}.reduced_mass = {one} kg changes by more than half within a step of {two} s, for example near a dead \
-             centre of the cylinder: no motion is predicted for this step, and the cylinder moves as the inputs length \
-             and speed state; use shorter steps near this position",
+             centre of the cylinder: no motion is predicted for this step, and the inputs length and speed prescribe \
+             the motion of the cylinder; use shorter steps near this position",
             name(system.cylinders.names())
         ),
     }

@@ -103,7 +103,7 @@ impl Fixed {
         let value = expression.evaluate(|name| places[names[&expression.names()[name]]].value);
         match value.is_finite() {
             true => Ok(value),
-            false => Err(said(format!("the value is {}: must be a finite number", Decimal(value)))),
+            false => Err(said(format!("the value is {}, but must be a finite number", Decimal(value)))),
         }
     }
 }

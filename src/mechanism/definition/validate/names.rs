@@ -114,7 +114,7 @@ impl Mechanism {
         // Both would have one name in the guess, and one variable for two speeds.
         for (name, _) in self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
             if self.bodies.get(name).is_some() {
-                let message = format!("`{name}` is the name of a body and of a joint: rename one");
+                let message = format!("`{name}` is the name of a body and of a joint: rename one of them");
                 faults.keep::<()>(refused(format_args!("joints.{name}"), message));
             }
         }

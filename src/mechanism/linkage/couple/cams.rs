@@ -99,7 +99,7 @@ impl Linkage {
         let [on, follower] = [contact, second].map(|point| self.bodies[point.body].name.as_str());
         named.refused(
             "contact",
-            format_args!("is on {on}, but the follower is {follower}: give a point of the follower"),
+            format_args!("this point is on {on}, but the follower is {follower}: give a point of the follower"),
         )
     }
 

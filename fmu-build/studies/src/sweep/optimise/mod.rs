@@ -274,7 +274,7 @@ impl Made<'_> {
                 100.0 * worth
             );
         }
-        eprintln!("present design: {}; best design: {}", told(0), told(best));
+        eprintln!("original design: {}; best design: {}", told(0), told(best));
         for (factor, value) in self.task.factors.iter().zip(&self.found.all[best].0.point) {
             eprintln!("  {} = {value}", factor.name);
         }
@@ -294,7 +294,7 @@ fn write_design(made: &Made, best: usize, out: &Path) -> Result<()> {
     files::replace(&out.join(source.kind), text.as_bytes())?;
     let after = Component::from_definition(source.kind, &text)?;
     if let (Some(before), Some(after)) = (placed(&made.stated.component), placed(&after)) {
-        let designs = [("present design", &before.0, &*before.1), ("best", &after.0, &*after.1)];
+        let designs = [("original design", &before.0, &*before.1), ("best", &after.0, &*after.1)];
         let picture = drawing::designs(made.stated.component.name(), designs, drawing::Format::Page { width: WIDTH });
         files::replace(&out.join(PICTURE), drawing::to_svg(&picture, drawing::Colours::Own, "designs")?.as_bytes())?;
     }

@@ -99,7 +99,7 @@ impl Step<'_> {
             },
             Missed::Curve(sigma) => {
                 format!(
-                    "the travel ends near {}, or is not smooth there; end the motion before this position",
+                    "the travel ends near {}, or the motion is not smooth there; end the motion before this position",
                     at(sigma)
                 )
             }
