@@ -236,6 +236,7 @@ fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> Str
             Short::Word(word) => format!("`{word}`, or {}", link(table)),
         },
         Kind::Group(of) => format!("for each name: {}", value(link, of, key)),
+        Kind::List(Kind::Pair) => "list of pairs of numbers".into(),
         Kind::List(of) => format!("list: {}", value(link, of, key)),
         Kind::Own(words) => (*words).into(),
     }

@@ -18,7 +18,7 @@ pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
         c"logEvents",
         "Start and end of the run, impacts, contacts and locks with their times, and the number of integration steps",
     ),
-    (c"logStatusWarning", "Warnings of calls that succeeded, and outputs that have no value"),
+    (c"logStatusWarning", "Warnings from calls that succeeded, and messages about outputs that have no value"),
     (c"logStatusDiscard", "Requests that are not supported, and steps that ended early"),
     (c"logStatusError", "Calls that returned an error, and the reason"),
     (c"logStatusFatal", "Faults inside the FMU, after which the instance can only be freed"),

@@ -122,7 +122,10 @@ impl Saved {
         let (mut tolerance, mut clock) = (None, Clock::default());
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
         let Some(phase) = Phase::at(phase) else {
-            return refuse(format!("the saved phase has the number {phase}, which does not exist"));
+            return refuse(format!(
+                "the serialized state is damaged: it contains the number {phase} for the status of the FMU instance, \
+                 but no status that can be saved has this number"
+            ));
         };
         record.flag("event to be handled", &mut awaits_event).map_err(damaged)?;
         record.flag("set up", &mut set_up).map_err(damaged)?;
@@ -134,7 +137,8 @@ impl Saved {
         let component = component.read_snapshot(rest)?;
         if !component.is_initialized() && !matches!(phase, Phase::Instantiated | Phase::Initialization) {
             return refuse(format!(
-                "the saved phase is '{}', but the saved state of the model is not initialised",
+                "the serialized state is damaged: the status of the saved FMU instance is '{}', but the saved model \
+                 is not initialised",
                 phase.name()
             ));
         }

@@ -40,8 +40,8 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; if the \
-         value is 0, the FMU uses the acceleration of the reduced mass",
+        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; 0: not \
+         connected, and the FMU calculates the acceleration from force, load and reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1; a positive command extends the actuator", Unit::One),

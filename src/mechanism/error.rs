@@ -189,8 +189,8 @@ impl fmt::Display for ModelError {
             Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
             Self::Table { name, position } => write!(
                 f,
-                "{name} is not smooth near {position} and has no value there; change the lengths, or do not read \
-                 this variable"
+                "{name} has no value near {position}: as a function of the position of the mechanism, {name} is \
+                 not smooth there (for example a kink or a jump); change the lengths, or do not read this variable"
             ),
             Self::Overflow { name } => write!(
                 f,

@@ -197,7 +197,7 @@ fn loads_without_a_direction() {
         &["actuators.actuator", "both ends are the point joint2", "give two different points"],
     );
     let spring = changed(r#""markers":"#, "\"springs\": { \"coil\": { \"first\": \"crank.end\" } },\n  \"markers\":");
-    check(&spring, &["springs.coil", "give the keys first and second, or the key joint"]);
+    check(&spring, &["springs.coil", "give the keys \"first\" and \"second\", or the key \"joint\""]);
 }
 
 const RODS: &str = r#"{

@@ -30,8 +30,8 @@ const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ("speed", "Speed of @, positive when extending", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration of @, positive when extending; needed only for time derivatives of outputs; if the value is 0, \
-         the FMU uses the acceleration of the reduced mass",
+        "Acceleration of @, positive when extending; needed only for time derivatives of outputs; 0: not connected, \
+         and the FMU calculates the acceleration from force, load and reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     (

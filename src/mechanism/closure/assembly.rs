@@ -170,8 +170,8 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                         )
                     }
                     (None, Some(_)) => format!(
-                        "the position of this joint follows from other prismatic joints between the same bodies: \
-                         remove this key; a guess is possible for {all}"
+                        "the position of this joint follows from other prismatic joints, which connect the same two \
+                         bodies directly or through other bodies: remove this key; a guess is possible for {all}"
                     ),
                     (None, None) => {
                         format!("there is no body or prismatic joint with this name; a guess is possible for {all}")

@@ -44,7 +44,7 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
         if is_rotary {
             return refused(
                 format_args!("{key}.gas"),
-                "a gas spring acts along a line: give the keys first and second, or a prismatic joint",
+                "a gas spring acts along a line: give the keys \"first\" and \"second\", or name a prismatic joint",
             );
         }
         if spring.points.is_some() {
@@ -86,8 +86,9 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
             let message = format!(
-                "beyond the end point at the speed {speed}, the force would change its sign and drive the motion: add \
-                 a point beyond this speed, with a force that is not smaller in magnitude"
+                "beyond the point at the speed {speed} the curve continues as a straight line, on which the force \
+                 changes its sign and drives the motion: add a point beyond the speed {speed}, with a force that is \
+                 at least as large in magnitude as at the speed {speed}"
             );
             refused(key, message)
         }

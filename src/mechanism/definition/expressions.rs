@@ -348,8 +348,8 @@ impl Mechanism {
         for (index, place) in places.iter().enumerate() {
             let Some(text) = place.expression.and_then(|expression| texts.get(expression)) else { continue };
             let read = match Expression::new(text) {
-                _ if place.name == "solver.tolerance" => Err("simulation tools set this number: write a number, not \
-                    an expression"
+                _ if place.name == "solver.tolerance" => Err("this number becomes a parameter of the FMU, which \
+                    simulation tools can change: write a number, not an expression"
                     .to_owned()),
                 Ok(expression) => match expression.names().iter().find(|name| !names.contains_key(*name)) {
                     Some(unknown) => Err(unknown_name(unknown, places)),

@@ -27,7 +27,7 @@ keys! {
 
     /// A drive (actuator) along the line between two points or in a joint. A positive force pushes the two points
     /// apart. In a prismatic joint, a positive force moves the second body along the axis. In a revolute joint, a
-    /// positive torque turns the second body anticlockwise.
+    /// positive torque turns the second body of the joint anticlockwise, relative to the first body.
     pub struct Actuator {
         /// Point (`body.point`) at the first end of the drive.
         first: Option<String> => point();
@@ -117,8 +117,9 @@ keys! {
         /// Joint angle at which the torque of the linear spring equals `preload` [rad]. Allowed only in a revolute
         /// joint.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
-        /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive value pulls the
-        /// ends together or turns the second body clockwise.
+        /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive force pulls the
+        /// ends of the spring together. A positive torque turns the second body of the joint clockwise, relative to
+        /// the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
         /// Additional pulling force as a curve over the length, position or angle. State pairs of length and force [m

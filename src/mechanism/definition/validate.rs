@@ -175,7 +175,9 @@ impl Mechanism {
             if a.screw.is_some() {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
                 if is_rotary {
-                    refuse("a screw acts along a line: give the keys first and second, or a prismatic joint");
+                    refuse(
+                        "a screw acts along a line: give the keys \"first\" and \"second\", or name a prismatic joint",
+                    );
                 }
                 if a.hydraulics.is_some() {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
@@ -191,7 +193,10 @@ impl Mechanism {
             if let Some(circuit) = &a.hydraulics {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
                 if is_rotary {
-                    refuse("a cylinder acts along a line: give the keys first and second, or a prismatic joint");
+                    refuse(
+                        "a cylinder acts along a line: give the keys \"first\" and \"second\", or name a prismatic \
+                         joint",
+                    );
                 }
                 if a.force.is_some() {
                     refuse("the hydraulic circuit computes the force, which is an output: remove the key force");
@@ -282,7 +287,7 @@ impl Mechanism {
                 let joint = entry(format_args!("{key}.joint"), "joints", &self.joints, joint)?;
                 Ok(joint.kind == JointKind::Revolute)
             }
-            _ => refused(key, "give the keys first and second, or the key joint"),
+            _ => refused(key, "give the keys \"first\" and \"second\", or the key \"joint\""),
         }
     }
 
@@ -343,7 +348,7 @@ impl Mechanism {
                     (false, None) => "length",
                 }
             }
-            _ => return refused(key, "give the key body, the key joint, or the keys first and second"),
+            _ => return refused(key, "give the key \"body\", the key \"joint\", or the keys \"first\" and \"second\""),
         };
         let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {

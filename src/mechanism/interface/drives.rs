@@ -23,7 +23,12 @@ pub(super) fn add_inputs(b: &mut Builder) {
             false => ("Force of the drive ", Newton, a.force),
         };
         let (sense, joint) = match (drive.is_rotary, &a.joint) {
-            (true, _) => (". A positive torque turns the second body anticlockwise", ""),
+            (true, _) if a.screw.is_some() => {
+                (". A positive torque of the motor increases the stroke of the drive", "")
+            }
+            (true, _) => {
+                (". A positive torque turns the second body of the joint anticlockwise, relative to the first body", "")
+            }
             (false, Some(joint)) => {
                 (". A positive force moves the second body along the axis of the joint ", joint.as_str())
             }

@@ -32,15 +32,15 @@ pub(super) fn add_airspeed(b: &mut Builder) {
 
 /// Sense of a spring's force, for its description.
 const PULLS: &str = ". A positive force pulls the two ends of the spring together";
+/// Sense of the torque of a spring in a revolute joint.
+const TURNS: &str = ". A positive torque turns the second body of the joint clockwise, relative to the first body";
 
 pub(super) fn add_springs(b: &mut Builder) {
     let s = b.source;
     for ((i, spring), (_, defined)) in s.loading.springs.iter().enumerate().zip(s.mechanism.springs.iter()) {
         let (n, load) = (spring.name.as_str(), spring.load);
         let (what, unit, force, force_unit, sense) = match s.loading.loads[load] {
-            Load::Couple { .. } => {
-                ("angle", Radian, "torque", NewtonMetre, ". A positive torque turns the second body clockwise")
-            }
+            Load::Couple { .. } => ("angle", Radian, "torque", NewtonMetre, TURNS),
             Load::Slide { .. } => ("position", Metre, "force", Newton, PULLS),
             _ => ("length", Metre, "force", Newton, PULLS),
         };

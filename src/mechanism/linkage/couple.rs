@@ -277,8 +277,11 @@ impl Linkage {
         };
         let Some(coordinate) = self.tree.iter().find(|branch| branch.joint == joint).and_then(|branch| branch.slide)
         else {
-            let message =
-                format!("the position of {} follows from other prismatic joints: use one of these joints", slide.name);
+            let message = format!(
+                "the position of {} follows from other prismatic joints, which connect the same two bodies directly or \
+                 through other bodies: name one of these other joints",
+                slide.name
+            );
             return named.refused("joint", message);
         };
         let text = mechanism

@@ -102,7 +102,10 @@ impl Model {
                     .into()
             }
             Err(OutputError::Table(at)) => {
-                format!("the value is not smooth near {}", reduced.curve().describe(at.sigma, state.revolutions))
+                format!(
+                    "near {}, the value is not a smooth function of the position of the mechanism",
+                    reduced.curve().describe(at.sigma, state.revolutions)
+                )
             }
             Err(OutputError::Locked) => format!(
                 "friction locks the mechanism near {} under the present inputs, mainly in {}: the joint forces cause \
@@ -112,8 +115,8 @@ impl Model {
                 reduced.locking_joint(state.sigma)
             ),
             Err(OutputError::SelfLocking(drive)) => format!(
-                "friction locks the mechanism against the drive {} near {}: every force of this drive causes more \
-                 friction than it overcomes",
+                "friction locks the mechanism against the drive {} near {}: however large the force of this drive \
+                 is, the friction that the force causes is larger",
                 reduced.loading().drives[drive].name,
                 state.describe(reduced)
             ),

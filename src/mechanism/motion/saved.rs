@@ -155,8 +155,8 @@ impl SavedState {
             if let Err((stretch, _)) = reduced.reach(self.sigma) {
                 let (first, last) = stretch.curve().range;
                 return refuse(format!(
-                    "position along the path (sigma) = {}: must be from {first} to {last} in the last computed part of \
-                     the path",
+                    "position along the path (sigma) = {}: the program cannot compute the path up to this position; \
+                     the last part of the path that can be computed is from sigma = {first} to sigma = {last}",
                     self.sigma
                 ));
             }

@@ -39,6 +39,9 @@ pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64, when: &str) 
         Decimal::rounded(pretension),
         Decimal::rounded(0.5 * transmitted.abs() - pretension)
     );
-    let remedy = format!("use a pretension of more than {half} N; for a chain use exactly this value");
+    let remedy = format!(
+        "for a belt use a pretension of more than {half} N; for a chain, whose slack span has no tension, use exactly \
+         {half} N"
+    );
     [message, remedy]
 }

@@ -37,7 +37,7 @@ fn pmks_plus() {
         ("F1.force_x", "push.force_x", 0.0),
     ];
     let notes = compare(Form::PmksPlus, PLUS, &hand, [("drive.torque", 0.4), ("motor.torque", 0.4)], &pairs);
-    assert_says(&notes.join("\n"), &["cm, g, kg cm2", "gravity", "the speed of the input"]);
+    assert_says(&notes.join("\n"), &["cm (length), g (mass), kg cm2", "gravity", "the speed of the input"]);
     let cut = &PLUS[..PLUS.len() - 9];
     assert_says(&refusal(Form::PmksPlus, cut), &["incomplete"]);
     // The force made one that turns with its link; a joint without its link; a letter that is no digit.

@@ -40,7 +40,7 @@ keys! {
     }
 
     /// Pump. The input `<name>.speed` is the relative speed of the pump: 1 is the full speed, and 0 is off. The start
-    /// value of this input is 1.
+    /// value of `<name>.speed` is 1.
     pub struct Pump {
         /// Reservoir or node from which the pump takes oil.
         from: String => line().required();

@@ -120,8 +120,9 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
              size of this step; set preview.horizon to the size of the next step, or to 0 if all steps are equal"
         ),
         Warning::Empty => format!(
-            "the accumulator {} is empty: its pressure of {one} Pa is below the precharge pressure of {two} Pa, where \
-             the gas law does not hold; use a larger accumulator or a larger pump",
+            "the accumulator {} contains no oil: its pressure of {one} Pa is below the precharge pressure of {two} \
+             Pa, and below the precharge pressure the equations of the accumulator are not valid; use a larger \
+             accumulator or a larger pump",
             name(system.accumulators.names())
         ),
         Warning::Toggle => format!(

@@ -154,9 +154,11 @@ impl Linkage {
                 }
                 if all.is_empty() {
                     let message = format!(
-                        "the face cannot touch the base circle: {what} is {} m, and the centre of the follower is \
-                         {} m from the centre of the cam: make base_radius smaller",
+                        "the face cannot touch the base circle: {what} is {} m, and the line of the face is {} m away \
+                         from the pivot of the follower; the difference of these two lengths must be smaller than the \
+                         {} m between the pivot and the centre of the cam: change base_radius or the follower",
                         told(radius),
+                        told(off.abs()),
                         told(distance)
                     );
                     return named.refused("base_radius", message);

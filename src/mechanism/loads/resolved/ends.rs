@@ -68,7 +68,7 @@ pub(super) fn between(
     second: &Option<String>,
     joint: &Option<String>,
 ) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::key(key, "give the keys first and second, or the key joint");
+    let missing = || DefinitionError::key(key, "give the keys \"first\" and \"second\", or the key \"joint\"");
     if let (Some(first), Some(second)) = (first, second) {
         let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
         let (first, second) = (end("first", first)?, end("second", second)?);
