@@ -17,7 +17,7 @@ pub use fmu_cli::Check as Arguments;
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::path::{Path, PathBuf};
 
-pub use print::{findings, json, line, listed, summary};
+pub use print::{findings, json, line, listed, summary, text};
 pub use units::FileUnits;
 
 /// A definition that was checked.

@@ -17,6 +17,7 @@ use linkage_fmu::component::Component;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::Path;
 
 /// Causalities in the order in which variables are listed, with the headings.
 const CAUSALITIES: [(&str, &str); 5] = [
@@ -46,10 +47,28 @@ struct Told {
 /// # Errors
 /// The path leads to no model, or its description cannot be read.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
-    let told = if fmu::is_fmu(&arguments.path) {
-        of_fmu(Fmu::open(&arguments.path)?)?
+    let told = told(workspace, &arguments.path)?;
+    match arguments.json {
+        true => println!("{}", serde_json::to_string_pretty(&told)?),
+        false => print!("{}", words(&told)),
+    }
+    Ok(())
+}
+
+/// What the model offers, in words and as JSON.
+///
+/// # Errors
+/// As [`run`].
+pub fn of(workspace: &Workspace, path: &Path) -> Result<(String, String)> {
+    let told = told(workspace, path)?;
+    Ok((words(&told), serde_json::to_string(&told)?))
+}
+
+fn told(workspace: &Workspace, path: &Path) -> Result<Told> {
+    Ok(if fmu::is_fmu(path) {
+        of_fmu(Fmu::open(path)?)?
     } else {
-        let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
+        let Definition { shown, kind, text } = Definition::read(workspace, path)?;
         let component = Component::from_definition(kind, &text)
             .with_context(|| format!("{shown}; `{} check` prints the details", workspace.program()))?;
         let description =
@@ -61,12 +80,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             needs: BTreeMap::new(),
             description,
         }
-    };
-    match arguments.json {
-        true => println!("{}", serde_json::to_string_pretty(&told)?),
-        false => print!("{}", words(&told)),
-    }
-    Ok(())
+    })
 }
 
 fn of_fmu(mut fmu: Fmu) -> Result<Told> {

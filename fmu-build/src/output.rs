@@ -5,6 +5,7 @@
 //! the cursor of a terminal, are printed as escapes.
 
 use anyhow::{Result, bail};
+use std::cell::RefCell;
 use std::fmt::{Arguments, Write as _};
 use std::io::{self, ErrorKind, Write};
 use std::sync::OnceLock;
@@ -36,14 +37,37 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::output::error(format_args!("{}\n", format_args!($($text)*))) };
 }
 
+thread_local! {
+    /// What this thread prints, while it is collected.
+    static COLLECTED: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// The answer of a function, and all that it prints on this thread instead of printing it.
+pub fn collected<T>(body: impl FnOnce() -> T) -> (T, String) {
+    COLLECTED.set(Some(String::new()));
+    let answer = body();
+    (answer, COLLECTED.take().unwrap_or_default())
+}
+
+/// Keep a text, if this thread collects what it prints.
+fn collect(text: &str) -> bool {
+    COLLECTED.with_borrow_mut(|all| all.as_mut().map(|all| all.push_str(text)).is_some())
+}
+
 /// Print to standard output.
 pub fn out(text: Arguments) {
-    note(io::stdout().write_all(plain(text).as_bytes()));
+    let text = plain(text);
+    if !collect(&text) {
+        note(io::stdout().write_all(text.as_bytes()));
+    }
 }
 
 /// Print to standard error; where that cannot be written, there is nobody to report it to.
 pub fn error(text: Arguments) {
-    let _ = io::stderr().write_all(plain(text).as_bytes());
+    let text = plain(text);
+    if !collect(&text) {
+        let _ = io::stderr().write_all(text.as_bytes());
+    }
 }
 
 /// Whether all that was printed is written.

@@ -20,6 +20,7 @@ use fmu_cli::Naming;
 pub use fmu_cli::Validate as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::inspection::Severity;
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -31,12 +32,14 @@ const PROGRAM: &str = "linkage-fmu";
 const SOURCES: &str = "sources/";
 
 /// What was found.
-#[derive(Default)]
-struct Found {
-    errors: Vec<String>,
-    warnings: Vec<String>,
+#[derive(Default, Serialize)]
+pub struct Found {
+    /// Why the model cannot be used.
+    pub errors: Vec<String>,
+    /// What is probably not meant.
+    pub warnings: Vec<String>,
     /// What a host's machine must have.
-    notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 impl Found {
@@ -66,7 +69,11 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     Ok(is_valid)
 }
 
-fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
+/// Validate one model.
+///
+/// # Errors
+/// The path leads to no model.
+pub fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     let mut found = Found::default();
     if !fmu::is_fmu(path) {
         definition(Definition::read(workspace, path)?, Version::Two, &mut found)?;

@@ -35,23 +35,21 @@ impl Workspace {
         Self { root, is_installed: false }
     }
 
-    /// The installation that this program belongs to: `share/linkage-fmu` beside the folder of the program.
+    /// The installation of the Python package in this folder: `share/linkage-fmu` in the nearest folder above that has
+    /// it, which is that of the Python environment.
     ///
     /// # Errors
     /// There is none.
-    pub fn installed() -> Result<Self> {
-        let program = env::current_exe().context("this program has no path")?;
-        // A link leads to the program, and not beside it.
-        let program = program.canonicalize().unwrap_or(program);
-        Self::installed_in(program.ancestors().nth(2).unwrap_or(Path::new(".")))
-    }
-
-    fn installed_in(environment: &Path) -> Result<Self> {
-        let root = environment.join(INSTALLED);
-        if !root.join(BINARIES).is_dir() {
-            bail!("{}: the files of the program are missing; install the wheel again with pip", root.display());
+    pub fn installed(package: &Path) -> Result<Self> {
+        let roots = package.ancestors().skip(1).map(|folder| folder.join(INSTALLED));
+        match roots.into_iter().find(|root| root.join(BINARIES).is_dir()) {
+            Some(root) => Ok(Self { root, is_installed: true }),
+            None => bail!(
+                "{}: no folder above this one has {INSTALLED}, the files of the program; install the wheel again with \
+                 pip",
+                package.display()
+            ),
         }
-        Ok(Self { root, is_installed: true })
     }
 
     /// How the program is called.
@@ -140,6 +138,11 @@ impl Workspace {
         self.root.join("tests").join("fmpy")
     }
 
+    /// The tests of the Python module, with their requirements.
+    pub fn module_tests(&self) -> PathBuf {
+        self.root.join("tests").join("python")
+    }
+
     /// The tests of pages in a browser, with their requirements.
     pub fn browser_tests(&self) -> PathBuf {
         self.root.join("tests").join("browser")
@@ -174,9 +177,9 @@ mod tests {
 
     #[test]
     fn an_installation_without_its_files_is_refused() {
-        let message = Workspace::installed_in(Path::new("/nowhere")).err().unwrap().to_string();
+        let message = Workspace::installed(Path::new("/nowhere/linkage_fmu")).err().unwrap().to_string();
         assert!(
-            message.contains("/nowhere/share/linkage-fmu: ") && message.contains("install the wheel again"),
+            message.starts_with("/nowhere/linkage_fmu: ") && message.contains("install the wheel again"),
             "{message}"
         );
     }

@@ -4,6 +4,7 @@
 //! program writes.
 use crate::{Cli, Task, words};
 use clap::{Command, CommandFactory, FromArgMatches};
+use std::ffi::OsString;
 
 /// Name of the program.
 pub const PROGRAM: &str = "linkage-fmu";
@@ -24,9 +25,9 @@ pub fn needs_source(task: &Task) -> Option<&'static str> {
     }
 }
 
-/// What this program was called with. Help and wrong usage are answered, and end it.
-pub fn parse() -> Cli {
-    let matches = command().get_matches_from(words::given());
+/// What these words ask for, the program's name first. Help and wrong usage are answered, and end the program.
+pub fn parse(words: Vec<OsString>) -> Cli {
+    let matches = command().get_matches_from(words::joined(words));
     Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
 }
 

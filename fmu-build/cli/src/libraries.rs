@@ -185,6 +185,18 @@ pub fn glibc(text: &str) -> Result<String, String> {
 /// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
 pub const PLATFORMS: [&str; 7] = ["win32", "win64", "linux32", "linux64", "aarch64-linux", "darwin32", "darwin64"];
 
+impl Platform {
+    /// The platform with this name, of FMI 3.0 or 2.0.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn named(name: &str) -> Result<Self, String> {
+        let known = || Self::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let names = || known().map(|value| value.get_name().to_owned()).collect::<Vec<_>>().join(", ");
+        Self::from_str(name, false).map_err(|_| format!("there is no platform {name}; the platforms are {}", names()))
+    }
+}
+
 /// A platform and the library for it.
 #[derive(Clone, Debug)]
 pub struct Library {

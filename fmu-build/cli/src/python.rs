@@ -22,6 +22,14 @@ const SIZE: &str = "# size: ";
 /// Ends with success if Python has the packages that it is called with.
 const HAS: &str = "import sys, importlib.metadata as m; [m.version(name) for name in sys.argv[1:]]";
 
+/// Interpreter that runs the package of this program, if one does.
+static OWN: OnceLock<PathBuf> = OnceLock::new();
+
+/// State which interpreter runs the package of this program.
+pub fn runs_in(interpreter: PathBuf) {
+    let _ = OWN.set(interpreter);
+}
+
 /// Run to the end.
 ///
 /// # Errors
@@ -55,11 +63,9 @@ fn extra(pinned: &str) -> Option<(&str, Vec<&str>)> {
 }
 
 /// Interpreter of the environment in which this program is installed, if it has the packages of the extra.
-fn beside(pinned: &str) -> Option<PathBuf> {
+fn own(pinned: &str) -> Option<PathBuf> {
     let (_, packages) = extra(pinned)?;
-    let name = if cfg!(windows) { "python.exe" } else { "python3" };
-    let python = env::current_exe().ok()?.with_file_name(name);
-    (python.is_file() && has(&python, &packages)).then_some(python)
+    OWN.get().filter(|python| has(python, &packages)).cloned()
 }
 
 fn has(python: &Path, packages: &[&str]) -> bool {
@@ -103,8 +109,8 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
         .filter(|name| !name.is_empty())
         .unwrap_or_else(|| OsString::from(if cfg!(windows) { "python" } else { "python3" }));
     let wanted = format!("{}\n{pinned}", interpreter.display());
-    if let Some(beside) = beside(&pinned) {
-        return Ok(beside);
+    if let Some(own) = own(&pinned) {
+        return Ok(own);
     }
     let stamp = folder.join(STAMP);
     let is_ready = || python.is_file() && fs::read_to_string(&stamp).is_ok_and(|made_from| made_from == wanted);
@@ -161,6 +167,6 @@ mod tests {
         assert!(has(python, &[]));
         assert!(!has(python, &["no-package-of-this-name"]));
         assert!(!has(Path::new("no-interpreter-of-this-name"), &[]));
-        assert_eq!(beside(PINNED), None, "there is no interpreter next to a test");
+        assert_eq!(own(PINNED), None, "no interpreter runs a test");
     }
 }

@@ -82,6 +82,7 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     text.push_str(&format!("manifest-path = {}\n", serde_json::to_string(&manifest)?));
     files::replace(&stage.join("pyproject.toml"), text.as_bytes())?;
     let of_repository = ["LICENSE-MIT", "LICENSE-APACHE"].map(|name| workspace.root().join(name));
+    files::copy_all(&source.join("python"), &stage.join("python"))?;
     for file in of_repository.into_iter().chain(["README.md", NOTICES].map(|name| source.join(name))) {
         files::copy_all(&file, &stage.join(file.file_name().unwrap_or_default()))?;
     }

@@ -26,6 +26,8 @@ const STUDY: &str = r#"{
 /// The installed program.
 struct Installed {
     program: PathBuf,
+    /// Interpreter of the environment in which it is installed.
+    interpreter: PathBuf,
     /// Folder in which it is used.
     here: PathBuf,
     /// A folder with nothing in it.
@@ -33,7 +35,7 @@ struct Installed {
     home: PathBuf,
     /// Folder in which Python's environments are kept, from one trial to the next.
     kept: PathBuf,
-    /// Interpreter of Python.
+    /// Interpreter that makes environments.
     python: PathBuf,
 }
 
@@ -54,16 +56,24 @@ impl Installed {
         let (scripts, suffix) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
         let scripts = environment.join(scripts);
         let mut pip = Command::new(&tools);
-        pip.args(["-m", "pip", "--disable-pip-version-check", "--python"]).arg(scripts.join(format!("python{suffix}")));
-        pip.args(["install", "--quiet", "--no-index"]).arg(wheel);
+        let interpreter = scripts.join(format!("python{suffix}"));
+        pip.args(["-m", "pip", "--disable-pip-version-check", "--python"]).arg(&interpreter);
+        // The command needs no other package.
+        pip.args(["install", "--quiet", "--no-index", "--no-deps"]).arg(wheel);
         command::run(&mut pip, "pip install")?;
         let kept = workspace.target("dist").join("kept");
-        Ok(Self { program: scripts.join(format!("linkage-fmu{suffix}")), here, empty, home, kept, python: tools })
+        let program = scripts.join(format!("linkage-fmu{suffix}"));
+        Ok(Self { program, interpreter, here, empty, home, kept, python: tools })
     }
 
     /// Call the program with these words; what it prints, if it ends with this exit code.
     fn call(&self, words: &[&str], code: i32) -> Result<String> {
-        let mut command = Command::new(&self.program);
+        self.output(&self.program, words, code)
+    }
+
+    /// Call a program of the environment; as [`Self::call`].
+    fn output(&self, program: &Path, words: &[&str], code: i32) -> Result<String> {
+        let mut command = Command::new(program);
         command.args(words).current_dir(&self.here);
         // Neither cargo nor rustc is found, nor are their places told.
         let told = env::vars_os().map(|(name, _)| name);
@@ -74,7 +84,8 @@ impl Installed {
         command.env("PYTHON", &self.python);
         let output = command.output().with_context(|| command::cannot_start(&command, "the installed program"))?;
         let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-        ensure!(output.status.code() == Some(code), "linkage-fmu {}: {}\n{text}", words.join(" "), output.status);
+        let name = program.file_name().unwrap_or_default().display();
+        ensure!(output.status.code() == Some(code), "{name} {}: {}\n{text}", words.join(" "), output.status);
         Ok(text)
     }
 
@@ -120,6 +131,9 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     installed.made("demo/retraction.png")?;
     let message = installed.call(&["test"], 1)?;
     ensure!(message.lines().count() == 1 && message.contains("`cargo fmu test`"), "linkage-fmu test: {message}");
+    let module = ["-m", "linkage_fmu", "--help"];
+    let help = installed.output(&installed.interpreter, &module, 0)?;
+    ensure!(help.contains("Usage: linkage-fmu"), "python -m linkage_fmu --help: {help}");
     let help = installed.call(&["--help"], 0)?;
     ensure!(help.contains("Usage: linkage-fmu") && !help.contains("cargo"), "linkage-fmu --help: {help}");
     let out = workspace.target("dist").join("expected");
@@ -129,7 +143,20 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
         differs_nowhere(&expected, &found)?;
     }
     println!("the installed program does its tasks without Rust, and packs the same FMU as `cargo fmu package`");
-    Ok(())
+    module(workspace, &installed, wheel)
+}
+
+/// Test the Python module in an environment with what its tests need.
+fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<()> {
+    let tests = workspace.module_tests();
+    let python = command::environment(&workspace.target("venv-module"), &tests.join("requirements.txt"))?;
+    let mut pip = Command::new(&python);
+    pip.args(["-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-index", "--no-deps"]);
+    command::run(pip.arg("--force-reinstall").arg(wheel), "pip install")?;
+    let mut pytest = Command::new(&python);
+    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c"]).arg(tests.join("pyproject.toml")).arg(&tests);
+    pytest.current_dir(&installed.empty).env("PATH", &installed.empty);
+    command::run(&mut pytest, "pytest of the module")
 }
 
 /// Compare two FMUs, entry by entry. The installed program packs its own library alone.

@@ -7,7 +7,7 @@
 pub mod column;
 pub mod csv;
 pub mod file;
-mod missing;
+pub mod missing;
 pub mod signals;
 pub mod table;
 pub mod thinned;
@@ -90,7 +90,7 @@ pub fn run(
     signals.apply(model, span.start, false).with_context(|| start_at(span.start))?;
     model.initialize().with_context(|| start_at(span.start))?;
     if let Some(warning) = model.start_warning() {
-        eprintln!("warning: {warning}");
+        watch.warn(&format!("warning: {warning}"));
     }
     record(model, span.start)?;
     let mut ended = Ended { time: span.start, steps: 0, is_interrupted: false };

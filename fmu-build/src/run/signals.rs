@@ -84,24 +84,8 @@ impl Signals {
         let mut signals = Self { with_slopes, ..Self::none() };
         let mut kinds = Vec::new();
         for name in names {
-            let reference = find(interface, name).with_context(|| format!("{shown}"))?;
-            let variable = &interface.list()[reference as usize];
-            if variable.causality != Causality::Input {
-                let kind = variable.causality.word().to_lowercase();
-                bail!("{shown}: {name} is not an input (causality {kind}); set a parameter with --start-values");
-            }
-            if signals.all().any(|signal| signal.reference == reference) {
-                bail!("{shown}: {name} occurs twice; remove one column");
-            }
-            let signal = Signal { reference, values: Vec::new() };
-            kinds.push((name.to_owned(), variable.kind));
-            match variable.kind {
-                Kind::Real => signals.continuous.push(signal),
-                Kind::Boolean => signals.discrete.push(signal),
-                Kind::Enumeration => {
-                    bail!("{shown}: {name} is an Enumeration, which cannot change during a run; remove this column")
-                }
-            }
+            let kind = signals.add(interface, name, Vec::new()).with_context(|| format!("{shown}"))?;
+            kinds.push((name.to_owned(), kind));
         }
         for (record, line) in reader.records().zip(2..) {
             let record = record.with_context(|| format!("{shown}"))?;
@@ -124,6 +108,62 @@ impl Signals {
         }
         signals.events = signals.find_events();
         Ok(signals)
+    }
+
+    /// Signals with these values at these times [s]; of a Boolean 1 for true.
+    ///
+    /// # Errors
+    /// A name that is no input of the model, or that stands twice; a number that is not finite; times that go back, or
+    /// none; values that are not as many as the times.
+    pub fn of_columns(
+        interface: &Interface,
+        times: Vec<f64>,
+        columns: Vec<(String, Vec<f64>)>,
+        with_slopes: bool,
+    ) -> Result<Self> {
+        let mut signals = Self { with_slopes, ..Self::none() };
+        if times.is_empty() {
+            bail!("--input-file: contains no row of values");
+        }
+        if let Some(pair) = times.windows(2).find(|pair| pair[0] > pair[1]) {
+            bail!("--input-file: the time decreases to {} s; sort the rows by time", pair[1]);
+        }
+        for (name, values) in [("time", &times)].into_iter().chain(columns.iter().map(|(name, all)| (&**name, all))) {
+            if values.len() != times.len() {
+                bail!("--input-file: {name} has {} values at {} times", values.len(), times.len());
+            }
+            if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+                bail!("--input-file: {name}: {value} must be finite");
+            }
+        }
+        signals.times = times;
+        for (name, values) in columns {
+            signals.add(interface, &name, values).context("--input-file")?;
+        }
+        signals.events = signals.find_events();
+        Ok(signals)
+    }
+
+    /// Add the signal of an input; its kind.
+    fn add(&mut self, interface: &Interface, name: &str, values: Vec<f64>) -> Result<Kind> {
+        let reference = find(interface, name)?;
+        let variable = &interface.list()[reference as usize];
+        if variable.causality != Causality::Input {
+            let kind = variable.causality.word().to_lowercase();
+            bail!("{name} is not an input (causality {kind}); set a parameter with --start-values");
+        }
+        if self.all().any(|signal| signal.reference == reference) {
+            bail!("{name} occurs twice; remove one column");
+        }
+        let signal = Signal { reference, values };
+        match variable.kind {
+            Kind::Real => self.continuous.push(signal),
+            Kind::Boolean => self.discrete.push(signal),
+            Kind::Enumeration => {
+                bail!("{name} is an Enumeration, which cannot change during a run; remove this column")
+            }
+        }
+        Ok(variable.kind)
     }
 
     fn all(&self) -> impl Iterator<Item = &Signal> {

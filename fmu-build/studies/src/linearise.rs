@@ -73,8 +73,12 @@ fn check_csv(path: &Path) -> Result<()> {
     }
 }
 
-/// The variables that the arguments name.
-fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
+/// The variables that the arguments name; by default the coordinate of the start, and the inputs on which its
+/// acceleration depends.
+///
+/// # Errors
+/// A name that no variable has; a model without a travel.
+pub fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
     let interface = model.interface();
     let all = |names: &[String], option: &'static str| -> Result<Vec<Reference>> {
         names.iter().map(|name| find(interface, name).context(option)).collect()

@@ -11,12 +11,20 @@ const SILENT: Duration = Duration::from_millis(500);
 /// Steps of the bar.
 const TICKS: f64 = 1e4;
 
+/// Whether the study is to end early.
+static WISH: AtomicBool = AtomicBool::new(false);
+static HANDLED: Once = Once::new();
+
 /// Set when the user types Ctrl-C; one for all runs of the program, which can have one handler only.
 pub fn stop_wish() -> &'static AtomicBool {
-    static WISH: AtomicBool = AtomicBool::new(false);
-    static HANDLED: Once = Once::new();
     // Without a handler Ctrl-C ends the program at once, which loses rows only.
     HANDLED.call_once(|| drop(ctrlc::set_handler(|| WISH.store(true, Ordering::Relaxed))));
+    &WISH
+}
+
+/// What [`stop_wish`] gives, for a host that handles Ctrl-C itself and sets it.
+pub fn stop_wish_of_host() -> &'static AtomicBool {
+    HANDLED.call_once(|| {});
     &WISH
 }
 

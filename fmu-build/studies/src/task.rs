@@ -18,8 +18,8 @@ pub fn run(workspace: &Workspace, task: Task) -> ExitCode {
         Task::Simulate(arguments) => simulate::run(workspace, &arguments),
         Task::Import(arguments) => import::run(&arguments).map(complete),
         Task::Linearise(arguments) => linearise::run(workspace, &arguments).map(complete),
-        Task::Sweep(arguments) => sweep::run(workspace, &arguments),
-        Task::Optimise(arguments) => sweep::optimise::run(workspace, &arguments),
+        Task::Sweep(arguments) => sweep::run(workspace, &arguments, None),
+        Task::Optimise(arguments) => sweep::optimise::run(workspace, &arguments, None),
         Task::Demo(arguments) => gallery::run(workspace, arguments.out.as_deref()).map(complete),
         packing => Err(anyhow!("{} does this task", packing.program().name())),
     };

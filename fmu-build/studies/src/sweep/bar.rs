@@ -1,15 +1,22 @@
 //! How far a study is: part, rate, time left.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+
+/// Called with the number of runs that are done and of all runs, on the thread that asked for the study.
+pub type Watch<'a> = &'a dyn Fn(u64, u64);
 
 /// The bar; nothing where the error output is no terminal.
-pub struct Bar(ProgressBar);
+pub struct Bar<'a>(ProgressBar, Option<Watch<'a>>);
 
-impl Bar {
-    /// A bar of so many runs, of which some are done.
-    pub fn new(runs: u64, done: u64, is_shown: bool) -> Self {
-        if !is_shown {
-            return Self(ProgressBar::hidden());
+impl<'a> Bar<'a> {
+    /// A bar of so many runs, of which some are done; without a bar for one who watches.
+    pub fn new(runs: u64, done: u64, watch: Option<Watch<'a>>) -> Self {
+        if watch.is_some() || !std::io::stderr().is_terminal() {
+            return Self(
+                ProgressBar::with_draw_target(Some(runs), ProgressDrawTarget::hidden()).with_position(done),
+                watch,
+            );
         }
         let style =
             ProgressStyle::with_template("{bar:40} {human_pos} of {human_len} runs, {per_sec}, {eta} left{msg}");
@@ -18,7 +25,7 @@ impl Bar {
         bar.set_position(done);
         // The rate counts from here.
         bar.reset_eta();
-        Self(bar)
+        Self(bar, None)
     }
 
     /// Show this behind the bar.
@@ -29,10 +36,13 @@ impl Bar {
     /// So many more runs are done.
     pub fn add(&self, runs: u64) {
         self.0.inc(runs);
+        if let Some(watch) = self.1 {
+            watch(self.0.position(), self.0.length().unwrap_or_default());
+        }
     }
 }
 
-impl Drop for Bar {
+impl Drop for Bar<'_> {
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }

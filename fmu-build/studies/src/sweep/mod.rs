@@ -30,6 +30,7 @@ use crate::progress::stop_wish;
 use crate::simulate::Outcome;
 use anyhow::{Context, Result, bail};
 use bar::Bar;
+pub use bar::Watch;
 use chunk::Cut;
 use cluster::Workers;
 use definition::Definition;
@@ -48,7 +49,6 @@ use run::{Runner, Task};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -86,7 +86,7 @@ struct Study {
 /// # Errors
 /// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no
 /// error.
-pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -> Result<Outcome> {
     let study = Study::read(workspace, &arguments.study)?;
     let columns = results::columns(&study.task)?;
     let out = arguments
@@ -118,7 +118,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     }
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
     let (started, before) = (Instant::now(), journal.len());
-    if let Err(error) = make(workspace, &study, arguments, (&mut journal, &out)) {
+    if let Err(error) = make(workspace, &study, arguments, (&mut journal, &out), watch) {
         // Nothing to go on from: the next try is a first one.
         if journal.len() == 0 {
             journal.remove()?;
@@ -165,6 +165,7 @@ fn make(
     study: &Study,
     arguments: &Arguments,
     (journal, out): (&mut Journal, &Path),
+    watch: Option<Watch>,
 ) -> Result<()> {
     let Study { task, design, cut, model, path, .. } = study;
     let runs_of = |chunk: u64| cut.runs_of(chunk).end - cut.runs_of(chunk).start;
@@ -179,7 +180,7 @@ fn make(
         None => None,
     };
     let done = design.runs() - missing.iter().map(|chunk| runs_of(*chunk)).sum::<u64>();
-    let bar = Bar::new(design.runs(), done, std::io::stderr().is_terminal());
+    let bar = Bar::new(design.runs(), done, watch);
     let keep = |chunk: u64, bytes: Vec<u8>| {
         journal.add(chunk, &bytes)?;
         bar.add(runs_of(chunk));

@@ -8,7 +8,7 @@ mod evaluate;
 mod goal;
 mod optimiser;
 
-use super::bar::Bar;
+use super::bar::{Bar, Watch};
 use super::chunk::Remark;
 use super::csv::Csv;
 use super::parquet::Parquet;
@@ -29,7 +29,6 @@ use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::inspection::{Pose, Scene};
 use optimiser::{Optimiser, Problem, Said};
 use serde_json::{Map, Value, json};
-use std::io::IsTerminal;
 use std::path::Path;
 
 /// Names of the results in the folder of the output; the definition keeps the name of its kind.
@@ -98,7 +97,7 @@ impl Found {
 /// # Errors
 /// What is wrong with the study; Python's environment cannot be made; no run gave a value of the objective; a file
 /// cannot be written.
-pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
+pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -> Result<Outcome> {
     let stated = Stated::read(workspace, &arguments.study)?;
     let shown = arguments.study.display();
     let at = || format!("{shown}");
@@ -125,7 +124,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let seed = search.map_or(0, |search| search.seed);
     let problem = Problem { limits: goal.limits(), start: space.nearest(&present), evaluations, seed };
     let mut found = Found::default();
-    let why = look(workspace, &task, &stated.component, &goal, (&space, &present, &problem), arguments, &mut found)?;
+    let why =
+        look(workspace, &task, &stated.component, &goal, (&space, &present, &problem), (arguments, watch), &mut found)?;
     write_table(&out, arguments.csv, (&columns, seed), &found)?;
     let Some(best) = found.best else {
         let reason = found.all.iter().map(|(evaluation, _)| &*evaluation.message).find(|message| !message.is_empty());
@@ -168,7 +168,7 @@ fn look(
     model: &Component,
     goal: &Goal,
     (space, present, problem): (&Space, &[f64], &Problem),
-    arguments: &Arguments,
+    (arguments, watch): (&Arguments, Option<Watch>),
     found: &mut Found,
 ) -> Result<Option<String>> {
     let threads = match arguments.threads {
@@ -187,7 +187,7 @@ fn look(
         found.add(evaluation, worth, space.contains(present));
     }
     let mut optimiser = Optimiser::start(workspace, problem)?;
-    let bar = Bar::new(problem.evaluations, 0, std::io::stderr().is_terminal());
+    let bar = Bar::new(problem.evaluations, 0, watch);
     loop {
         let points = match optimiser.next()? {
             Said::End(why) => return Ok(Some(why)),

@@ -1,0 +1,39 @@
+"""Exceptions of the package."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ._report import Report
+    from ._result import Result
+
+
+class LinkageError(Exception):
+    """Base of all exceptions of this package. The text states the quantity, the value, the limit and the remedy."""
+
+
+class InputError(LinkageError, ValueError):
+    """An argument cannot be used: an unknown name, a value out of range or not finite, a wrong unit or shape."""
+
+
+class MechanismError(LinkageError, ValueError):
+    """A definition that gives no model. `report` holds all findings."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__(str(report))
+        self.report = report
+
+
+class SimulationError(LinkageError, RuntimeError):
+    """A run or a step cannot continue. Of `simulate`, `result` holds the rows up to there."""
+
+    result: Result | None = None
+
+
+class InternalError(LinkageError, RuntimeError):
+    """A fault of the engine itself. The interpreter continues; please report the fault."""
+
+
+class LinkageWarning(UserWarning):
+    """A warning about a definition or a run."""

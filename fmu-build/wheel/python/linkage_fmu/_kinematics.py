@@ -1,0 +1,94 @@
+"""A mechanism along its travel, without time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import InputError
+from ._mechanism import Mechanism, StartValue, words
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+# Quantities that depend on the position, and on the inputs at rest.
+_QUANTITIES = ("angle", "position", "length", "x", "y", "reduced_mass", "reduced_inertia", "holding_force", "holding_torque")
+
+
+class Kinematics:
+    """Values along the travel; `kinematics["crank.angle"]` is an array with one value for each position."""
+
+    def __init__(self, names: list[str], table: Array, units: dict[str, str]) -> None:
+        #: Names of the outputs.
+        self.names = names
+        #: Unit of each output.
+        self.units = units
+        self._values = {name: table[:, 1 + k] for k, name in enumerate(names)}
+        self._rates = {name: table[:, 1 + len(names) + k] for k, name in enumerate(names)}
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of an output, at rest, in SI units."""
+        self._known(name)
+        return self._values[name]
+
+    def influence(self, of: str, by: str) -> Array:
+        """Influence coefficient d(of) / d(by) at each position; infinite at a dead centre of `by`.
+
+        Raises:
+            InputError: the result has no such output.
+        """
+        self._known(of)
+        self._known(by)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = self._rates[of] / self._rates[by]
+        return found
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The values as a data frame, one row for each position."""
+        import pandas
+
+        frame = pandas.DataFrame(self._values)
+        frame.attrs["units"] = self.units
+        return frame
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self._values[self.names[0]]) if self.names else 0
+
+    def __repr__(self) -> str:
+        return f"<Kinematics: {len(self)} positions of {', '.join(self.names)}>"
+
+    def _known(self, name: str) -> None:
+        if name not in self._values:
+            from ._result import _unknown
+
+            raise InputError(_unknown(name, self.names))
+
+
+def kinematics(
+    mechanism: Mechanism, count: int, outputs: Iterable[str] | None, start_values: Mapping[str, StartValue] | None
+) -> Kinematics:
+    """See `Mechanism.kinematics`."""
+    if isinstance(outputs, str):
+        raise InputError(f'outputs is a list of names; write outputs=["{outputs}"]')
+    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1_000_000:
+        raise InputError(f"count = {count!r}: must be a whole number from 1 to 1000000")
+    variables = {own.name: own for own in mechanism.variables}
+    if outputs is None:
+        is_wanted = [
+            own.name
+            for own in variables.values()
+            if own.causality == "output" and own.kind == "Real" and own.name.rpartition(".")[2] in _QUANTITIES
+        ]
+        names = is_wanted
+    else:
+        names = list(outputs)
+    flat = mechanism._model.travel(count, names, words(start_values))
+    table = np.array(flat).reshape(-1, 1 + 2 * len(names))
+    return Kinematics(names, table, {name: variables[name].unit for name in names})

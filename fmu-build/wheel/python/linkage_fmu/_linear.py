@@ -1,0 +1,68 @@
+"""Small motions about rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ._mechanism import Mechanism, StartValue, words
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """x' = A x + B u, y = C x + D u about rest at one position; x = (coordinate, its rate)."""
+
+    #: Name of the coordinate.
+    coordinate: str
+    #: Names of the inputs u.
+    inputs: tuple[str, ...]
+    #: Names of the outputs y.
+    outputs: tuple[str, ...]
+    #: Value of the coordinate [rad or m].
+    position: float
+    #: Acceleration of the coordinate, 0 at an equilibrium [rad/s2 or m/s2].
+    acceleration: float
+    #: Value of the input that holds the mechanism [N or N.m]; None without one.
+    holding: float | None
+    #: Eigenfrequency of the undamped motion; NaN where the motion is no oscillation [Hz].
+    eigenfrequency: float
+    #: Damping ratio [1]; NaN where the motion is no oscillation.
+    damping_ratio: float
+    #: Eigenvalues [1/s].
+    eigenvalues: tuple[complex, complex]
+    #: Matrix A, 2 x 2.
+    A: Array
+    #: Matrix B, 2 x inputs.
+    B: Array
+    #: Matrix C, outputs x 2.
+    C: Array
+    #: Matrix D, outputs x inputs.
+    D: Array
+
+    def __iter__(self) -> Any:  # noqa: ANN401
+        """The matrices A, B, C, D, as `scipy.signal.StateSpace(*model)` takes them."""
+        return iter((self.A, self.B, self.C, self.D))
+
+
+def linearise(
+    mechanism: Mechanism,
+    what: tuple[str | None, Sequence[str], Sequence[str], str | None],
+    count: int | None,
+    start_values: Mapping[str, StartValue] | None,
+) -> list[LinearModel]:
+    """See `Mechanism.linearise`."""
+    coordinate, inputs, outputs, held_by = what
+    found = mechanism._model.linearise(coordinate, list(inputs), list(outputs), held_by, count, words(start_values))
+    name, u, y, all_at = found
+    models = []
+    for at in all_at:
+        first, second = (complex(*pair) for pair in at.pop("eigenvalues"))
+        a, b, c, d = (np.array(at.pop(key), dtype=float) for key in "abcd")
+        b, d = b.reshape(2, len(u)), d.reshape(len(y), len(u))
+        models.append(LinearModel(name, tuple(u), tuple(y), eigenvalues=(first, second), A=a, B=b, C=c, D=d, **at))
+    return models

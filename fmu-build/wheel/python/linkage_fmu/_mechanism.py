@@ -1,0 +1,361 @@
+"""Mechanisms and what is done with one."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _FOLDER, _engine
+from ._errors import InputError, LinkageWarning, MechanismError, SimulationError
+from ._report import Fact, Report, report
+
+if TYPE_CHECKING:
+    from ._kinematics import Kinematics
+    from ._linear import LinearModel
+    from ._page import Page
+    from ._result import Result
+
+#: What a definition is given as: a path, a dictionary, or the text of a file.
+Source = str | os.PathLike[str] | Mapping[str, Any]
+#: A start value: a number in SI units, a truth value, a text with a unit such as "45 deg", or the name of an item.
+StartValue = float | bool | str
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a mechanism."""
+
+    #: Structured name, such as `crank.angle`.
+    name: str
+    #: `Real`, `Boolean` or `Enumeration`.
+    kind: str
+    #: `input`, `output`, `parameter`, `calculatedParameter`, `local` or `independent`.
+    causality: str
+    #: When the value may change: `fixed`, `tunable`, `discrete`, `continuous`.
+    variability: str
+    #: Unit; `1` for a number without unit, empty for other kinds.
+    unit: str
+    #: Start value of an input or a parameter.
+    start: StartValue | None
+    #: Names of the items of an Enumeration.
+    items: tuple[str, ...]
+    #: One line of text.
+    description: str
+
+
+def read(source: Source) -> tuple[str, str, str]:
+    """Kind, place and text of a definition."""
+    if isinstance(source, Mapping):
+        text = json.dumps(source, indent=2, ensure_ascii=False)
+    elif isinstance(source, str) and source.lstrip().startswith("{"):
+        text = source
+    elif isinstance(source, str | os.PathLike):
+        return _engine.read(os.fspath(source))
+    else:
+        raise TypeError(f"a definition is a path, a dict or a text, not {type(source).__name__}")
+    return _engine.kind_of(text), "definition", text
+
+
+def check(source: Source) -> Report:
+    """Check a definition: all findings and facts, also of one that gives no model.
+
+    Args:
+        source: path of a definition file, of a folder that contains one, or of an FMU; a dict; or the text.
+
+    Raises:
+        InputError: the path leads to no definition.
+    """
+    kind, shown, text = read(source)
+    return report(kind, text, shown)
+
+
+def examples() -> list[str]:
+    """Names of the mechanisms that are part of the package."""
+    folder = Path(_FOLDER or ".") / "modelDescription"
+    return sorted(entry.name for entry in folder.iterdir() if (entry / "resources").is_dir())
+
+
+def example(name: str) -> Mechanism:
+    """A mechanism that is part of the package, such as `LandingGearRetraction` or `FourBar`.
+
+    Raises:
+        InputError: there is no such mechanism; the text lists all names.
+    """
+    if name not in examples():
+        raise InputError(f"there is no example {name!r}; the examples are {', '.join(examples())}")
+    return Mechanism(Path(_FOLDER or ".") / "modelDescription" / name)
+
+
+def words(start_values: Mapping[str, StartValue] | None) -> list[str]:
+    """Start values as the engine reads them."""
+    all_words = []
+    for name, value in (start_values or {}).items():
+        if isinstance(value, str):
+            all_words.append(f"{name}={value}")
+        elif isinstance(value, bool) or type(value).__name__ == "bool_" or type(value).__name__ == "bool":
+            all_words.append(f"{name}={'true' if value else 'false'}")
+        else:
+            try:
+                all_words.append(f"{name}={float(value)!r}")
+            except (TypeError, ValueError):
+                raise InputError(f"start_values: {name} = {value!r} is not a number, a truth value or a text") from None
+    return all_words
+
+
+class Mechanism:
+    """A planar mechanism with one degree of freedom, or a hydraulic model, from its definition.
+
+    Args:
+        source: path of a definition file, of a folder that contains one, or of an FMU; a dict; or the text.
+
+    Raises:
+        MechanismError: the definition gives no model; the exception holds all findings.
+        InputError: the path leads to no definition.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._kind, self._shown, self._text = read(source)
+        is_text = isinstance(source, Mapping) or str(source).lstrip().startswith("{")
+        self._path = None if is_text else Path(os.fspath(source))  # type: ignore[arg-type]
+        try:
+            self._model = _engine.Model(self._kind, self._text)
+        except InputError:
+            raise MechanismError(report(self._kind, self._text, self._shown)) from None
+        about = self._model.about()
+        #: Name of the model.
+        self.name: str = about[0]
+        #: One line of text.
+        self.description: str = about[1]
+        #: Stop time of the default experiment [s].
+        self.stop_time: float = about[2]
+        #: Step of the default experiment [s].
+        self.step_size: float = about[3]
+        #: Warnings about the definition.
+        self.warnings: list[str] = about[4]
+        self._columns: dict[tuple[str, ...], Any] = {}
+
+    @property
+    def variables(self) -> list[Variable]:
+        """All variables: inputs, outputs and parameters."""
+        return [Variable(**{**own, "items": tuple(own["items"])}) for own in self._model.variables()]
+
+    def check(self) -> Report:
+        """Findings and facts: travel, dead centres, strokes, equilibria. It prints as `linkage-fmu check` does."""
+        return report(self._kind, self._text, self._shown)
+
+    def equilibria(self) -> list[Fact]:
+        """Static equilibria along the travel under the loads at the start, stable or not, as facts.
+
+        The quantity `stable position` or `unstable position` is the value of the coordinate `of` [rad or m].
+        """
+        return self.check().about("Equilibria")
+
+    def to_json(self) -> str:
+        """The definition as JSON text, as it was given."""
+        return self._text
+
+    def to_dict(self) -> dict[str, Any]:
+        """The definition as a dict."""
+        found: dict[str, Any] = json.loads(self._text)
+        return found
+
+    def simulate(
+        self,
+        start_time: float = 0.0,
+        stop_time: float | None = None,
+        output_interval: float | None = None,
+        relative_tolerance: float | None = None,
+        start_values: Mapping[str, StartValue] | None = None,
+        input: Any = None,  # noqa: A002, ANN401
+        output: Sequence[str] | None = None,
+        set_input_derivatives: bool = False,
+    ) -> Result:
+        """Simulate from the start. The arguments have the names and the meaning of `fmpy.simulate_fmu`.
+
+        Args:
+            start_time: time at the start [s].
+            stop_time: time at the end [s]; without it, the stop time of the definition's experiment.
+            output_interval: time from one row to the next [s]; without it, the step of the experiment, doubled until
+                the result has at most 1001 rows.
+            relative_tolerance: of the integration; without it, that of the definition.
+            start_values: inputs and parameters by name, in SI units or as a text with a unit, such as "45 deg".
+            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame.
+                A time that occurs twice is a jump.
+            output: names of the variables to record; without it, all outputs.
+            set_input_derivatives: pass the slopes of `input` to the model.
+
+        Returns:
+            A structured numpy array with the field `time` and one field for each variable.
+
+        Raises:
+            InputError: a name, a value, a unit or a shape that cannot be used.
+            SimulationError: the run ends early; `result` of the exception holds the rows up to there.
+        """
+        from ._result import Result, dtype, signals
+
+        key = tuple(output or ())
+        columns = self._columns.get(key)
+        if columns is None:
+            if isinstance(output, str):
+                raise InputError(f'output is a list of names; write output=["{output}"]')
+            columns = self._columns[key] = dtype(self._model.columns(list(key)))
+        given = None if input is None else signals(input)
+        rows, lines, error, time = self._model.run(
+            list(key),
+            start_time,
+            stop_time,
+            output_interval,
+            relative_tolerance,
+            words(start_values) if start_values else [],
+            given,
+            set_input_derivatives,
+        )
+        result = Result.of(rows, columns, self, (dict(start_values or {}), input is not None))
+        for line in lines:
+            warnings.warn(line, LinkageWarning, stacklevel=2)
+        if error is not None:
+            failure = SimulationError(error)
+            failure.result = result
+            raise failure
+        return result
+
+    def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
+        """A simulation for steps of your own, with these start values. Call `initialize` before the first step.
+
+        Raises:
+            InputError: a name, a value or a unit that cannot be used.
+        """
+        return self._model.simulation(words(start_values))
+
+    def kinematics(
+        self,
+        count: int = 100,
+        outputs: Iterable[str] | None = None,
+        start_values: Mapping[str, StartValue] | None = None,
+    ) -> Kinematics:
+        """Positions, influence coefficients and static quantities along the travel, without time.
+
+        Args:
+            count: number of equal parts of the travel; the result has `count` + 1 positions.
+            outputs: outputs to return; without it, coordinates, lengths, markers, reduced masses and holding forces.
+            start_values: inputs and parameters, as for `simulate`.
+
+        Raises:
+            InputError: a name that is none of an output.
+            SimulationError: the mechanism has no travel that can be followed, as with a prescribed motion.
+        """
+        from ._kinematics import kinematics
+
+        return kinematics(self, count, outputs, start_values)
+
+    def linearise(
+        self,
+        coordinate: str | None = None,
+        inputs: Sequence[str] = (),
+        outputs: Sequence[str] = (),
+        held_by: str | None = None,
+        start_values: Mapping[str, StartValue] | None = None,
+    ) -> LinearModel:
+        """Linearise at rest at the start: x' = A x + B u, y = C x + D u, x = (coordinate, its rate).
+
+        Args:
+            coordinate: angle [rad] or position [m]; without it, the coordinate in the key `start`.
+            inputs: inputs u; without it, those on which the acceleration depends.
+            outputs: outputs y; without it, the coordinate.
+            held_by: force [N] or torque [N.m] of the drive that holds the mechanism.
+            start_values: inputs and parameters, as for `simulate`.
+
+        Raises:
+            InputError: a name that cannot be used.
+            SimulationError: the mechanism has states beyond position and speed.
+        """
+        from ._linear import linearise
+
+        return linearise(self, (coordinate, inputs, outputs, held_by), None, start_values)[0]
+
+    def linearise_travel(
+        self,
+        count: int = 100,
+        coordinate: str | None = None,
+        inputs: Sequence[str] = (),
+        outputs: Sequence[str] = (),
+        held_by: str | None = None,
+        start_values: Mapping[str, StartValue] | None = None,
+    ) -> list[LinearModel]:
+        """Linearise at rest at `count` + 1 positions of the travel; the other arguments are those of `linearise`."""
+        from ._linear import linearise
+
+        return linearise(self, (coordinate, inputs, outputs, held_by), count, start_values)
+
+    def view(
+        self,
+        stop_time: float | None = None,
+        start_values: Mapping[str, StartValue] | None = None,
+        height: int = 640,
+    ) -> Page:
+        """The page that moves the mechanism, shown in a notebook. `Page.save` writes it to a file.
+
+        Raises:
+            InputError: a start value that cannot be used, or a hydraulic model without a mechanism.
+        """
+        from ._page import Page
+
+        if self._kind != "mechanism.json":
+            raise InputError(f"{self.name} has no mechanism that can be drawn")
+        return Page(self._model.page(self._shown, stop_time, words(start_values)), height)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the definition to a file; its path."""
+        path = Path(path)
+        path.write_text(self._text, encoding="utf-8")
+        return path
+
+    def package(
+        self,
+        path: str | os.PathLike[str] = ".",
+        fmi: str | int = "both",
+        platforms: Sequence[str] = (),
+        animation: bool = True,
+        results: bool = True,
+    ) -> list[Path]:
+        """Pack the mechanism as FMUs into the folder `path`; the paths of the FMUs, that of FMI 2.0 first.
+
+        Args:
+            path: folder for the FMUs, which is created.
+            fmi: 2, 3 or "both".
+            platforms: platforms of the libraries, such as "x86_64-windows"; without it, that of this machine.
+            animation: pack the animation of the default experiment.
+            results: pack the reference results of the default experiment.
+
+        Raises:
+            InputError: the package has no library for a platform, or the folder cannot be written.
+        """
+        if self._path is not None:
+            return self._packed(self._path, (path, fmi, platforms, animation, results))
+        with tempfile.TemporaryDirectory() as folder:
+            source = self.save(Path(folder) / self._kind)
+            return self._packed(source, (path, fmi, platforms, animation, results))
+
+    @staticmethod
+    def _packed(source: Path, how: tuple[Any, Any, Sequence[str], bool, bool]) -> list[Path]:
+        path, fmi, platforms, animation, results = how
+        if isinstance(platforms, str):
+            platforms = [platforms]
+        paths, _ = _engine.package(str(source), str(path), str(fmi), list(platforms), animation, results)
+        return [Path(made) for made in paths]
+
+    def __repr__(self) -> str:
+        return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"text": self._text, "path": self._path}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(state["text"])  # type: ignore[misc]
+        self._path = state["path"]

@@ -1,0 +1,40 @@
+"""Pages that show a moving mechanism."""
+
+from __future__ import annotations
+
+import html
+import os
+import tempfile
+import webbrowser
+from pathlib import Path
+
+
+class Page:
+    """One HTML page with all that it needs. A notebook shows it inline."""
+
+    def __init__(self, text: str, height: int) -> None:
+        #: The HTML text.
+        self.html = text
+        self._height = height
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page to a file; its path."""
+        path = Path(path)
+        path.write_text(self.html, encoding="utf-8")
+        return path
+
+    def open(self) -> None:
+        """Open the page in the browser."""
+        with tempfile.NamedTemporaryFile("w", suffix=".html", delete=False, encoding="utf-8") as file:
+            file.write(self.html)
+        webbrowser.open(Path(file.name).as_uri())
+
+    def _repr_html_(self) -> str:
+        # A frame of its own: neither style nor script meets those of the notebook.
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{self._height}" '
+            'style="border:0" sandbox="allow-scripts"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"<Page of {len(self.html) // 1000} kB; save(path) writes it, open() shows it>"

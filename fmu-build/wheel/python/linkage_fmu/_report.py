@@ -1,0 +1,135 @@
+"""What a check of a definition has found."""
+
+from __future__ import annotations
+
+import html
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from . import _engine
+
+
+@dataclass(frozen=True)
+class Finding:
+    """An error or a warning about one place of a definition."""
+
+    #: `error` or `warning`.
+    severity: str
+    #: Path of the key, such as `bodies.crank.length`; empty for the whole file.
+    path: str
+    #: What is wrong, with the value and the limit.
+    message: str
+    #: What to do; empty where the message states it.
+    remedy: str
+    #: Line in the text, from 1.
+    line: int
+    #: Column in the text, from 1.
+    column: int
+
+    def __str__(self) -> str:
+        place = f"{self.path}: " if self.path and not self.message.startswith(self.path) else ""
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return f"{self.severity}: {place}{self.message}{remedy}"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its name and unit."""
+
+    name: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.value:.6g}" + ("" if self.unit == "1" else f" {self.unit}")
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A fact about a part of the model, such as a travel, a dead centre, a stroke or an equilibrium."""
+
+    #: Topic, under which facts are printed together.
+    topic: str
+    #: Name of the coordinate, drive, joint or the like; empty for the whole model.
+    of: str
+    #: Numbers with their names and units.
+    quantities: tuple[Quantity, ...]
+    #: What the numbers do not state; may be empty.
+    text: str
+
+    def __getitem__(self, name: str) -> float:
+        """Value of the quantity with this name, in SI units."""
+        for quantity in self.quantities:
+            if quantity.name == name:
+                return quantity.value
+        known = ", ".join(quantity.name for quantity in self.quantities)
+        raise KeyError(f"this fact has no quantity {name!r}; it has: {known or 'none'}")
+
+    def __str__(self) -> str:
+        parts = [", ".join(map(str, self.quantities)), self.text]
+        return (f"{self.of}: " if self.of else "") + "; ".join(part for part in parts if part)
+
+
+@dataclass(frozen=True)
+class Report:
+    """All findings and facts of a definition. It prints as `linkage-fmu check` does."""
+
+    #: Name of the model; empty if the definition could not be read.
+    name: str
+    #: Errors and warnings.
+    findings: tuple[Finding, ...]
+    #: Facts about the model, by topics.
+    facts: tuple[Fact, ...]
+    #: The report in words.
+    text: str
+
+    @property
+    def errors(self) -> list[Finding]:
+        """Findings that leave no model."""
+        return [finding for finding in self.findings if finding.severity == "error"]
+
+    @property
+    def warnings(self) -> list[Finding]:
+        """Findings about a model that runs, but is probably not the one that is meant."""
+        return [finding for finding in self.findings if finding.severity == "warning"]
+
+    def about(self, topic: str) -> list[Fact]:
+        """Facts whose topic starts with this text, such as `Travel` or `Equilibri`."""
+        return [fact for fact in self.facts if fact.topic.startswith(topic)]
+
+    def __str__(self) -> str:
+        return self.text.rstrip()
+
+    def __repr__(self) -> str:
+        return f"<Report on {self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings>"
+
+    def _repr_html_(self) -> str:
+        cell = "<td style='text-align:left;white-space:pre-wrap'>"
+        rows = [
+            f"<tr>{cell}<b>{html.escape(finding.severity)}</b></td>{cell}{html.escape(finding.path)}</td>"
+            f"{cell}{html.escape(finding.message)}<br><i>{html.escape(finding.remedy)}</i></td></tr>"
+            for finding in self.findings
+        ]
+        for fact in self.facts:
+            numbers = ", ".join(map(str, fact.quantities))
+            what = "; ".join(part for part in (numbers, fact.text) if part)
+            rows.append(
+                f"<tr>{cell}{html.escape(fact.topic)}</td>{cell}{html.escape(fact.of)}</td>"
+                f"{cell}{html.escape(what)}</td></tr>"
+            )
+        title = f"{self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings"
+        return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"
+
+
+def report(kind: str, text: str, shown: str) -> Report:
+    """Check the text of a definition of this kind."""
+    told, words = _engine.check(kind, text, shown)
+    found: dict[str, Any] = json.loads(told)
+    keys = ("severity", "path", "message", "remedy", "line", "column")
+    findings = tuple(Finding(**{key: finding[key] for key in keys}) for finding in found["findings"])
+    facts = tuple(
+        Fact(fact["topic"], fact["of"], tuple(Quantity(**own) for own in fact["quantities"]), fact["text"])
+        for fact in found["facts"]
+    )
+    return Report(found["name"], findings, facts, words)

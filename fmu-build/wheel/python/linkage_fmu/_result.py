@@ -1,0 +1,161 @@
+"""Results of runs as numpy arrays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._errors import InputError
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+    from ._mechanism import Mechanism
+    from ._page import Page
+
+
+class Columns:
+    """Layout of a result, and the units of its columns."""
+
+    __slots__ = ("dtype", "units")
+
+    def __init__(self, columns: list[tuple[str, str, bool]]) -> None:
+        types = [(name, np.bool_ if is_boolean else np.float64) for name, _, is_boolean in columns]
+        self.dtype = np.dtype([("time", np.float64), *types])
+        self.units = {"time": "s", **{name: unit for name, unit, _ in columns}}
+
+
+def dtype(columns: list[tuple[str, str, bool]]) -> Columns:
+    """Layout of the rows of a run."""
+    return Columns(columns)
+
+
+def signals(given: Any) -> tuple[list[float], list[tuple[str, list[float]]]]:  # noqa: ANN401
+    """Times and columns of inputs over time."""
+    names = getattr(getattr(given, "dtype", None), "names", None)
+    if names is None:
+        names = list(given.columns) if hasattr(given, "columns") else list(given) if isinstance(given, dict) else None
+    if not names or "time" not in names:
+        raise InputError(
+            'input is a structured array, a dict of columns or a data frame with a field "time" [s] and one field for '
+            "each input"
+        )
+    columns = []
+    for name in names:
+        values = np.asarray(given[name])
+        if values.ndim != 1 or values.dtype.kind not in "fiub":
+            raise InputError(f"input: {name} must be one column of numbers or truth values")
+        columns.append((str(name), values.astype(float).tolist()))
+    times = next(values for name, values in columns if name == "time")
+    return times, [column for column in columns if column[0] != "time"]
+
+
+class Result(np.ndarray[Any, Any]):
+    """A run: a structured array with the field `time` [s] and one field for each variable, in SI units.
+
+    `fmpy.plot_result` and whatever else takes a result of FMPy takes it too.
+    """
+
+    #: Unit of each column.
+    units: dict[str, str]
+    _origin: tuple[Mechanism, dict[str, Any], bool] | None
+
+    @classmethod
+    def of(
+        cls, rows: bytearray, columns: Columns, mechanism: Mechanism, how: tuple[dict[str, Any], bool]
+    ) -> Result:
+        """The result with these rows."""
+        result: Result = np.frombuffer(rows, columns.dtype).view(cls)
+        result.units = columns.units
+        result._origin = (mechanism, *how)
+        return result
+
+    def __array_finalize__(self, other: Any) -> None:  # noqa: ANN401
+        self.units = getattr(other, "units", {})
+        self._origin = getattr(other, "_origin", None)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, `time` first."""
+        return list(self.dtype.names or ())
+
+    def __getitem__(self, key: Any) -> Any:  # noqa: ANN401
+        if isinstance(key, str):
+            if key not in (self.dtype.names or ()):
+                raise InputError(_unknown(key, self.names))
+            return self.view(np.ndarray)[key]
+        return super().__getitem__(key)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows as a data frame with the time as index; `attrs["units"]` holds the units."""
+        import pandas
+
+        frame = pandas.DataFrame({name: self[name] for name in self.names[1:]}, index=pandas.Index(self["time"], name="time"))
+        frame.attrs["units"] = self.units
+        return frame
+
+    def plot(self, *names: str, x: str = "time", show: bool = False) -> Figure:
+        """Plot variables over the time or over another variable, by matplotlib: one axis for each unit.
+
+        Args:
+            names: variables; without one, all.
+            x: variable of the horizontal axis.
+            show: open a window.
+
+        Raises:
+            InputError: the result has no such variable.
+        """
+        from matplotlib import pyplot
+
+        chosen = list(names) or [name for name in self.names if name != x]
+        groups: dict[str, list[str]] = {}
+        for name in chosen:
+            self[name]
+            groups.setdefault(self.units.get(name, "1"), []).append(name)
+        figure, axes = pyplot.subplots(
+            len(groups), 1, sharex=True, squeeze=False, layout="constrained", figsize=(7.0, 1.2 + 1.8 * len(groups))
+        )
+        for axis, (unit, own) in zip(axes[:, 0], groups.items(), strict=True):
+            for name in own:
+                axis.plot(self[x], self[name], label=name)
+            axis.set_ylabel(own[0] if unit == "1" and len(own) == 1 else f"[{unit}]")
+            axis.legend()
+            axis.grid(True)
+        axes[-1, 0].set_xlabel(f"{x} [{self.units.get(x, '1')}]")
+        if show:
+            pyplot.show()
+        else:
+            # A notebook shows the figure that a cell returns; an open one would be shown twice.
+            pyplot.close(figure)
+        return figure
+
+    def animate(self, height: int = 640) -> Page:
+        """The page that moves the mechanism through this run, shown in a notebook.
+
+        Raises:
+            InputError: the run had input signals, which the page does not take.
+        """
+        if self._origin is None or not len(self):
+            raise InputError("this array is no whole result of simulate, and cannot be animated")
+        mechanism, start_values, has_input = self._origin
+        if has_input:
+            raise InputError("a run with input signals cannot be animated; use mechanism.view(start_values=...)")
+        return mechanism.view(float(self["time"][-1]), start_values, height)
+
+    def __reduce__(self) -> Any:  # noqa: ANN401
+        return (_restored, (np.asarray(self).copy(), self.units))
+
+
+def _restored(values: np.ndarray[Any, Any], units: dict[str, str]) -> Result:
+    result: Result = values.view(Result)
+    result.units = units
+    return result
+
+
+def _unknown(name: str, names: list[str]) -> str:
+    from difflib import get_close_matches
+
+    near = get_close_matches(name, names, 3, 0.0)
+    return f"the result has no variable {name!r}: the nearest names are {', '.join(near)}"

@@ -1,0 +1,216 @@
+"""Studies: many runs of a mechanism, and the best design."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import _engine
+from ._mechanism import Mechanism
+
+if TYPE_CHECKING:
+    import pandas
+
+#: What a study is given as: the path of a study file, or a dict with its keys.
+Study = str | os.PathLike[str] | Mapping[str, Any]
+#: Called with the numbers of runs that are done and of all runs.
+Progress = Callable[[int, int], object]
+
+
+class _Bar:
+    """How far a study is: tqdm where it is installed, else a line of text."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+        self._shown = 0.0
+        try:
+            self._tqdm: Any = import_module("tqdm.auto").tqdm
+        except ImportError:
+            self._tqdm = None
+
+    def __call__(self, done: int, all_runs: int) -> None:
+        if self._tqdm is None:
+            if done == all_runs or time.monotonic() - self._shown > 0.5:
+                self._shown = time.monotonic()
+                print(f"\r{done} of {all_runs} runs", end="", file=sys.stderr, flush=True)
+            return
+        if self._bar is None:
+            self._bar = self._tqdm(total=all_runs, unit="run")
+        self._bar.update(done - self._bar.n)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        elif self._shown:
+            print(file=sys.stderr)
+
+
+def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
+    """The file of a study; one that is given as a dict is written into the folder."""
+    if not isinstance(study, Mapping):
+        if mechanism is None:
+            return Path(study)
+        base, stated = Path(study).resolve().parent, json.loads(Path(study).read_text(encoding="utf-8"))
+    else:
+        base, stated = Path.cwd(), dict(study)
+    if mechanism is not None:
+        stated["mechanism"] = str(mechanism.save(folder / mechanism._kind))
+    elif isinstance(stated.get("mechanism"), Mechanism):
+        stated["mechanism"] = str(stated["mechanism"].save(folder / stated["mechanism"]._kind))
+    elif isinstance(stated.get("mechanism"), str | os.PathLike):
+        stated["mechanism"] = str(base / stated["mechanism"])
+    if isinstance(stated.get("points"), str):
+        stated["points"] = str(base / stated["points"])
+    scenario = stated.get("scenario")
+    if isinstance(scenario, Mapping) and isinstance(scenario.get("input_file"), str):
+        stated["scenario"] = {**scenario, "input_file": str(base / scenario["input_file"])}
+    path = folder / "study.json"
+    path.write_text(json.dumps(stated), encoding="utf-8")
+    return path
+
+
+def _made(
+    task: Callable[..., str],
+    study: Study,
+    mechanism: Mechanism | None,
+    out: str | os.PathLike[str] | None,
+    how: tuple[int | None, bool | Progress],
+    read: Callable[[Path, str], Any],
+) -> Any:  # noqa: ANN401
+    threads, progress = how
+    bar = _Bar() if progress is True else None
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        results = folder / "results" if out is None else Path(out)
+        path = _stated(study, mechanism, folder)
+        watch = bar if bar is not None else progress if callable(progress) else None
+        try:
+            log = task(str(path), str(results), threads, watch)
+        finally:
+            if bar is not None:
+                bar.close()
+        return read(results, log)
+
+
+def _table(path: Path, log: str) -> pandas.DataFrame:
+    import pandas
+
+    with path.open(encoding="utf-8", newline="") as file:
+        names, *rows = csv.reader(file)
+    columns = zip(*rows, strict=True) if rows else [()] * len(names)
+    # Python reads all digits, so that each number is the one that was computed.
+    frame = pandas.DataFrame({name: _column(cells) for name, cells in zip(names, columns, strict=True)})
+    frame.attrs["log"] = log
+    return frame
+
+
+def _column(cells: Sequence[str]) -> list[Any]:
+    """Cells as truth values, whole numbers, numbers or texts; the first that all are."""
+    if all(cell in ("true", "false") for cell in cells):
+        return [cell == "true" for cell in cells]
+    for kind in (int, float):
+        try:
+            return [kind(cell or "nan") for cell in cells]
+        except ValueError:
+            continue
+    return list(cells)
+
+
+def sweep(
+    study: Study,
+    mechanism: Mechanism | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    progress: bool | Progress = False,
+) -> pandas.DataFrame:
+    """Make all runs of a study: a data frame with one row for each run, in the order of the design.
+
+    Args:
+        study: path of a study file, or a dict with its keys. Paths in it count from the folder of the file, or from
+            the present folder.
+        mechanism: takes the place of the key `mechanism`.
+        out: folder that keeps the results (runs.parquet, runs.csv).
+        threads: number of threads; without it, one for each core.
+        progress: True shows a bar; a function is called with the numbers of runs done and of all runs. A run that
+            fails is a row with its reason.
+
+    Raises:
+        InputError: what is wrong with the study.
+        MechanismError: the mechanism gives no model.
+    """
+    frame: pandas.DataFrame = _made(
+        _engine.sweep, study, mechanism, out, (threads, progress), lambda folder, log: _table(folder / "runs.csv", log)
+    )
+    return frame
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best design of a study."""
+
+    #: The mechanism with the best values.
+    mechanism: Mechanism
+    #: Best values of the factors, in SI units.
+    factors: dict[str, float]
+    #: Responses of the best design.
+    responses: dict[str, float]
+    #: Responses of the design as it is.
+    present: dict[str, float]
+    #: Largest excess over a limit, relative to the limit; 0 if all limits are kept.
+    violation: float
+    #: Why the search has ended.
+    ended: str
+    #: All designs that were evaluated, in their order.
+    evaluations: pandas.DataFrame
+    #: Picture of both designs as SVG text; empty of a hydraulic model.
+    picture: str
+
+    def _repr_svg_(self) -> str | None:
+        return self.picture or None
+
+
+def optimise(
+    study: Study,
+    mechanism: Mechanism | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    progress: bool | Progress = False,
+) -> Optimum:
+    """Search for the best design of a study. The optimiser needs the extra `studies`, or creates an environment.
+
+    The arguments are those of `sweep`.
+
+    Raises:
+        InputError: what is wrong with the study, or no run gave a value of the objective.
+    """
+
+    def read(folder: Path, log: str) -> Optimum:
+        stated: dict[str, Any] = json.loads((folder / "optimum.json").read_text(encoding="utf-8"))
+        best = stated["best"]
+        kinds = ("mechanism.json", "hydraulics.json", "network.json")
+        definition = next(path for path in (folder / kind for kind in kinds) if path.is_file())
+        picture = folder / "designs.svg"
+        return Optimum(
+            mechanism=Mechanism(definition.read_text(encoding="utf-8")),
+            factors=best["factors"],
+            responses=best["responses"],
+            present=stated["present"]["responses"],
+            violation=best["violation"],
+            ended=stated["ended"],
+            evaluations=_table(folder / "evaluations.csv", log),
+            picture=picture.read_text(encoding="utf-8") if picture.is_file() else "",
+        )
+
+    found: Optimum = _made(_engine.optimise, study, mechanism, out, (threads, progress), read)
+    return found

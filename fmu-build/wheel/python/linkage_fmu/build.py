@@ -1,0 +1,133 @@
+"""Short definitions: a mechanism as it is drawn, in millimetres and degrees.
+
+```python
+from linkage_fmu import Mechanism, build
+
+press = Mechanism(build.mechanism(
+    "Press",
+    build.body("crank", mass=1.2),
+    build.body("rod", mass=0.9),
+    build.body("slider", mass=0.5),
+    build.pin("bearing", "ground", "crank", at=(0, 0)),
+    build.pin("pin", "crank", "rod", at=(80, 60)),
+    build.pin("wrist", "rod", "slider", at=(360, 0)),
+    build.slide("guide", "ground", "slider", at=(360, 0)),
+    build.torque("motor", on="crank", torque=2),
+    build.start("crank", angle=30),
+))
+```
+
+`mechanism` returns the dict of a definition, to which any further key of the format can be added.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ._errors import InputError
+
+#: Section of the definition, name in the section, keys, and the places of bodies in the drawing.
+Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
+
+
+def body(name: str, mass: float | None = None, inertia: float | None = None, **keys: object) -> Part:
+    """A body with its mass [kg] and its moment of inertia [kg.m2]; without `inertia`, a body with two pins is a uniform
+    rod. Any further key of a body can be given."""
+    given = {"mass": mass, "inertia": inertia, **keys}
+    return "bodies", name, {key: value for key, value in given.items() if value is not None}, {}
+
+
+def pin(name: str, first: str, second: str, at: Sequence[float], **keys: object) -> Part:
+    """A revolute joint of two bodies at a point of the drawing [mm]."""
+    return _joint("revolute", name, (first, second), at, keys)
+
+
+def slide(name: str, first: str, second: str, at: Sequence[float], **keys: object) -> Part:
+    """A prismatic joint of two bodies along the x axis of the first, at a point of the drawing [mm]."""
+    return _joint("prismatic", name, (first, second), at, keys)
+
+
+def actuator(
+    name: str, first: tuple[str, Sequence[float]], second: tuple[str, Sequence[float]], force: float = 0.0, **keys: object
+) -> Part:
+    """A linear actuator with a push force [N] between two bodies, each with a point of the drawing [mm]."""
+    places = {first[0]: (name, first[1]), second[0]: (name, second[1])}
+    ends = {"first": f"{first[0]}.{name}", "second": f"{second[0]}.{name}"}
+    return "actuators", name, {**ends, "force": force, **keys}, places
+
+
+def torque(name: str, on: str, torque: float = 0.0) -> Part:
+    """A torque on a body [N.m]."""
+    return "torques", name, {"on": on, "torque": torque}, {}
+
+
+def force(name: str, on: str, at: Sequence[float], **keys: object) -> Part:
+    """A force on a body at a point of the drawing [mm]."""
+    return "forces", name, {"at": f"{on}.{name}", **keys}, {on: (name, at)}
+
+
+def stop(name: str, body: str, limit: str, angle: float, **keys: object) -> Part:
+    """A stop for the angle of a body [deg]; `limit` is "lower" or "upper"."""
+    return "stops", name, {"body": body, "limit": limit, "angle": angle, **keys}, {}
+
+
+def start(body: str, angle: float | None = None, **keys: object) -> Part:
+    """Start of the motion: the angle of a body [deg]."""
+    given = {"body": body, "angle": angle, **keys}
+    return "start", "", {key: value for key, value in given.items() if value is not None}, {}
+
+
+def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
+    """The definition of a mechanism from its parts. Further keys of the format, such as `gravity`, are added as given.
+
+    Of each body, the first point is its `origin`, the second its `end`; any other has the name of its joint or load.
+
+    Raises:
+        InputError: two parts of a section have the same name, or a point is not a pair of numbers.
+    """
+    bodies: dict[str, dict[str, Any]] = {"ground": {}}
+    sections: dict[str, Any] = {}
+    for section, own, values, _ in parts:
+        if section == "start":
+            sections["start"] = values
+            continue
+        target = bodies if section == "bodies" else sections.setdefault(section, {})
+        if own in target and not (section == "bodies" and own == "ground"):
+            raise InputError(f"{section}.{own}: there are two parts with this name; rename one")
+        target[own] = dict(values)
+    for section, own, _, places in parts:
+        for body_name, (point, at) in places.items():
+            if len(at) != 2 or not all(isinstance(number, int | float) for number in at):
+                raise InputError(f"{own}: {at!r} is not a point; write (x, y) in mm")
+            named = _place(bodies.setdefault(body_name, {}), body_name == "ground", point, list(at))
+            for key in ("first", "second", "at"):
+                entry = sections.get(section, {}).get(own, {})
+                if entry.get(key) == f"{body_name}.{point}":
+                    entry[key] = f"{body_name}.{named}"
+    if not bodies["ground"].get("points", True):
+        del bodies["ground"]["points"]
+    for values in bodies.values():
+        drawn = values.get("drawn", {})
+        if "mass" in values and "end" in drawn and not {"inertia", "shape"} & values.keys():
+            values["shape"] = "uniform_rod"
+    return {"name": name, "units": {"angle": "deg", "length": "mm"}, "bodies": bodies, **sections, **keys}
+
+
+def _joint(kind: str, name: str, bodies: tuple[str, str], at: Sequence[float], keys: dict[str, Any]) -> Part:
+    first, second = bodies
+    places = {first: (name, at), second: (name, at)}
+    return "joints", name, {"type": kind, "first": f"{first}.{name}", "second": f"{second}.{name}", **keys}, places
+
+
+def _place(values: dict[str, Any], is_ground: bool, point: str, at: list[float]) -> str:
+    """Draw a point of a body; the name that it has there. The frame of the drawing is that of the ground."""
+    drawn: dict[str, list[float]] = values.setdefault("points" if is_ground else "drawn", {})
+    if is_ground and at == [0, 0]:
+        return "origin"
+    for known, place in drawn.items():
+        if place == at:
+            return known
+    named = point if is_ground else "origin" if not drawn else "end" if "end" not in drawn else point
+    drawn[named] = at
+    return named

@@ -1,0 +1,367 @@
+//! A mechanism or a hydraulic model: its variables, its runs, and what it answers without time.
+//!
+//! In: a definition's text, names, times, signals. Out: rows as bytes of the layout that numpy reads, texts. A run has
+//! the steps of `cargo fmu simulate`, so that both have the same values.
+
+use crate::errors::{guarded, input, refused};
+use crate::simulation::Simulation;
+use fmu_build::run::missing::Missing;
+use fmu_build::run::signals::Signals;
+use fmu_build::run::table::{Column, columns};
+use fmu_build::run::{self, Span, Watch, default_interval};
+use fmu_build::start_values::{self, find};
+use fmu_build::view::{Data, Wanted};
+use fmu_build::{check, view};
+use linkage_fmu::component::{Component, Linearised, NoValue};
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyDict};
+use std::sync::{Mutex, PoisonError};
+
+/// Most rows of a run.
+const MOST_ROWS: f64 = 1e9;
+
+/// Signals as Python gives them: times, and for each input its name and values.
+type Columns = (Vec<f64>, Vec<(String, Vec<f64>)>);
+
+/// A model from its definition.
+#[pyclass(frozen, module = "linkage_fmu._engine")]
+pub struct Model {
+    /// Name of the definition file of its kind.
+    kind: &'static str,
+    text: String,
+    /// The model as the definition gives it; never changed.
+    fresh: Mutex<Component>,
+}
+
+/// Warnings of a run, and the wish of the user to end it.
+#[derive(Default)]
+struct Observer {
+    lines: Vec<String>,
+    interrupted: Option<PyErr>,
+}
+
+impl Watch for Observer {
+    fn look(&mut self, _: f64) -> bool {
+        self.interrupted = Python::attach(|py| py.check_signals()).err();
+        self.interrupted.is_some()
+    }
+
+    fn warn(&mut self, line: &str) {
+        self.lines.push(line.trim_start_matches("warning: ").to_owned());
+    }
+}
+
+impl Model {
+    /// A model of its own for a call.
+    fn component(&self) -> Component {
+        self.fresh.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The model with these start values.
+    fn started(&self, start_values: &[String]) -> PyResult<Component> {
+        let mut model = self.component();
+        start_values::apply(&mut model, start_values).map_err(input)?;
+        Ok(model)
+    }
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    fn new(kind: &str, text: String) -> PyResult<Self> {
+        guarded(|| {
+            let fresh = Component::from_definition(kind, &text).map_err(input)?;
+            Ok(Self { kind: fresh.definition_file(), text, fresh: Mutex::new(fresh) })
+        })
+    }
+
+    /// Name, description, stop time [s] and step [s] of the default experiment, and warnings.
+    fn about(&self) -> (String, String, f64, f64, Vec<String>) {
+        let model = self.component();
+        let experiment = model.experiment();
+        let warnings = model.warnings().iter().map(ToString::to_string).collect();
+        let (name, description) = (model.name().to_owned(), model.description().to_owned());
+        (name, description, experiment.stop_time, experiment.step_size, warnings)
+    }
+
+    /// For each variable: name, kind, causality, variability, unit, start value, items, description.
+    fn variables<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let model = self.component();
+        let one = |variable: &linkage_fmu::variables::Variable| {
+            let dict = PyDict::new(py);
+            dict.set_item("name", &variable.name)?;
+            dict.set_item("kind", variable.kind.word())?;
+            dict.set_item("causality", in_lower_case(variable.causality.word()))?;
+            dict.set_item("variability", in_lower_case(variable.variability.word()))?;
+            dict.set_item("unit", variable.unit.map_or("", Unit::name))?;
+            let start = match &variable.start {
+                Some(Value::Real(value)) => Some(value.into_bound_py_any(py)?),
+                Some(Value::Boolean(value)) => Some(value.into_bound_py_any(py)?),
+                Some(Value::Item(value)) => Some(value.into_bound_py_any(py)?),
+                None => None,
+            };
+            dict.set_item("start", start)?;
+            dict.set_item("items", variable.details.items.to_vec())?;
+            dict.set_item("description", &variable.description)?;
+            Ok(dict)
+        };
+        model.interface().list().iter().map(one).collect()
+    }
+
+    /// Names and units of the variables that a run records, and whether each is a Boolean.
+    fn columns(&self, names: Vec<String>) -> PyResult<Vec<(String, &'static str, bool)>> {
+        let model = self.component();
+        let all = columns(model.interface(), &names).map_err(input)?;
+        Ok(all.into_iter().map(|own| (own.name, own.unit.map_or("1", Unit::name), own.is_boolean)).collect())
+    }
+
+    /// A run: its rows as bytes, its warnings, the error that ended it, and the time reached [s].
+    #[pyo3(signature = (output, start, stop, interval, tolerance, start_values, signals, with_slopes))]
+    #[expect(clippy::too_many_arguments, reason = "one function of Python calls it")]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        output: Vec<String>,
+        start: f64,
+        stop: Option<f64>,
+        interval: Option<f64>,
+        tolerance: Option<f64>,
+        start_values: Vec<String>,
+        signals: Option<Columns>,
+        with_slopes: bool,
+    ) -> PyResult<(Bound<'py, PyByteArray>, Vec<String>, Option<String>, f64)> {
+        let (rows, warnings, error, time) = py.detach(|| {
+            guarded(|| {
+                let mut model = self.component();
+                if let Some(tolerance) = tolerance {
+                    model.set_tolerance(tolerance).map_err(|error| input(format!("relative_tolerance: {error}")))?;
+                }
+                start_values::apply(&mut model, &start_values).map_err(input)?;
+                let span = span(&model, start, stop, interval)?;
+                let signals = match signals {
+                    Some((times, columns)) => {
+                        Signals::of_columns(model.interface(), times, columns, with_slopes).map_err(input)?
+                    }
+                    None => Signals::none(),
+                };
+                if with_slopes && model.input_order() == 0 {
+                    return Err(input("set_input_derivatives: this model has no derivatives of inputs"));
+                }
+                made(&mut model, &span, &signals, &output)
+            })
+        })?;
+        Ok((PyByteArray::new(py, &rows), warnings, error, time))
+    }
+
+    /// Along the travel in `count` equal parts: values of the named variables, and their rates for each unit of a
+    /// parameter of the travel. Row by row: parameter, values, rates.
+    fn travel(
+        &self,
+        py: Python<'_>,
+        count: usize,
+        names: Vec<String>,
+        start_values: Vec<String>,
+    ) -> PyResult<Vec<f64>> {
+        py.detach(|| {
+            guarded(|| {
+                let mut model = self.started(&start_values)?;
+                along(&mut model, count, &names)
+            })
+        })
+    }
+
+    /// Linearised at the start or, with `count`, along the travel: names of coordinate, inputs and outputs, and the
+    /// dictionaries of the positions.
+    #[expect(clippy::type_complexity, reason = "one function of Python calls it")]
+    fn linearise<'py>(
+        &self,
+        py: Python<'py>,
+        coordinate: Option<String>,
+        inputs: Vec<String>,
+        outputs: Vec<String>,
+        held_by: Option<String>,
+        count: Option<usize>,
+        start_values: Vec<String>,
+    ) -> PyResult<(String, Vec<String>, Vec<String>, Vec<Bound<'py, PyDict>>)> {
+        let (names, all) = py.detach(|| {
+            guarded(|| {
+                let mut model = self.started(&start_values)?;
+                let arguments = fmu_studies::linearise::Arguments {
+                    path: Default::default(),
+                    coordinate,
+                    inputs,
+                    outputs,
+                    held_by,
+                    count: 0,
+                    start_values: Vec::new(),
+                    output_file: None,
+                    plot: None,
+                };
+                let what = fmu_studies::linearise::what(&model, &arguments).map_err(input)?;
+                let name = |own: &Reference| model.interface().list()[*own as usize].name.clone();
+                let named = |all: &[Reference]| all.iter().map(name).collect::<Vec<_>>();
+                let names = (name(&what.coordinate), named(&what.inputs), named(&what.outputs));
+                let all = match count {
+                    Some(count) => model.linearise(&what, count),
+                    None => model.linearise_here(&what).map(|one| vec![one]),
+                };
+                Ok((names, all.map_err(refused)?))
+            })
+        })?;
+        let (coordinate, inputs, outputs) = names;
+        Ok((coordinate, inputs, outputs, all.iter().map(|at| dictionary(py, at)).collect::<PyResult<_>>()?))
+    }
+
+    /// A simulation with these start values, not initialised.
+    fn simulation(&self, start_values: Vec<String>) -> PyResult<Simulation> {
+        guarded(|| Ok(Simulation::new(self.started(&start_values)?)))
+    }
+
+    /// The page that moves the mechanism, which messages name so.
+    fn page(
+        &self,
+        py: Python<'_>,
+        shown: String,
+        stop_time: Option<f64>,
+        start_values: Vec<String>,
+    ) -> PyResult<String> {
+        py.detach(|| {
+            guarded(|| {
+                let checked = check::check(shown, self.kind, self.text.clone()).map_err(input)?;
+                let wanted = Wanted::new(stop_time, &start_values).map_err(input)?;
+                let data = Data::collect(&checked, &wanted).map_err(input)?;
+                view::html(&data).map_err(refused)
+            })
+        })
+    }
+}
+
+/// A word of the engine as modelDescription.xml has it.
+fn in_lower_case(word: &str) -> String {
+    word.chars().take(1).flat_map(char::to_lowercase).chain(word.chars().skip(1)).collect()
+}
+
+/// The times of a run.
+fn span(model: &Component, start: f64, stop: Option<f64>, interval: Option<f64>) -> PyResult<Span> {
+    let experiment = model.experiment();
+    let stop = stop.unwrap_or(start + experiment.stop_time);
+    if !(start.is_finite() && stop.is_finite() && stop >= start) {
+        return Err(input(format!(
+            "the run from {start:?} s to {stop:?} s is not possible: stop_time must be finite and not before start_time"
+        )));
+    }
+    let interval = match interval {
+        Some(interval) if interval > 0.0 && interval.is_finite() => interval,
+        Some(interval) => return Err(input(format!("output_interval = {interval:?} s: must be finite and > 0"))),
+        None => default_interval(experiment, stop - start),
+    };
+    if (stop - start) / interval > MOST_ROWS {
+        return Err(input(format!("output_interval = {interval:?} s: gives more than {MOST_ROWS:e} rows")));
+    }
+    Ok(Span { start, stop, interval })
+}
+
+/// Make a run: its rows, its warnings, why it ended early, and the time reached [s].
+fn made(
+    model: &mut Component,
+    span: &Span,
+    signals: &Signals,
+    output: &[String],
+) -> PyResult<(Vec<u8>, Vec<String>, Option<String>, f64)> {
+    let columns = columns(model.interface(), output).map_err(input)?;
+    let references = columns.iter().map(|column| find(model.interface(), &column.name)).collect::<Result<Vec<_>, _>>();
+    let references = references.map_err(input)?;
+    let (mut row, mut rows) = (vec![0.0; 1 + columns.len()], Vec::new());
+    let (mut missing, mut reached) = (Missing::new(columns.len()), span.start);
+    let are_reals = !columns.iter().any(|column| column.is_boolean);
+    let mut record = |model: &mut Component, time: f64| {
+        row.clear();
+        row.push(time);
+        if are_reals {
+            model.reals(&references, |value| row.push(value))?;
+        } else {
+            for (column, &reference) in columns.iter().zip(&references) {
+                row.push(match column.is_boolean {
+                    true => f64::from(u8::from(model.boolean(reference)?)),
+                    false => model.real(reference)?,
+                });
+            }
+        }
+        reached = time;
+        missing.see(&row, |index| model.undefined(references[index]));
+        append(&columns, &row, &mut rows);
+        Ok(())
+    };
+    let mut watch = Observer::default();
+    let ended = run::run(model, span, signals, &mut record, &mut watch);
+    if let Some(interrupted) = watch.interrupted {
+        return Err(interrupted);
+    }
+    let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
+    watch.lines.extend(missing.lines(&names));
+    Ok((rows, watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
+}
+
+/// Add a row in the layout of numpy: doubles, and a byte for a Boolean.
+#[inline]
+fn append(columns: &[Column], row: &[f64], rows: &mut Vec<u8>) {
+    rows.extend_from_slice(&row[0].to_ne_bytes());
+    for (column, value) in columns.iter().zip(&row[1..]) {
+        match column.is_boolean {
+            true => rows.push(u8::from(*value != 0.0)),
+            false => rows.extend_from_slice(&value.to_ne_bytes()),
+        }
+    }
+}
+
+/// Values and rates of variables along the travel, without time.
+fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<Vec<f64>> {
+    let found = names.iter().map(|name| find(model.interface(), name)).collect::<Result<Vec<_>, _>>();
+    let references: Vec<Reference> = found.map_err(input)?;
+    for (&reference, name) in references.iter().zip(names) {
+        let variable = &model.interface().list()[reference as usize];
+        if variable.causality != Causality::Output || variable.kind != Kind::Real {
+            return Err(input(format!("{name} is not an output with a number; kinematics returns outputs only")));
+        }
+    }
+    let Component::Mechanism(own) = model else {
+        return Err(input("a hydraulic actuator without a mechanism has no travel"));
+    };
+    let travel = own.sweep(count).map_err(refused)?.sigma;
+    model.serve_exchange().map_err(refused)?;
+    model.initialize().map_err(refused)?;
+    let mut rows = Vec::with_capacity(travel.len() * (1 + 2 * names.len()));
+    let no_value = |error: NoValue| match error {
+        NoValue::AtState(why) => refused(why),
+        NoValue::Refused(why) => refused(why),
+    };
+    for &sigma in &travel {
+        rows.push(sigma);
+        model.set_continuous_states([sigma, 0.0]).map_err(no_value)?;
+        model.reals(&references, |value| rows.push(value)).map_err(refused)?;
+        // With this speed, rates in time are those along the travel.
+        model.set_continuous_states([sigma, 1.0]).map_err(no_value)?;
+        for &reference in &references {
+            rows.push(model.output_derivative(reference, 1).unwrap_or(f64::NAN));
+        }
+    }
+    Ok(rows)
+}
+
+/// A linearisation for Python; a matrix is a list of rows.
+fn dictionary<'py>(py: Python<'py>, at: &Linearised) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("position", at.coordinate)?;
+    dict.set_item("acceleration", at.acceleration)?;
+    dict.set_item("holding", at.holding)?;
+    dict.set_item("eigenfrequency", at.eigenfrequency())?;
+    dict.set_item("damping_ratio", at.damping_ratio)?;
+    dict.set_item("eigenvalues", at.eigenvalues)?;
+    dict.set_item("a", at.a)?;
+    dict.set_item("b", [0, 1].map(|row| at.b.iter().map(|column| column[row]).collect::<Vec<_>>()))?;
+    dict.set_item("c", at.c.clone())?;
+    dict.set_item("d", at.d.clone())?;
+    Ok(dict)
+}

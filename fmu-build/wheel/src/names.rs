@@ -1,0 +1,138 @@
+//! Lists of variables that are looked up once, and buffers of their values.
+//!
+//! In: names, arrays. Out: references, numbers. Arrays of doubles are read and written in place.
+
+use crate::errors::{InputError, input};
+use fmu_build::start_values::find;
+use linkage_fmu::component::Component;
+use linkage_fmu::variables::{Causality, Kind, Reference};
+use pyo3::buffer::PyBuffer;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// Names of variables that were looked up once, for simulations of one mechanism.
+#[pyclass(frozen, sequence, module = "linkage_fmu")]
+pub struct Names {
+    /// Names, in the order given.
+    names: Vec<String>,
+    /// References of the variables.
+    pub references: Vec<Reference>,
+    /// Kinds of the variables.
+    pub kinds: Vec<Kind>,
+    /// Whether all are Reals.
+    pub are_reals: bool,
+    /// Whether all are inputs with a number, which are set without further thought.
+    pub are_inputs: bool,
+    /// Hash of the interface to which the references belong.
+    identity: u64,
+}
+
+impl Names {
+    /// Look the names up.
+    ///
+    /// # Errors
+    /// No variable has a name; the nearest ones are named.
+    pub fn of(model: &Component, names: Vec<String>) -> PyResult<Self> {
+        let interface = model.interface();
+        let found = names.iter().map(|name| find(interface, name)).collect::<Result<Vec<_>, _>>();
+        let references = found.map_err(input)?;
+        let variable = |reference: &Reference| &interface.list()[*reference as usize];
+        let kinds: Vec<Kind> = references.iter().map(|reference| variable(reference).kind).collect();
+        let are_reals = kinds.iter().all(|kind| *kind == Kind::Real);
+        let are_inputs = are_reals && references.iter().all(|own| variable(own).causality == Causality::Input);
+        Ok(Self { names, references, kinds, are_reals, are_inputs, identity: model.identity()[0] })
+    }
+
+    /// Whether the names were looked up in a mechanism with these variables.
+    ///
+    /// # Errors
+    /// They belong to another one.
+    pub fn belong_to(&self, model: &Component) -> PyResult<()> {
+        if self.identity == model.identity()[0] {
+            return Ok(());
+        }
+        Err(InputError::new_err(
+            "these names were prepared for a mechanism with other variables; call prepare on this simulation",
+        ))
+    }
+}
+
+#[pymethods]
+impl Names {
+    fn __len__(&self) -> usize {
+        self.names.len()
+    }
+
+    fn __getitem__(&self, index: usize) -> PyResult<&str> {
+        let name = self.names.get(index).map(String::as_str);
+        name.ok_or_else(|| pyo3::exceptions::PyIndexError::new_err("there are fewer names"))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Names({:?})", self.names)
+    }
+}
+
+/// Call `take` with the numbers in an array, a list or the like.
+///
+/// # Errors
+/// These are no numbers, or not as many as names.
+pub fn with_numbers<T>(
+    values: &Bound<'_, PyAny>,
+    count: usize,
+    take: impl FnOnce(&[f64]) -> PyResult<T>,
+) -> PyResult<T> {
+    let wrong = |found: String| {
+        InputError::new_err(format!("values has {found}, but there are {count} names; give one number for each name"))
+    };
+    if let Ok(buffer) = PyBuffer::<f64>::get(values) {
+        if buffer.dimensions() != 1 {
+            return Err(wrong(format!("{} dimensions", buffer.dimensions())));
+        }
+        if buffer.item_count() != count {
+            return Err(wrong(format!("{} numbers", buffer.item_count())));
+        }
+        let mut few = [0.0; 16];
+        if count <= few.len() {
+            let few = &mut few[..count];
+            buffer.copy_to_slice(values.py(), few)?;
+            return take(few);
+        }
+        return take(&buffer.to_vec(values.py())?);
+    }
+    let numbers: Vec<f64> = values.extract().map_err(|_| {
+        let class = values.get_type().name().map_or_else(|_| "something else".to_owned(), |name| name.to_string());
+        InputError::new_err(format!("values is {class}; give an array or a list with one number for each name"))
+    })?;
+    if numbers.len() != count {
+        return Err(wrong(format!("{} numbers", numbers.len())));
+    }
+    take(&numbers)
+}
+
+/// A new array of numpy with these numbers.
+///
+/// # Errors
+/// numpy is not installed.
+pub fn array<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+    static EMPTY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let array = EMPTY.import(py, "numpy", "empty")?.call1((values.len(),))?;
+    write(&array, values)?;
+    Ok(array)
+}
+
+/// Write numbers into an array of doubles.
+///
+/// # Errors
+/// It is none of this length that can be written.
+pub fn write(array: &Bound<'_, PyAny>, values: &[f64]) -> PyResult<()> {
+    let buffer = PyBuffer::<f64>::get(array).ok();
+    let fits = |buffer: &PyBuffer<f64>| buffer.dimensions() == 1 && buffer.item_count() == values.len();
+    match buffer.filter(fits).filter(|buffer| !buffer.readonly()) {
+        Some(buffer) => buffer.copy_from_slice(array.py(), values),
+        None => Err(InputError::new_err(format!(
+            "out must be a writable array with {} numbers of type float64",
+            values.len()
+        ))),
+    }
+}

@@ -1,0 +1,134 @@
+"""Bad input: an exception with text and remedy, and no panic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import linkage_fmu as lf
+import numpy as np
+import pytest
+
+INPUTS = ["actuator.force", "load_factor", "airspeed", "wheel.force_x"]
+
+
+def test_all_findings_come_with_the_exception() -> None:
+    gear = lf.example("LandingGearRetraction").to_dict()
+    del gear["bodies"]["coupler"]["mass"]
+    gear["joints"]["joint1"]["first"] = "grond.origin"
+    with pytest.raises(lf.MechanismError) as caught:
+        lf.Mechanism(gear)
+    assert isinstance(caught.value, ValueError)
+    report = caught.value.report
+    assert len(report.errors) >= 1
+    assert "grond" in str(caught.value)
+    assert all(finding.message for finding in report.findings)
+    assert "grond" in report._repr_html_()
+    assert len(lf.check(gear).errors) == len(report.errors)
+
+
+def test_a_mechanism_without_masses_has_no_dynamics() -> None:
+    gear = lf.example("FourBar").to_dict()
+    for body in gear["bodies"].values():
+        for key in ("mass", "inertia", "shape"):
+            body.pop(key, None)
+    with pytest.raises(lf.MechanismError, match="mass"):
+        lf.Mechanism(gear)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda g, s: g.simulate(start_values={"crank.mas": 1}), "nearest names are crank.mass"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": -1}), "crank.mass = -1"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": "12 lb"}), "the unit of crank.mass is kg"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": [1]}), "crank.mass"),
+        (lambda g, s: g.simulate(output=["crank.angel"]), "nearest names are crank.angle"),
+        (lambda g, s: g.simulate(output="crank.angle"), "list of names"),
+        (lambda g, s: g.simulate(stop_time=-1), "stop_time"),
+        (lambda g, s: g.simulate(stop_time=float("nan")), "stop_time"),
+        (lambda g, s: g.simulate(output_interval=0), "output_interval"),
+        (lambda g, s: g.simulate(relative_tolerance=-1), "relative_tolerance"),
+        (lambda g, s: g.simulate(input=[1, 2]), "structured array"),
+        (lambda g, s: g.simulate(input={"time": [0], "crank.mass": [1]}), "is not an input"),
+        (lambda g, s: g.simulate(input={"time": [1, 0], "load_factor": [1, 1]}), "decreases"),
+        (lambda g, s: g.simulate(input={"time": [0, 1], "load_factor": [1]}), "1 values at 2 times"),
+        (lambda g, s: g.simulate(input={"time": [0], "load_factor": [np.nan]}), "finite"),
+        (lambda g, s: g.simulate(input={"time": [0], "load_factor": [[1]]}), "one column"),
+        (lambda g, s: s.get("crank.angel"), "nearest names are crank.angle"),
+        (lambda g, s: s.get(["crank.angle"], np.empty(2)), "1 numbers"),
+        (lambda g, s: s.get(["crank.angle"], [0.0]), "writable array"),
+        (lambda g, s: s.set("crank.angle", 1.0), "crank.angle"),
+        (lambda g, s: s.set("actuator.force", float("inf")), "finite"),
+        (lambda g, s: s.set("actuator.force", True), "needs a number"),
+        (lambda g, s: s.set("actuator.force", None), "needs a number"),
+        (lambda g, s: s.set("friction.enabled", "yes"), "True or False"),
+        (lambda g, s: s.set("solver.method", "magic"), "magic"),
+        (lambda g, s: s.set(INPUTS, [1.0, 2.0]), "2 numbers, but there are 4 names"),
+        (lambda g, s: s.set(INPUTS, np.zeros((2, 2))), "2 dimensions"),
+        (lambda g, s: s.set(INPUTS, 5.0), "array or a list"),
+        (lambda g, s: s.set(INPUTS, [1, 2, 3, np.nan]), "finite"),
+        (lambda g, s: s.step(-1.0), ""),
+        (lambda g, s: s.step(float("nan")), ""),
+        (lambda g, s: s.run_until(-1.0), "not before the present time"),
+        (lambda g, s: s.set_derivative("actuator.force", 1.0, 9), ""),
+        (lambda g, s: s.directional_derivative(["crank.angle"], ["crank.mass"], [1.0]), ""),
+        (lambda g, s: s.directional_derivative(["crank.speed"], ["load_factor"], [1.0, 2.0]), "2 numbers"),
+        (lambda g, s: g.kinematics(0), "count"),
+        (lambda g, s: g.kinematics(10, ["crank.mass"]), "not an output"),
+        (lambda g, s: g.kinematics(10, "crank.angle"), "list of names"),
+        (lambda g, s: g.linearise("crank.angel"), "nearest names are crank.angle"),
+        (lambda g, s: g.view(start_values={"a": 1}), "nearest names"),
+        (lambda g, s: lf.Mechanism("nowhere.json"), "no such file"),
+        (lambda g, s: lf.example("Nothing"), "the examples are"),
+        (lambda g, s: lf.example("HydraulicActuator").view(), "no mechanism that can be drawn"),
+        (lambda g, s: lf.example("HydraulicActuator").kinematics(), "no travel"),
+        (lambda g, s: lf.validate("nowhere.fmu"), "nowhere.fmu"),
+        (lambda g, s: lf.info("nowhere.fmu"), "nowhere.fmu"),
+        (lambda g, s: lf.sweep({"mechanism": "nowhere", "responses": {}}), "responses"),
+        (lambda g, s: g.package("/dev/null/x"), ""),
+        (lambda g, s: g.package(fmi=4), "fmi"),
+        (lambda g, s: g.package(platforms=["amiga"]), "there is no platform amiga"),
+    ],
+)
+def test_bad_input_has_a_text(
+    gear: lf.Mechanism,
+    simulation: lf.Simulation,
+    call: Callable[[lf.Mechanism, lf.Simulation], Any],
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = simulation.get(["crank.angle", *INPUTS])
+    with pytest.raises(lf.LinkageError) as caught:
+        call(gear, simulation)
+    assert text in str(caught.value)
+    assert "--" not in str(caught.value), "an option of the command line"
+    assert np.array_equal(simulation.get(["crank.angle", *INPUTS]), before), "a refused call has changed something"
+
+
+def test_types_are_checked(gear: lf.Mechanism) -> None:
+    with pytest.raises(TypeError, match="path, a dict or a text"):
+        lf.Mechanism(5)  # type: ignore[arg-type]
+
+
+def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
+    with gear.simulation() as simulation:
+        simulation.initialize()
+    with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):
+        simulation.step(1e-3)
+    simulation.close()
+
+
+def test_a_panic_is_an_exception() -> None:
+    with pytest.raises(lf.InternalError, match="please report it"):
+        lf._engine.panics()
+    assert lf.example("FourBar").simulate(stop_time=0.01, output=["crank.angle"])["crank.angle"].size > 1
+
+
+def test_names_belong_to_their_mechanism(simulation: lf.Simulation) -> None:
+    other = lf.example("FourBar").simulation()
+    with pytest.raises(lf.InputError, match="call prepare"):
+        other.get(simulation.prepare(["crank.angle"]))
