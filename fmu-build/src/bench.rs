@@ -27,6 +27,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
             Some("peers") => return peers(workspace),
             Some("plots") => return plots(workspace),
             Some("studies") => return studies(workspace),
+            Some("module") => return module(workspace),
             _ => {}
         }
     }
@@ -131,6 +132,16 @@ fn studies(workspace: &Workspace) -> Result<()> {
     script.arg("--mechanism").arg(workspace.descriptions().join(DEFAULT_FMU)).arg("--work").arg(work);
     script.arg("--out").arg(workspace.results().join("studies.md"));
     command::run(&mut script, "studies.py")
+}
+
+/// Measure runs and steps by the Python module next to FMPy, in the environment of its tests, and write the results.
+fn module(workspace: &Workspace) -> Result<()> {
+    let requirements = workspace.module_tests().join("requirements.txt");
+    let mut script = Command::new(command::environment(&workspace.target("venv-module"), &requirements)?);
+    script.arg(workspace.validation().join("studies").join("module.py"));
+    script.arg("--fmu").arg(package::default(workspace)?);
+    script.arg("--out").arg(workspace.results().join("module.md"));
+    command::run(&mut script, "module.py")
 }
 
 /// Draw the figures from the committed results.

@@ -35,6 +35,19 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
             body.pop(key, None)
     with pytest.raises(lf.MechanismError, match="mass"):
         lf.Mechanism(gear)
+    bare = lf.Mechanism(gear, massless=True)
+    with pytest.raises(lf.SimulationError, match="has no dynamics"):
+        bare.simulate()
+    with pytest.raises(lf.SimulationError, match="has no dynamics"):
+        bare.simulation()
+    names = [name for name in bare.kinematics(10) if name.endswith("angle")]
+    assert not [name for name in bare.kinematics(10) if "mass" in name]
+    whole = lf.example("FourBar").kinematics(10)
+    there = np.interp(0.0, whole[names[0]], whole[names[1]])
+    travel = bare.kinematics(400)
+    assert np.interp(0.0, travel[names[0]], travel[names[1]]) == pytest.approx(there, abs=2e-2)
+    with pytest.raises(lf.InputError, match="depends on masses"):
+        bare.kinematics(10, ["crank.speed"])
 
 
 @pytest.mark.parametrize(

@@ -131,8 +131,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     installed.made("demo/retraction.png")?;
     let message = installed.call(&["test"], 1)?;
     ensure!(message.lines().count() == 1 && message.contains("`cargo fmu test`"), "linkage-fmu test: {message}");
-    let module = ["-m", "linkage_fmu", "--help"];
-    let help = installed.output(&installed.interpreter, &module, 0)?;
+    let help = installed.output(&installed.interpreter, &["-m", "linkage_fmu", "--help"], 0)?;
     ensure!(help.contains("Usage: linkage-fmu"), "python -m linkage_fmu --help: {help}");
     let help = installed.call(&["--help"], 0)?;
     ensure!(help.contains("Usage: linkage-fmu") && !help.contains("cargo"), "linkage-fmu --help: {help}");

@@ -14,6 +14,7 @@ use std::path::Path;
 const CLOSE: f64 = 1e-9;
 
 /// Whether two times are one but for rounding.
+#[inline]
 pub fn is_close(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= CLOSE * a.abs().max(b.abs())
 }
@@ -181,7 +182,11 @@ impl Signals {
     }
 
     /// The next time after `time` at which a step must end; infinite if there is none.
+    #[inline]
     pub fn next_event(&self, time: f64) -> f64 {
+        if self.events.is_empty() {
+            return f64::INFINITY;
+        }
         let after = self.events.partition_point(|event| *event <= time);
         self.events[after..].iter().copied().find(|event| !is_close(*event, time)).unwrap_or(f64::INFINITY)
     }
@@ -215,7 +220,11 @@ impl Signals {
     ///
     /// # Errors
     /// The model refuses a value.
+    #[inline]
     pub fn apply(&self, model: &mut Component, time: f64, after_event: bool) -> Result<(), Refused> {
+        if self.times.is_empty() {
+            return Ok(());
+        }
         self.settings(time, after_event).try_for_each(|(reference, setting)| setting.apply(model, reference))
     }
 

@@ -54,8 +54,7 @@ pub fn guarded<T>(body: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("unknown reason");
         Err(InternalError::new_err(format!(
-            "the engine has stopped at a fault of its own ({text}); please report it with the mechanism and the calls \
-             that led to it"
+            "internal fault of the engine ({text}); please report it with the mechanism and the calls that led to it"
         )))
     })
 }

@@ -21,6 +21,8 @@ use std::sync::{Mutex, PoisonError};
 
 /// Most rows of a run.
 const MOST_ROWS: f64 = 1e9;
+/// Most rows for which memory is taken before a run.
+const MOST_RESERVED: usize = 1 << 16;
 
 /// Signals as Python gives them: times, and for each input its name and values.
 type Columns = (Vec<f64>, Vec<(String, Vec<f64>)>);
@@ -273,25 +275,26 @@ fn made(
     let columns = columns(model.interface(), output).map_err(input)?;
     let references = columns.iter().map(|column| find(model.interface(), &column.name)).collect::<Result<Vec<_>, _>>();
     let references = references.map_err(input)?;
-    let (mut row, mut rows) = (vec![0.0; 1 + columns.len()], Vec::new());
+    let width = 1 + columns.len();
+    let expected = ((span.stop - span.start) / span.interval) as usize + 2;
+    let mut rows: Vec<f64> = Vec::with_capacity(expected.min(MOST_RESERVED) * width);
     let (mut missing, mut reached) = (Missing::new(columns.len()), span.start);
     let are_reals = !columns.iter().any(|column| column.is_boolean);
     let mut record = |model: &mut Component, time: f64| {
-        row.clear();
-        row.push(time);
+        let start = rows.len();
+        rows.push(time);
         if are_reals {
-            model.reals(&references, |value| row.push(value))?;
+            model.reals(&references, |value| rows.push(value))?;
         } else {
             for (column, &reference) in columns.iter().zip(&references) {
-                row.push(match column.is_boolean {
+                rows.push(match column.is_boolean {
                     true => f64::from(u8::from(model.boolean(reference)?)),
                     false => model.real(reference)?,
                 });
             }
         }
         reached = time;
-        missing.see(&row, |index| model.undefined(references[index]));
-        append(&columns, &row, &mut rows);
+        missing.see(&rows[start..], |index| model.undefined(references[index]));
         Ok(())
     };
     let mut watch = Observer::default();
@@ -301,19 +304,27 @@ fn made(
     }
     let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
     watch.lines.extend(missing.lines(&names));
-    Ok((rows, watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
+    // A row that a refused value has cut short is left out.
+    rows.truncate(rows.len() / width * width);
+    Ok((packed(&columns, &rows), watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
 }
 
-/// Add a row in the layout of numpy: doubles, and a byte for a Boolean.
-#[inline]
-fn append(columns: &[Column], row: &[f64], rows: &mut Vec<u8>) {
-    rows.extend_from_slice(&row[0].to_ne_bytes());
-    for (column, value) in columns.iter().zip(&row[1..]) {
-        match column.is_boolean {
-            true => rows.push(u8::from(*value != 0.0)),
-            false => rows.extend_from_slice(&value.to_ne_bytes()),
+/// Rows in the layout of numpy: doubles, and a byte for a Boolean.
+fn packed(columns: &[Column], rows: &[f64]) -> Vec<u8> {
+    if !columns.iter().any(|column| column.is_boolean) {
+        return rows.iter().flat_map(|value| value.to_ne_bytes()).collect();
+    }
+    let mut out = Vec::with_capacity(rows.len() * 8);
+    for row in rows.chunks_exact(1 + columns.len()) {
+        out.extend_from_slice(&row[0].to_ne_bytes());
+        for (column, value) in columns.iter().zip(&row[1..]) {
+            match column.is_boolean {
+                true => out.push(u8::from(*value != 0.0)),
+                false => out.extend_from_slice(&value.to_ne_bytes()),
+            }
         }
     }
+    out
 }
 
 /// Values and rates of variables along the travel, without time.

@@ -439,7 +439,8 @@ impl Simulation {
     /// Raises InputError if the bytes are no state of this mechanism.
     fn state_from_bytes(&self, bytes: &[u8]) -> PyResult<State> {
         self.with(|run| {
-            let no_state = || input("these bytes are no saved state of this mechanism; give those of State.to_bytes");
+            let no_state =
+                || input("these bytes are not a saved state of this mechanism; give those of State.to_bytes");
             let (head, snapshot) = bytes.split_at_checked(24).ok_or_else(no_state)?;
             let word = |at: usize| u64::from_le_bytes(head[8 * at..8 * at + 8].try_into().unwrap_or_default());
             let time = f64::from_bits(word(0));

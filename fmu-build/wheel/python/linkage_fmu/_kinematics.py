@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 # Quantities that depend on the position, and on the inputs at rest.
-_QUANTITIES = ("angle", "position", "length", "x", "y", "reduced_mass", "reduced_inertia", "holding_force", "holding_torque")
+_OF_POSITION = ("angle", "position", "length", "x", "y")
+_OF_MASSES = ("reduced_mass", "reduced_inertia", "holding_force", "holding_torque")
 
 
 class Kinematics:
@@ -80,15 +81,17 @@ def kinematics(
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1_000_000:
         raise InputError(f"count = {count!r}: must be a whole number from 1 to 1000000")
     variables = {own.name: own for own in mechanism.variables}
+    wanted = _OF_POSITION if mechanism._is_massless else _OF_POSITION + _OF_MASSES
+
+    def is_wanted(name: str) -> bool:
+        return name.rpartition(".")[2] in wanted
+
     if outputs is None:
-        is_wanted = [
-            own.name
-            for own in variables.values()
-            if own.causality == "output" and own.kind == "Real" and own.name.rpartition(".")[2] in _QUANTITIES
-        ]
-        names = is_wanted
+        names = [own.name for own in variables.values() if own.causality == "output" and is_wanted(own.name)]
     else:
         names = list(outputs)
+    if mechanism._is_massless and (wrong := [name for name in names if name in variables and not is_wanted(name)]):
+        raise InputError(f"{wrong[0]} depends on masses, which this mechanism was opened without")
     flat = mechanism._model.travel(count, names, words(start_values))
     table = np.array(flat).reshape(-1, 1 + 2 * len(names))
     return Kinematics(names, table, {name: variables[name].unit for name in names})

@@ -108,19 +108,38 @@ def words(start_values: Mapping[str, StartValue] | None) -> list[str]:
     return all_words
 
 
+def with_masses(text: str) -> str:
+    """The text of a definition in which each body without mass has a mass of 1 kg and an inertia of 1 kg.m2."""
+    try:
+        stated = json.loads(text)
+        bodies = stated["bodies"].items()
+    except (ValueError, KeyError, AttributeError, TypeError):
+        # The check of the definition states the reason.
+        return text
+    for name, body in bodies:
+        if name != "ground" and isinstance(body, dict) and "mass" not in body and "fixed_to" not in body:
+            body.update({"mass": 1} if "shape" in body else {"mass": 1, "inertia": 1})
+    return json.dumps(stated, indent=2, ensure_ascii=False)
+
+
 class Mechanism:
     """A planar mechanism with one degree of freedom, or a hydraulic model, from its definition.
 
     Args:
         source: path of a definition file, of a folder that contains one, or of an FMU; a dict; or the text.
+        massless: the definition may leave out masses. Then only `check`, `view` and the positions and influence
+            coefficients of `kinematics` have a meaning; runs raise SimulationError.
 
     Raises:
         MechanismError: the definition gives no model; the exception holds all findings.
         InputError: the path leads to no definition.
     """
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: Source, *, massless: bool = False) -> None:
         self._kind, self._shown, self._text = read(source)
+        self._is_massless = massless
+        if massless:
+            self._text = with_masses(self._text)
         is_text = isinstance(source, Mapping) or str(source).lstrip().startswith("{")
         self._path = None if is_text else Path(os.fspath(source))  # type: ignore[arg-type]
         try:
@@ -172,7 +191,7 @@ class Mechanism:
         output_interval: float | None = None,
         relative_tolerance: float | None = None,
         start_values: Mapping[str, StartValue] | None = None,
-        input: Any = None,  # noqa: A002, ANN401
+        input: Any = None,  # noqa: ANN401
         output: Sequence[str] | None = None,
         set_input_derivatives: bool = False,
     ) -> Result:
@@ -199,6 +218,7 @@ class Mechanism:
         """
         from ._result import Result, dtype, signals
 
+        self._has_masses()
         key = tuple(output or ())
         columns = self._columns.get(key)
         if columns is None:
@@ -206,7 +226,7 @@ class Mechanism:
                 raise InputError(f'output is a list of names; write output=["{output}"]')
             columns = self._columns[key] = dtype(self._model.columns(list(key)))
         given = None if input is None else signals(input)
-        rows, lines, error, time = self._model.run(
+        rows, lines, error, _ = self._model.run(
             list(key),
             start_time,
             stop_time,
@@ -231,6 +251,7 @@ class Mechanism:
         Raises:
             InputError: a name, a value or a unit that cannot be used.
         """
+        self._has_masses()
         return self._model.simulation(words(start_values))
 
     def kinematics(
@@ -253,6 +274,13 @@ class Mechanism:
         from ._kinematics import kinematics
 
         return kinematics(self, count, outputs, start_values)
+
+    def _has_masses(self) -> None:
+        if self._is_massless:
+            raise SimulationError(
+                f"{self.name} was opened without masses and has no dynamics; state the masses, and open it without "
+                "massless=True"
+            )
 
     def linearise(
         self,
@@ -277,6 +305,7 @@ class Mechanism:
         """
         from ._linear import linearise
 
+        self._has_masses()
         return linearise(self, (coordinate, inputs, outputs, held_by), None, start_values)[0]
 
     def linearise_travel(
@@ -291,6 +320,7 @@ class Mechanism:
         """Linearise at rest at `count` + 1 positions of the travel; the other arguments are those of `linearise`."""
         from ._linear import linearise
 
+        self._has_masses()
         return linearise(self, (coordinate, inputs, outputs, held_by), count, start_values)
 
     def view(
@@ -336,6 +366,7 @@ class Mechanism:
         Raises:
             InputError: the package has no library for a platform, or the folder cannot be written.
         """
+        self._has_masses()
         if self._path is not None:
             return self._packed(self._path, (path, fmi, platforms, animation, results))
         with tempfile.TemporaryDirectory() as folder:
@@ -354,8 +385,8 @@ class Mechanism:
         return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"text": self._text, "path": self._path}
+        return {"text": self._text, "path": self._path, "massless": self._is_massless}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(state["text"])  # type: ignore[misc]
+        self.__init__(state["text"], massless=state["massless"])  # type: ignore[misc]
         self._path = state["path"]

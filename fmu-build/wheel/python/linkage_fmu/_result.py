@@ -63,9 +63,7 @@ class Result(np.ndarray[Any, Any]):
     _origin: tuple[Mechanism, dict[str, Any], bool] | None
 
     @classmethod
-    def of(
-        cls, rows: bytearray, columns: Columns, mechanism: Mechanism, how: tuple[dict[str, Any], bool]
-    ) -> Result:
+    def of(cls, rows: bytearray, columns: Columns, mechanism: Mechanism, how: tuple[dict[str, Any], bool]) -> Result:
         """The result with these rows."""
         result: Result = np.frombuffer(rows, columns.dtype).view(cls)
         result.units = columns.units
@@ -92,7 +90,8 @@ class Result(np.ndarray[Any, Any]):
         """The rows as a data frame with the time as index; `attrs["units"]` holds the units."""
         import pandas
 
-        frame = pandas.DataFrame({name: self[name] for name in self.names[1:]}, index=pandas.Index(self["time"], name="time"))
+        times = pandas.Index(self["time"], name="time")
+        frame = pandas.DataFrame({name: self[name] for name in self.names[1:]}, index=times)
         frame.attrs["units"] = self.units
         return frame
 

@@ -49,7 +49,11 @@ def slide(name: str, first: str, second: str, at: Sequence[float], **keys: objec
 
 
 def actuator(
-    name: str, first: tuple[str, Sequence[float]], second: tuple[str, Sequence[float]], force: float = 0.0, **keys: object
+    name: str,
+    first: tuple[str, Sequence[float]],
+    second: tuple[str, Sequence[float]],
+    force: float = 0.0,
+    **keys: object,
 ) -> Part:
     """A linear actuator with a push force [N] between two bodies, each with a point of the drawing [mm]."""
     places = {first[0]: (name, first[1]), second[0]: (name, second[1])}
