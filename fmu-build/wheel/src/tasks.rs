@@ -33,10 +33,11 @@ fn workspace() -> Result<Workspace> {
 
 /// State where the package is and which interpreter runs it; the folder of its files.
 #[pyfunction]
-pub fn folder(package: PathBuf, interpreter: Option<PathBuf>) -> Option<PathBuf> {
-    let _ = PACKAGE.set(package);
-    interpreter.into_iter().for_each(fmu_cli::python::runs_in);
-    workspace().ok().map(|workspace| workspace.root().to_path_buf())
+pub fn folder(package: OsString, interpreter: Option<OsString>) -> Option<OsString> {
+    // Texts and no paths: Python's module for these would be most of the import.
+    let _ = PACKAGE.set(package.into());
+    interpreter.into_iter().for_each(|interpreter| fmu_cli::python::runs_in(interpreter.into()));
+    workspace().ok().map(|workspace| workspace.root().as_os_str().to_owned())
 }
 
 /// The command: its words, the program's name first; the exit code.

@@ -16,13 +16,15 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from os import path
 
 from . import _engine
 from ._errors import InputError, InternalError, LinkageError, LinkageWarning, MechanismError, SimulationError
 
-_FOLDER = _engine.folder(str(Path(__file__).resolve().parent), sys.executable or None)
+# Not that of typing, whose import takes longer than that of this package.
+TYPE_CHECKING = False
+
+_FOLDER = _engine.folder(path.realpath(__path__[0]), sys.executable or None)
 
 __version__ = _engine.__version__
 Simulation = _engine.Simulation
@@ -30,6 +32,8 @@ State = _engine.State
 Names = _engine.Names
 
 if TYPE_CHECKING:
+    from typing import Any
+
     from . import build
     from ._fmu import Info, Validation, info, package, validate
     from ._kinematics import Kinematics

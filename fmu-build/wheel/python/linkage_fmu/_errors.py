@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+# Not that of typing, whose import takes longer than that of this package.
+TYPE_CHECKING = False
 
 if TYPE_CHECKING:
     from ._report import Report
