@@ -6,6 +6,7 @@
 mod errors;
 mod model;
 mod names;
+mod run;
 mod simulation;
 mod tasks;
 

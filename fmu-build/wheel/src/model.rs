@@ -5,9 +5,9 @@
 
 use crate::errors::{guarded, input, refused};
 use crate::simulation::Simulation;
+use fmu_build::run::column::{Column, columns};
 use fmu_build::run::missing::Missing;
 use fmu_build::run::signals::Signals;
-use fmu_build::run::table::{Column, columns};
 use fmu_build::run::{self, Span, Watch, default_interval};
 use fmu_build::start_values::{self, find};
 use fmu_build::view::{Data, Wanted};
@@ -26,6 +26,11 @@ const MOST_RESERVED: usize = 1 << 16;
 
 /// Signals as Python gives them: times, and for each input its name and values.
 type Columns = (Vec<f64>, Vec<(String, Vec<f64>)>);
+
+/// Coordinate, inputs, outputs and holding drive of a linearisation; None and empty lists for the defaults.
+type Asked = (Option<String>, Vec<String>, Vec<String>, Option<String>);
+/// Rows of a run, its warnings, the error that ended it, and the time reached [s].
+type Made<Rows> = PyResult<(Rows, Vec<String>, Option<String>, f64)>;
 
 /// A model from its definition.
 #[pyclass(frozen, module = "linkage_fmu._engine")]
@@ -133,7 +138,7 @@ impl Model {
         start_values: Vec<String>,
         signals: Option<Columns>,
         with_slopes: bool,
-    ) -> PyResult<(Bound<'py, PyByteArray>, Vec<String>, Option<String>, f64)> {
+    ) -> Made<Bound<'py, PyByteArray>> {
         let (rows, warnings, error, time) = py.detach(|| {
             guarded(|| {
                 let mut model = self.component();
@@ -180,16 +185,14 @@ impl Model {
     fn linearise<'py>(
         &self,
         py: Python<'py>,
-        coordinate: Option<String>,
-        inputs: Vec<String>,
-        outputs: Vec<String>,
-        held_by: Option<String>,
+        asked: Asked,
         count: Option<usize>,
         start_values: Vec<String>,
     ) -> PyResult<(String, Vec<String>, Vec<String>, Vec<Bound<'py, PyDict>>)> {
         let (names, all) = py.detach(|| {
             guarded(|| {
                 let mut model = self.started(&start_values)?;
+                let (coordinate, inputs, outputs, held_by) = asked;
                 let arguments = fmu_studies::linearise::Arguments {
                     path: Default::default(),
                     coordinate,
@@ -266,12 +269,7 @@ fn span(model: &Component, start: f64, stop: Option<f64>, interval: Option<f64>)
 }
 
 /// Make a run: its rows, its warnings, why it ended early, and the time reached [s].
-fn made(
-    model: &mut Component,
-    span: &Span,
-    signals: &Signals,
-    output: &[String],
-) -> PyResult<(Vec<u8>, Vec<String>, Option<String>, f64)> {
+fn made(model: &mut Component, span: &Span, signals: &Signals, output: &[String]) -> Made<Vec<u8>> {
     let columns = columns(model.interface(), output).map_err(input)?;
     let references = columns.iter().map(|column| find(model.interface(), &column.name)).collect::<Result<Vec<_>, _>>();
     let references = references.map_err(input)?;

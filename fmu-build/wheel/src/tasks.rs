@@ -4,7 +4,7 @@
 
 use crate::errors::{guarded, in_python, input, refused};
 use anyhow::Result;
-use fmu_build::source::Definition;
+use fmu_build::fmu::Definition;
 use fmu_build::workspace::Workspace;
 use fmu_build::{check as checking, output, task};
 use fmu_studies::progress;

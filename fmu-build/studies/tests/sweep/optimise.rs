@@ -10,7 +10,7 @@ fn refusal(folder: &Folder, study: Value) -> String {
     println!("{study}");
     let (study, out) = (folder.study("wrong.json", study), Some(folder.0.join("refused")));
     let arguments = Arguments { study, out, ..Default::default() };
-    let message = format!("{:#}", optimise::run(&Workspace::locate(), &arguments).unwrap_err());
+    let message = format!("{:#}", optimise::run(&Workspace::locate(), &arguments, None).unwrap_err());
     assert!(!message.contains('\n') && !folder.0.join("refused").exists(), "{message}");
     message
 }

@@ -48,7 +48,7 @@ impl Drop for Folder {
 pub fn sweep(study: &Path, out: &Path, threads: u16) -> anyhow::Result<simulate::Outcome> {
     let (study, out) = (study.to_path_buf(), Some(out.to_path_buf()));
     let arguments = Arguments { study, out, csv: true, threads: Some(threads), ..Default::default() };
-    sweep::run(&Workspace::locate(), &arguments)
+    sweep::run(&Workspace::locate(), &arguments, None)
 }
 
 /// A table.

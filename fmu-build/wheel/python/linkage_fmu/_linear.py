@@ -57,7 +57,8 @@ def linearise(
 ) -> list[LinearModel]:
     """See `Mechanism.linearise`."""
     coordinate, inputs, outputs, held_by = what
-    found = mechanism._model.linearise(coordinate, list(inputs), list(outputs), held_by, count, words(start_values))
+    asked = (coordinate, list(inputs), list(outputs), held_by)
+    found = mechanism._model.linearise(asked, count, words(start_values))
     name, u, y, all_at = found
     models = []
     for at in all_at:
