@@ -51,7 +51,7 @@ def test_the_types_are_strict(tmp_path: Path) -> None:
 
 def test_the_stubs_name_what_the_extension_has() -> None:
     stubs = (PACKAGE / "_engine.pyi").read_text(encoding="utf-8")
-    for own in (lf.Simulation, lf.State, lf.Names, lf._engine.Model):
+    for own in (lf.Simulation, lf.State, lf.Names, lf._engine.Model, lf._engine.Plan):
         for name in vars(own):
             if not name.startswith("_") or name in ("__getitem__", "__setitem__", "__copy__", "__enter__"):
                 assert f"def {name}(" in stubs, f"{own.__name__}.{name}"

@@ -20,7 +20,7 @@ mod engine {
     #[expect(non_upper_case_globals, reason = "the name that Python has for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use crate::model::Model;
+    use crate::model::{Model, Plan};
     #[pymodule_export]
     use crate::names::Names;
     #[pymodule_export]

@@ -42,6 +42,22 @@ pub struct Model {
     fresh: Mutex<Component>,
 }
 
+/// What a run records, looked up once.
+#[pyclass(frozen, module = "linkage_fmu._engine")]
+pub struct Plan {
+    columns: Vec<Column>,
+    references: Vec<Reference>,
+}
+
+#[pymethods]
+impl Plan {
+    /// Names and units of the variables, and whether each is a Boolean.
+    fn layout(&self) -> Vec<(String, &'static str, bool)> {
+        let one = |own: &Column| (own.name.clone(), own.unit.map_or("1", Unit::name), own.is_boolean);
+        self.columns.iter().map(one).collect()
+    }
+}
+
 /// Warnings of a run, and the wish of the user to end it.
 #[derive(Default)]
 struct Observer {
@@ -117,20 +133,21 @@ impl Model {
         model.interface().list().iter().map(one).collect()
     }
 
-    /// Names and units of the variables that a run records, and whether each is a Boolean.
-    fn columns(&self, names: Vec<String>) -> PyResult<Vec<(String, &'static str, bool)>> {
+    /// What a run records: these variables, or all outputs.
+    fn plan(&self, names: Vec<String>) -> PyResult<Plan> {
         let model = self.component();
-        let all = columns(model.interface(), &names).map_err(input)?;
-        Ok(all.into_iter().map(|own| (own.name, own.unit.map_or("1", Unit::name), own.is_boolean)).collect())
+        let columns = columns(model.interface(), &names).map_err(input)?;
+        let references = columns.iter().map(|column| find(model.interface(), &column.name));
+        Ok(Plan { references: references.collect::<Result<_, _>>().map_err(input)?, columns })
     }
 
     /// A run: its rows as bytes, its warnings, the error that ended it, and the time reached [s].
-    #[pyo3(signature = (output, start, stop, interval, tolerance, start_values, signals, with_slopes))]
+    #[pyo3(signature = (plan, start, stop, interval, tolerance, start_values, signals, with_slopes))]
     #[expect(clippy::too_many_arguments, reason = "one function of Python calls it")]
     fn run<'py>(
         &self,
         py: Python<'py>,
-        output: Vec<String>,
+        plan: &Plan,
         start: f64,
         stop: Option<f64>,
         interval: Option<f64>,
@@ -156,7 +173,7 @@ impl Model {
                 if with_slopes && model.input_order() == 0 {
                     return Err(input("set_input_derivatives: this model has no derivatives of inputs"));
                 }
-                made(&mut model, &span, &signals, &output)
+                made(&mut model, &span, &signals, plan)
             })
         })?;
         Ok((PyByteArray::new(py, &rows), warnings, error, time))
@@ -269,10 +286,8 @@ fn span(model: &Component, start: f64, stop: Option<f64>, interval: Option<f64>)
 }
 
 /// Make a run: its rows, its warnings, why it ended early, and the time reached [s].
-fn made(model: &mut Component, span: &Span, signals: &Signals, output: &[String]) -> Made<Vec<u8>> {
-    let columns = columns(model.interface(), output).map_err(input)?;
-    let references = columns.iter().map(|column| find(model.interface(), &column.name)).collect::<Result<Vec<_>, _>>();
-    let references = references.map_err(input)?;
+fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) -> Made<Vec<u8>> {
+    let Plan { columns, references } = plan;
     let width = 1 + columns.len();
     let expected = ((span.stop - span.start) / span.interval) as usize + 2;
     let mut rows: Vec<f64> = Vec::with_capacity(expected.min(MOST_RESERVED) * width);
@@ -282,9 +297,9 @@ fn made(model: &mut Component, span: &Span, signals: &Signals, output: &[String]
         let start = rows.len();
         rows.push(time);
         if are_reals {
-            model.reals(&references, |value| rows.push(value))?;
+            model.reals(references, |value| rows.push(value))?;
         } else {
-            for (column, &reference) in columns.iter().zip(&references) {
+            for (column, &reference) in columns.iter().zip(references) {
                 rows.push(match column.is_boolean {
                     true => f64::from(u8::from(model.boolean(reference)?)),
                     false => model.real(reference)?,
@@ -304,7 +319,7 @@ fn made(model: &mut Component, span: &Span, signals: &Signals, output: &[String]
     watch.lines.extend(missing.lines(&names));
     // A row that a refused value has cut short is left out.
     rows.truncate(rows.len() / width * width);
-    Ok((packed(&columns, &rows), watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
+    Ok((packed(columns, &rows), watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
 }
 
 /// Rows in the layout of numpy: doubles, and a byte for a Boolean.

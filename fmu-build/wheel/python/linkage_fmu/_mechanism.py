@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._kinematics import Kinematics
     from ._linear import LinearModel
     from ._page import Page
-    from ._result import Result
+    from ._result import Columns, Result
 
 #: What a definition is given as: a path, a dictionary, or the text of a file.
 Source = str | os.PathLike[str] | Mapping[str, Any]
@@ -157,7 +157,7 @@ class Mechanism:
         self.step_size: float = about[3]
         #: Warnings about the definition.
         self.warnings: list[str] = about[4]
-        self._columns: dict[tuple[str, ...], Any] = {}
+        self._columns: dict[tuple[str, ...], Columns] = {}
 
     @property
     def variables(self) -> list[Variable]:
@@ -216,7 +216,7 @@ class Mechanism:
             InputError: a name, a value, a unit or a shape that cannot be used.
             SimulationError: the run ends early; `result` of the exception holds the rows up to there.
         """
-        from ._result import Result, dtype, signals
+        from ._result import Columns, Result, signals
 
         self._has_masses()
         key = tuple(output or ())
@@ -224,10 +224,10 @@ class Mechanism:
         if columns is None:
             if isinstance(output, str):
                 raise InputError(f'output is a list of names; write output=["{output}"]')
-            columns = self._columns[key] = dtype(self._model.columns(list(key)))
+            columns = self._columns[key] = Columns(self._model.plan(list(key)))
         given = None if input is None else signals(input)
         rows, lines, error, _ = self._model.run(
-            list(key),
+            columns.plan,
             start_time,
             stop_time,
             output_interval,

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
+    from ._engine import Plan
     from ._mechanism import Mechanism
     from ._page import Page
 
@@ -19,17 +20,14 @@ if TYPE_CHECKING:
 class Columns:
     """Layout of a result, and the units of its columns."""
 
-    __slots__ = ("dtype", "units")
+    __slots__ = ("dtype", "plan", "units")
 
-    def __init__(self, columns: list[tuple[str, str, bool]]) -> None:
+    def __init__(self, plan: Plan) -> None:
+        columns = plan.layout()
+        self.plan = plan
         types = [(name, np.bool_ if is_boolean else np.float64) for name, _, is_boolean in columns]
         self.dtype = np.dtype([("time", np.float64), *types])
         self.units = {"time": "s", **{name: unit for name, unit, _ in columns}}
-
-
-def dtype(columns: list[tuple[str, str, bool]]) -> Columns:
-    """Layout of the rows of a run."""
-    return Columns(columns)
 
 
 def signals(given: Any) -> tuple[list[float], list[tuple[str, list[float]]]]:  # noqa: ANN401
