@@ -13,7 +13,7 @@ pub mod import;
 pub mod linearise;
 mod parquet_file;
 mod plot;
-mod progress;
+pub mod progress;
 pub mod simulate;
 pub mod sweep;
 pub mod task;

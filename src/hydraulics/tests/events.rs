@@ -42,7 +42,7 @@ fn steps_end_at_a_cushion_and_at_an_edge() {
         let (omega, mut low, mut high) = (std::f64::consts::TAU * 60.0, 0.0, 0.1);
         for _ in 0..100 {
             let t = 0.5 * (low + high);
-            let y: f64 = 0.4 * (1.0 - (1.0 + omega * t) * (-omega * t as f64).exp());
+            let y: f64 = 0.4 * (1.0 - (1.0 + omega * t) * (-omega * t).exp());
             if y < 0.1 { low = t } else { high = t }
         }
         let edge = named("at valve.overlap");
