@@ -1,4 +1,4 @@
-"""The arm of modelDescription/LiftArm with its network as one system, integrated by SciPy: the reference for one FMU of both.
+"""The arm of modelDescription/LiftArm with its network as one system, integrated by SciPy: the reference for the FMU.
 
 Usage: python lift_arm.py > lift_arm.txt writes times, names and values. The equations of the oil are those of
 integrate.py; the arm's are written here from the numbers of the file, without the code of the FMU.

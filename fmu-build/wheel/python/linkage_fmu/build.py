@@ -3,18 +3,20 @@
 ```python
 from linkage_fmu import Mechanism, build
 
-press = Mechanism(build.mechanism(
-    "Press",
-    build.body("crank", mass=1.2),
-    build.body("rod", mass=0.9),
-    build.body("slider", mass=0.5),
-    build.pin("bearing", "ground", "crank", at=(0, 0)),
-    build.pin("pin", "crank", "rod", at=(80, 60)),
-    build.pin("wrist", "rod", "slider", at=(360, 0)),
-    build.slide("guide", "ground", "slider", at=(360, 0)),
-    build.torque("motor", on="crank", torque=2),
-    build.start("crank", angle=30),
-))
+press = Mechanism(
+    build.mechanism(
+        "Press",
+        build.body("crank", mass=1.2),
+        build.body("rod", mass=0.9),
+        build.body("slider", mass=0.5),
+        build.pin("bearing", "ground", "crank", at=(0, 0)),
+        build.pin("pin", "crank", "rod", at=(80, 60)),
+        build.pin("wrist", "rod", "slider", at=(360, 0)),
+        build.slide("guide", "ground", "slider", at=(360, 0)),
+        build.torque("motor", on="crank", torque=2),
+        build.start("crank", angle=30),
+    )
+)
 ```
 
 `mechanism` returns the dict of a definition, to which any further key of the format can be added.
