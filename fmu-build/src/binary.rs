@@ -309,7 +309,7 @@ mod tests {
     fn a_program_is_no_library() {
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         let message = check(platform("win64"), &program, FUNCTION).unwrap_err().to_string();
-        assert!(message.contains("Elf for X86_64") && message.contains("Pe for X86_64"), "{message}");
+        assert!(message.contains("Elf for the processor X86_64") && message.contains("Pe for X86_64"), "{message}");
         assert!(exports_fmi_only(b"not a library").is_err());
         let message = check(platform("linux64"), &program, FUNCTION).unwrap_err().to_string();
         assert!(message.contains("does not export") || message.contains("not a shared library"), "{message}");

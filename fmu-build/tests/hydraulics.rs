@@ -59,7 +59,8 @@ fn keys_and_defaults_are_those_of_the_engine() {
 #[test]
 fn the_engine_has_the_limits_of_the_schema() {
     for (name, keys) in sections() {
-        for (key, rule) in keys.as_object().unwrap() {
+        let numbers = keys.as_object().unwrap().iter().filter(|(_, rule)| rule["default"].is_number());
+        for (key, rule) in numbers {
             let reads = |value: f64| {
                 let text = json!({ "name": "A", "circuit": { &name: { key: value } } }).to_string();
                 HydraulicActuator::from_json(&text).is_ok()

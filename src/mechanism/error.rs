@@ -261,8 +261,8 @@ impl fmt::Display for ModelError {
             ),
             Self::LoadOverflow { name, value } => write!(
                 f,
-                "{name} = {}: with this value a load, or the work of a load, exceeds the largest number, {:.1e}; set a \
-                 smaller value",
+                "{name} = {}: with inputs of this magnitude, a load or the work of a load exceeds the largest number, \
+                 {:.1e}; set a smaller value",
                 Decimal(*value),
                 f64::MAX
             ),

@@ -20,7 +20,11 @@ use host::Gear;
 use hostile::play::{LONGEST, Op, Player, op};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
+
+/// Instances of one definition share memory, also those of two tests. So one test at a time has instances.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// Calls if nothing else is asked for.
 const CALLS: u64 = 300_000;
@@ -28,6 +32,10 @@ const CALLS: u64 = 300_000;
 const ROUND: u64 = 50_000;
 /// Growth of the resident memory that the system's allocator may make from the second round on [bytes].
 const RESIDENT: usize = 2 << 20;
+
+/// Scratch that an instance keeps over a reset once it has needed it, such as that of reactions without a table: live
+/// memory may differ by it from round to round, and grows no further [bytes].
+const SCRATCH: isize = 8 << 10;
 
 /// Resident memory [bytes], where the system reports it.
 fn resident() -> Option<usize> {
@@ -37,6 +45,7 @@ fn resident() -> Option<usize> {
 
 #[test]
 fn memory_is_constant_over_random_calls() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let calls = std::env::var("LINKAGE_FMU_CALLS").map_or(CALLS, |text| text.parse().unwrap());
     let mut player = Player::new();
     let ops = op(player.others());
@@ -69,7 +78,7 @@ fn memory_is_constant_over_random_calls() {
         first.1,
         last.1
     );
-    assert!(seen.iter().all(|(live, _)| *live == first.0), "{seen:?}");
+    assert!(seen.iter().all(|(live, _)| (*live - first.0).abs() <= SCRATCH), "{seen:?}");
     if let (Some(first), Some(last)) = (first.1, last.1) {
         assert!(last <= first + RESIDENT, "{seen:?}");
     }
@@ -78,14 +87,17 @@ fn memory_is_constant_over_random_calls() {
 /// What an instance takes is given back.
 #[test]
 fn instances_give_back_their_memory() {
-    drop(Gear::stepping(0.0, None));
-    let before = live();
-    for _ in 0..20 {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let life = || {
         let gear = Gear::stepping(0.0, None);
         for n in 0..10 {
             gear.step(f64::from(n) * 1e-3, 1e-3);
         }
         gear.get("joint2.force").unwrap();
-    }
+    };
+    // The host's description is of the same definition, so the tables that the first life reads stay.
+    life();
+    let before = live();
+    (0..20).for_each(|_| life());
     assert_eq!(live(), before);
 }

@@ -122,7 +122,7 @@ fn what_is_no_curve_and_no_gas_is_refused() {
         ),
         (
             json!({ "joint": "slide", "points": [[0, 1], [0, 2]] }),
-            &["points[1]", "S = 0 must be larger than S = 0", "sort"],
+            &["points[1]", "position = 0 must be larger than position = 0", "sort"],
         ),
         (json!({ "joint": "slide", "points": [[0, 1], [2, 1e101]] }), &["springs.strut.points[1]", "1e101"]),
         (json!({ "joint": "slide", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "so close"]),

@@ -197,7 +197,11 @@ fn what_the_drawing_contradicts_is_refused() {
             json!({ "eye": [1, 1] }),
             vec!["bodies.crank.drawn.points.eye", "remove one of the two"],
         ),
-        ("/bodies/flag/drawn/origin", json!([112, 40]), vec!["bodies.flag.drawn.origin", "0.002 m away from rod.end"]),
+        (
+            "/bodies/flag/drawn/origin",
+            json!([112, 40]),
+            vec!["bodies.flag.drawn.origin", "0.002 m away from the point rod.end"],
+        ),
         ("/bodies/flag/angle", json!(30), vec!["bodies.flag.angle", "the drawing gives 1.570796327"]),
         ("/joints/guide/angle", json!(0), vec!["joints.guide.angle", "the drawing gives 1.570796327"]),
         ("/bodies/rod/drawn/origin", json!([31, 40]), vec!["joints.pin", "drawn 0.001 m away from the first"]),

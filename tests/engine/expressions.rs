@@ -216,7 +216,7 @@ fn what_is_wrong_is_named_with_its_key() {
         (length("0 / 0"), &["bodies.crank.length", "NaN"]),
         (
             length("crank.length"),
-            &["bodies.crank.length", "crank.length reads crank.length refer to each other in a circle"],
+            &["bodies.crank.length", "the values refer to each other in a circle (crank.length reads crank.length)"],
         ),
         (length("ground.length + rocker.mass"), &["in a circle", "crank.length"]),
         (with(&|m| m["parameters"]["size"] = json!("load.mass")), &["parameters.size", "in a circle"]),

@@ -116,7 +116,7 @@ fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
 fn a_curve_without_points_is_refused() {
     let text =
         changed(translating("cycloidal", parsed(ROLLER)), |m| m["couplings"]["cam"]["interpolation"] = json!("spline"));
-    assert_says(refusal(&text), &["couplings.cam.interpolation", "segments", "points"]);
+    assert_says(refusal(&text), &["couplings.cam.interpolation", "this cam has no points"]);
     for (value, pieces) in [("spline", ["motion.interpolation", "this profile"]), ("cubic", ["cubic", "monotone"])] {
         let text = servo_text(&json!({ "profile": "cycloidal", "duration": 1, "distance": 1, "interpolation": value }));
         assert_says(refusal(&text), &pieces);

@@ -105,7 +105,10 @@ fn the_bucket_locks_where_statics_has_no_force() {
                         let reason = run.undefined(name);
                         assert_says(
                             reason,
-                            &["the mechanism against the drive cylinder near", "every force of this drive"],
+                            &[
+                                "the mechanism against the drive cylinder near",
+                                "however large the force of this drive is",
+                            ],
                         );
                         lacks = true;
                         locked += 1;

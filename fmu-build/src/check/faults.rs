@@ -151,7 +151,7 @@ mod tests {
             (r#"{ "load": "2 * y", "z": 3 }"#, "load: \"2 * y\": there is no parameter y"),
             (
                 r#"{ "load": "other", "other": "load" }"#,
-                "load: \"other\": load reads other reads load refer to each other in a circle",
+                "load: \"other\": the values refer to each other in a circle (load reads other reads load)",
             ),
         ] {
             let told = with(parameters);
@@ -178,6 +178,6 @@ mod tests {
             all("mechanism.json", text).unwrap().located.iter().map(|one| one.finding.to_string()).collect();
         assert_eq!(told.len(), 2, "{told:#?}");
         assert!(told.iter().any(|one| one.contains("in a circle")), "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("there is no parameter f:")), "{told:#?}");
+        assert!(told.iter().any(|one| one.contains("there is no parameter f;")), "{told:#?}");
     }
 }

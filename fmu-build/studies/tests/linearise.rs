@@ -71,7 +71,7 @@ fn the_table_has_the_numbers_of_the_engine() {
     }
     assert!(all.iter().any(|at| at.omega > 1.0) && all.iter().any(|at| at.omega.is_nan()));
     let drawn = fs::read_to_string(&picture).unwrap();
-    for word in ["eigenfrequency", "damping ratio", "rod.angle in deg", "in Hz", "eigenvalue 2, imaginary"] {
+    for word in ["eigenfrequency", "damping ratio", "rod.angle [deg]", "[Hz]", "eigenvalue 2, imaginary"] {
         assert!(drawn.contains(word), "{word}");
     }
 

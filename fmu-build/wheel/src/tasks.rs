@@ -149,7 +149,8 @@ pub fn validate(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     })
 }
 
-/// Make the runs of a study into a folder; what was printed. `watch` is called with the numbers of runs done and of all.
+/// Make the runs of a study into a folder; what was printed. `watch` is called with the number of runs done and that of
+/// all.
 #[pyfunction]
 pub fn sweep(
     py: Python<'_>,

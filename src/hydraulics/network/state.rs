@@ -369,7 +369,8 @@ impl State {
         self.time = [sum, delta - (sum - time)];
     }
 
-    /// Locks release and engage by their pressures; those that are near the pressure of the change, as a part of it, too.
+    /// Locks release and engage by their pressures. `near`: distance from the pressure of the change at which a lock
+    /// changes too, as a part of this pressure.
     pub fn switch_locks(&mut self, laws: &Laws, near: f64) {
         for (lock, engaged) in laws.locks.iter().zip(&mut self.locks) {
             let (p, near) = (self.y[lock.at], near * lock.release);

@@ -22,10 +22,13 @@ fn what_is_no_curve_is_refused_by_name() {
         ),
         (damper(json!([[-1, -1], [1, 1]])), &["springs.d.damping_points", "add the point [0, 0]"]),
         (damper(json!([[-1, 1], [0, 0], [1, 1]])), &["damping_points[0]", "the force 1 at the speed -1 would drive"]),
-        (damper(json!([[0, 0], [1, 5], [2, 3]])), &["damping_points", "end point at the speed 2", "not smaller"]),
+        (
+            damper(json!([[0, 0], [1, 5], [2, 3]])),
+            &["damping_points", "point at the speed 2", "at least as large in magnitude"],
+        ),
         (
             damper(json!([[-2, -1], [-1, -5], [0, 0], [1, 5]])),
-            &["damping_points", "end point at the speed -2", "not smaller"],
+            &["damping_points", "point at the speed -2", "at least as large in magnitude"],
         ),
         (damper(json!([[1, 1], [0, 0]])), &["damping_points[1]", "speed = 0 must be larger than speed = 1"]),
         (

@@ -31,7 +31,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: is empty"),
         (
             with("factors", json!({ "crank.mass": { "values": [true] } })),
-            "values[0]: crank.mass is a Real, but true is not",
+            "values[0]: the value of crank.mass must be a Real, but true is not of this type",
         ),
         (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: is missing"),
         (
