@@ -122,7 +122,7 @@ def cut(part: str, size: int) -> Change:
         ),
         (edited("mechanism.json", b"coupler", b"kuppler"), "modelDescription.xml has no variable kuppler.angle", False),
         (edited("modelDescription", b'guid="{', b'guid="{0'), "guid is", False),
-        (edited("modelDescription", b'unit="kg"', b'unit="g"'), "crank.mass is", False),
+        (edited("modelDescription", b'unit="kg"', b'unit="g"'), "unit of crank.mass are", False),
         (edited("mechanism.json", b'"mass"', b'"weight"'), "weight", False),
         (edited("mechanism.json", b'"mass"', b'"ma\xdf"'), "is not UTF-8", False),
         (without("binaries"), "contains no library", False),

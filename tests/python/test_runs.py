@@ -81,7 +81,7 @@ def test_a_result_goes_on(gear: lf.Mechanism) -> None:
     figure = result.plot("crank.angle", "joint1.force", x="actuator.length")
     assert [axis.get_ylabel() for axis in figure.axes] == ["[rad]", "[N]"]
     assert figure.axes[1].get_xlabel() == "actuator.length [m]"
-    with pytest.raises(lf.InputError, match=r"crank\.angel.*nearest names are crank\.angle"):
+    with pytest.raises(lf.InputError, match=r"crank\.angel.*most similar names are crank\.angle"):
         result.plot("crank.angel")
 
 

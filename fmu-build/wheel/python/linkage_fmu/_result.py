@@ -155,4 +155,4 @@ def _unknown(name: str, names: list[str]) -> str:
     from difflib import get_close_matches
 
     near = get_close_matches(name, names, 3, 0.0)
-    return f"the result has no variable {name!r}: the nearest names are {', '.join(near)}"
+    return f"the result has no variable {name!r}: the most similar names are {', '.join(near)}"
