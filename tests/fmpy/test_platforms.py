@@ -53,7 +53,10 @@ def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:
 REFUSED = {
     "another platform's library": (f"win32={LIBRARIES['win64']}", ["container_fmu.dll", "win32", "X86_64", "I386"]),
     "a processor's": (f"aarch64-linux={CONTAINER / 'x86_64-linux' / 'container_fmu.so'}", ["X86_64", "Aarch64"]),
-    "another system's library": (f"darwin64={LIBRARIES['win64']}", ["darwin64", "Pe for the processor X86_64", "MachO"]),
+    "another system's library": (
+        f"darwin64={LIBRARIES['win64']}",
+        ["darwin64", "Pe for the processor X86_64", "MachO"],
+    ),
     "no library": (f"win64={Path(__file__)}", ["test_platforms.py", "not a library"]),
     "no FMU's library": (f"win64={SHIPPED / 'logging' / 'win64' / 'logging.dll'}", ["does not export fmi2Instantiate"]),
     "no file": ("win64=nowhere.dll", ["nowhere.dll", "no such file"]),
