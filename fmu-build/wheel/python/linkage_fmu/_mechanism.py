@@ -136,10 +136,10 @@ class Mechanism:
     """
 
     def __init__(self, source: Source, *, massless: bool = False) -> None:
-        self._kind, self._shown, self._text = read(source)
+        self._kind, self._shown, self._given = read(source)
         self._is_massless = massless
-        if massless:
-            self._text = with_masses(self._text)
+        #: The text that the engine reads: with masses of its own where none are given, which no method shows.
+        self._text = with_masses(self._given) if massless else self._given
         is_text = isinstance(source, Mapping) or str(source).lstrip().startswith("{")
         self._path = None if is_text else Path(os.fspath(source))  # type: ignore[arg-type]
         try:
@@ -173,15 +173,16 @@ class Mechanism:
 
         The quantity `stable position` or `unstable position` is the value of the coordinate `of` [rad or m].
         """
+        self._has_masses()
         return self.check().about("Equilibria")
 
     def to_json(self) -> str:
         """The definition as JSON text, as it was given."""
-        return self._text
+        return self._given
 
     def to_dict(self) -> dict[str, Any]:
         """The definition as a dict."""
-        found: dict[str, Any] = json.loads(self._text)
+        found: dict[str, Any] = json.loads(self._given)
         return found
 
     def simulate(
@@ -343,7 +344,7 @@ class Mechanism:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the definition to a file; its path."""
         path = Path(path)
-        path.write_text(self._text, encoding="utf-8")
+        path.write_text(self._given, encoding="utf-8")
         return path
 
     def package(
@@ -385,7 +386,7 @@ class Mechanism:
         return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"text": self._text, "path": self._path, "massless": self._is_massless}
+        return {"text": self._given, "path": self._path, "massless": self._is_massless}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(state["text"], massless=state["massless"])  # type: ignore[misc]

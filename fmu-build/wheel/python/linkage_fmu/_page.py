@@ -8,11 +8,15 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
+from ._errors import InputError
+
 
 class Page:
     """One HTML page with all that it needs. A notebook shows it inline."""
 
     def __init__(self, text: str, height: int) -> None:
+        if not isinstance(height, int) or height <= 0:
+            raise InputError(f"height = {height!r}: must be a whole number of pixels > 0")
         #: The HTML text.
         self.html = text
         self._height = height

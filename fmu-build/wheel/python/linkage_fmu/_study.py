@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _engine
+from ._errors import InputError
 from ._mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -63,8 +64,12 @@ def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
     else:
         base, stated = Path.cwd(), dict(study)
     if mechanism is not None:
+        if not isinstance(mechanism, Mechanism):
+            raise InputError(f"mechanism = {mechanism!r}: must be a Mechanism; open it with Mechanism(...)")
+        mechanism._has_masses()
         stated["mechanism"] = str(mechanism.save(folder / mechanism._kind))
     elif isinstance(stated.get("mechanism"), Mechanism):
+        stated["mechanism"]._has_masses()
         stated["mechanism"] = str(stated["mechanism"].save(folder / stated["mechanism"]._kind))
     elif isinstance(stated.get("mechanism"), str | os.PathLike):
         stated["mechanism"] = str(base / stated["mechanism"])
