@@ -73,10 +73,11 @@ impl Run {
         let paused = self.model.step_to_pause(self.time, h, pauses);
         let outcome = match paused.map_err(value) {
             Ok(Paused::AtEvent(part)) => {
-                let begin = self.time;
+                let mut lines = self.model.take_occurrences(self.time);
                 self.time += part;
                 let jumped = self.model.handle_event(self.time).map_err(refused);
-                jumped.map(|_| self.model.take_occurrences(begin).into_iter().map(|line| line.text).collect())
+                lines.extend(self.model.take_occurrences(self.time));
+                jumped.map(|_| lines.into_iter().map(|line| line.text).collect())
             }
             Ok(Paused::AtEnd | Paused::AtStep(_)) => {
                 self.time = time;
