@@ -287,6 +287,14 @@ impl Mechanism {
                                of the integration";
                 Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
             }));
+            let operated =
+                network.pressure_locks.iter().filter(|(name, _)| self.locks.iter().any(|(own, _)| own == *name));
+            all.extend(operated.map(|(name, _)| {
+                let message = "the oil releases and engages this lock only at the end of a communication step, so the \
+                               motion depends on the communication step";
+                let remedy = "use communication steps of 10 ms or less";
+                Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy)
+            }));
         }
         let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
         let mut values = vec![

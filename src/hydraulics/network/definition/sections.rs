@@ -462,7 +462,7 @@ keys! {
         /// Hysteresis [Pa], >= 0: the lock engages again when the pressure at the port `at` falls below
         /// `release_pressure` - `hysteresis`.
         hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Pressure at which @ is released, \
-            minus the pressure at which @ engages again");
+            minus the pressure at which this lock engages again");
     }
 }
 
