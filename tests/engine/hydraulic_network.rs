@@ -172,6 +172,11 @@ fn a_pressure_lock_operates_the_lock_of_its_name() {
             arm["hydraulics"]["cylinders"]["lift"]["chamber_a"]["start_pressure"] = json!(2e6);
             arm["solver"]["tolerance"] = json!(1e-9);
         }));
+        let warned = arm.warnings().join("\n");
+        assert!(
+            warned.contains("hydraulics.pressure_locks.latch") && warned.contains("communication step"),
+            "{warned}"
+        );
         arm.set("lift_valve.command", 1.0);
         arm.initialize();
         let (mut released, mut moved) = (0.0, 0.0);
