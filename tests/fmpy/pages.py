@@ -21,6 +21,7 @@ import argparse
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -133,8 +134,8 @@ class Reader:
         (folder / "target" / "fmu").symlink_to(fmus)
         commands = folder / ".commands"
         commands.mkdir()
-        cargo = shutil.which("cargo") or "cargo"
-        program = PROGRAM or CARGO.replace("cargo", cargo, 1)
+        cargo = shlex.quote(shutil.which("cargo") or "cargo")
+        program = shlex.quote(PROGRAM) if PROGRAM else CARGO.replace("cargo", cargo, 1)
         task = f'if [ "$1" = fmu ]; then shift; exec {program} "$@"; fi\nexec {cargo} "$@"'
         for name, script in (("cargo", task), ("linkage-fmu", f'exec {program} "$@"')):
             (commands / name).write_text(f"#!/bin/bash\n{script}\n", encoding="utf-8")
