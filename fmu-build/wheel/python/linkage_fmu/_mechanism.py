@@ -138,7 +138,7 @@ class Mechanism:
     def __init__(self, source: Source, *, massless: bool = False) -> None:
         self._kind, self._shown, self._given = read(source)
         self._is_massless = massless
-        #: The text that the engine reads: with masses of its own where none are given, which no method shows.
+        # The text that the engine reads: with masses of its own where none are given, which no method shows.
         self._text = with_masses(self._given) if massless else self._given
         is_text = isinstance(source, Mapping) or str(source).lstrip().startswith("{")
         self._path = None if is_text else Path(os.fspath(source))  # type: ignore[arg-type]
