@@ -63,9 +63,9 @@ class Fmu:
 def connect(boom: Fmu, oil: Fmu) -> None:
     """Motion, mass and load of the boom at its cylinder become inputs of the oil."""
     motion = boom.get("cylinder.length", "cylinder.speed")
-    told = boom.get(*(f"cylinder.{name}" for name in SHARED))
+    values = boom.get(*(f"cylinder.{name}" for name in SHARED))
     oil.set(lift__length=motion[0], lift__speed=motion[1])
-    oil.set(**{f"lift__{name}": value for name, value in zip(SHARED, told, strict=True)})
+    oil.set(**{f"lift__{name}": value for name, value in zip(SHARED, values, strict=True)})
 
 
 def couple(folder: Path, h: float, end: float = SCHEDULE[-1][0]) -> np.ndarray:

@@ -124,8 +124,8 @@ class Report:
 
 def report(kind: str, text: str, shown: str) -> Report:
     """Check the text of a definition of this kind."""
-    told, words = _engine.check(kind, text, shown)
-    found: dict[str, Any] = json.loads(told)
+    checked, words = _engine.check(kind, text, shown)
+    found: dict[str, Any] = json.loads(checked)
     keys = ("severity", "path", "message", "remedy", "line", "column")
     findings = tuple(Finding(**{key: finding[key] for key in keys}) for finding in found["findings"])
     facts = tuple(
