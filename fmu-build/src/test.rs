@@ -21,6 +21,9 @@ const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
 const SEED: &str = "PROPTEST_RNG_SEED";
 
+/// Options of pytest: each file by one of as many processes as there are cores.
+const SHARED: [&str; 2] = ["--numprocesses=auto", "--dist=loadfile"];
+
 /// Begin of the page about the platforms.
 const PAGE: &str = include_str!("test/platforms.md");
 
@@ -52,8 +55,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     stage("FMPy tests", || {
         let mut pytest = Command::new(&python);
         pytest
-            // Each file by one of as many processes as there are cores.
-            .args(["-m", "pytest", "-q", "--numprocesses=auto", "--dist=loadfile"])
+            .args(["-m", "pytest", "-q"])
+            .args(SHARED)
             .arg(workspace.python_tests())
             .env(FMU_FOLDER, workspace.fmu_folder())
             .env(PROGRAM, &studies)
@@ -68,7 +71,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     })?;
     stage("browser tests", || {
         let mut pytest = Command::new(&python);
-        pytest.args(["-m", "pytest", "-q"]).arg(&folder);
+        pytest.args(["-m", "pytest", "-q"]).args(SHARED).arg(&folder);
         pytest.env(VIEW, &studies).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;

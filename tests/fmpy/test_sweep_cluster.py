@@ -278,8 +278,9 @@ def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path
 
 def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, tmp_path: Path) -> None:
     """Without a traceback, and with the remedy: a port at which nobody listens, and what is no address."""
-    for index, address in enumerate(["tcp://127.0.0.1:1", "nowhere"]):
-        process = start(study, tmp_path / str(index), "--scheduler", address)
+    addresses = ["tcp://127.0.0.1:1", "nowhere"]
+    waiting = [start(study, tmp_path / str(index), "--scheduler", address) for index, address in enumerate(addresses)]
+    for index, (address, process) in enumerate(zip(addresses, waiting, strict=True)):
         said, _ = process.communicate(timeout=600)
         assert process.returncode == 1, said
         assert "Traceback" not in said, said
