@@ -160,49 +160,6 @@ fn the_ends_of_the_cylinders_hold_the_mechanism() {
     }
 }
 
-/// A pressure lock with the name of a lock of the mechanism operates that lock: the arm is held until the pressure has
-/// risen.
-#[test]
-fn a_pressure_lock_operates_the_lock_of_its_name() {
-    let held = |engage: bool| {
-        let mut arm = Run::new(changed(ARM, |arm| {
-            arm["stops"] = json!({ "low": { "body": "arm", "limit": "lower", "angle": 0.1 } });
-            arm["locks"] = json!({ "latch": { "stop": "low", "at": "arm.end", "engage": engage } });
-            arm["hydraulics"]["pressure_locks"] = json!({ "latch": { "at": "lift.a", "release_pressure": 14e6 } });
-            arm["hydraulics"]["cylinders"]["lift"]["chamber_a"]["start_pressure"] = json!(2e6);
-            arm["solver"]["tolerance"] = json!(1e-9);
-        }));
-        let warned = arm.warnings().join("\n");
-        assert!(
-            warned.contains("hydraulics.pressure_locks.latch") && warned.contains("communication step"),
-            "{warned}"
-        );
-        arm.set("lift_valve.command", 1.0);
-        arm.initialize();
-        let (mut released, mut moved) = (0.0, 0.0);
-        for k in 1..=1000 {
-            let (before, was) = (arm.get("arm.angle"), arm.is("latch.engaged"));
-            arm.step(1e-3);
-            if engage && released == 0.0 {
-                assert_eq!(arm.get("arm.angle"), before, "{k}");
-            }
-            if released == 0.0 && was && !arm.is("latch.engaged") {
-                released = f64::from(k) * 1e-3;
-                assert!(arm.get("lift.chamber_a.pressure") >= 14e6);
-            }
-            if moved == 0.0 && arm.get("arm.angle") > 0.1 {
-                moved = f64::from(k) * 1e-3;
-            }
-        }
-        (released, moved)
-    };
-    let (released, moved) = held(true);
-    assert!(released > 0.0 && (moved - released - 1e-3).abs() < 1e-9, "{released} {moved}");
-    // Released by hand, the arm rises as soon as the oil carries it, below the pressure of the lock.
-    let (_, by_hand) = held(false);
-    assert!(by_hand > 0.0 && by_hand < moved, "{by_hand} {moved}");
-}
-
 #[test]
 fn faulty_networks_are_refused_by_name() {
     let error = |change: &dyn Fn(&mut Value)| refusal(changed(ARM, |arm| change(arm)));

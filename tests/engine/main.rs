@@ -45,6 +45,7 @@ mod newton_euler;
 mod one_element;
 mod pay_per_use;
 mod prescribed;
+mod pressure_locks;
 mod random_linkages;
 mod redundant;
 mod rigid_fem;

@@ -116,6 +116,34 @@ fn a_lock_catches_in_event_mode() {
 }
 
 /// Neither event mode alone nor early return alone ends a step at an event, and the bits stay.
+/// The pressure lock of the arm engages within a step. With event mode the step ends there, and the output changes when
+/// the event is handled, though no state jumps.
+#[test]
+fn a_pressure_lock_changes_in_event_mode() {
+    const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
+    let is_engaged = |arm: &Fmu| {
+        let mut engaged = 7;
+        assert_eq!(arm.boolean(arm.vr("parking.engaged"), &mut engaged), Status::Ok);
+        engaged
+    };
+    let arm = Fmu::of(ARM, wishes(true, true));
+    arm.initialize(1e-9);
+    assert_eq!((update(&arm), arm.enter_step_mode()), ((Status::Ok, [0; 5]), Status::Ok));
+    assert_eq!(is_engaged(&arm), 0);
+    let (status, stepped) = arm.step(0.0, 1.0);
+    assert!(status == Status::Ok && stepped.event && stepped.early && stepped.last < 1.0, "{stepped:?}");
+    let pressure = arm.get(["lift.chamber_a.pressure"])[0];
+    assert!((pressure / 7e6 - 1.0).abs() < 1e-12, "{pressure}");
+    assert_eq!(is_engaged(&arm), 0);
+    assert!(!handle_event(&arm));
+    assert_eq!(is_engaged(&arm), 1);
+    // Without event mode the step goes on.
+    let other = Fmu::of(ARM, wishes(false, false));
+    other.initialize(1e-9);
+    other.whole_step(0.0, 1.0);
+    assert_eq!(is_engaged(&other), 1);
+}
+
 #[test]
 fn steps_are_whole_unless_both_are_used() {
     let ends = [(false, false), (true, false), (false, true)].map(|(event_mode, early_return)| {

@@ -41,6 +41,13 @@ impl Fmu {
         Self { host: Host::new(&description, wishes).unwrap(), description }
     }
 
+    /// An instance of a definition for co-simulation.
+    fn of(definition: &str, wishes: Wishes) -> Self {
+        let folder = Folder::new("stepped");
+        let description = folder.described(definition);
+        Self { host: Host::new(&description, wishes).unwrap(), description }
+    }
+
     /// An instance of the landing gear in step mode, without event mode.
     fn stepping() -> Self {
         let gear = Self::gear(Wishes::default());

@@ -6,10 +6,12 @@
 use super::mechanism::{GROUND, Mechanism};
 use super::validate::idle_keys;
 use super::{JointKind, Range, Unclear};
+use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::order::sorted;
+use crate::variables::{edits, nearest};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
@@ -278,6 +280,24 @@ impl Mechanism {
         }
     }
 
+    /// The warning about a pressure lock of a network that operates no lock, but whose name is almost that of one.
+    fn misspelt_lock(&self, network: &HydraulicSystem, name: &str) -> Option<Finding> {
+        if self.locks.get(name).is_some() {
+            return None;
+        }
+        let others = self.locks.names().into_iter().filter(|other| network.pressure_locks.get(other).is_none());
+        let near = nearest(others, name);
+        let is_alike = |other: &&str| (1..=1 + name.len() / 5).contains(&edits(name, other));
+        near.first().filter(|other| is_alike(other))?;
+        let message = format!(
+            "no lock of the mechanism has this name, so this pressure lock operates no lock; the most similar names \
+             are {}",
+            near.join(", ")
+        );
+        let remedy = "give the pressure lock the name of the lock that it operates";
+        Some(Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy))
+    }
+
     fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
         if let Some(network) = &self.hydraulics {
             let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
@@ -287,14 +307,7 @@ impl Mechanism {
                                of the integration";
                 Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
             }));
-            let operated =
-                network.pressure_locks.iter().filter(|(name, _)| self.locks.iter().any(|(own, _)| own == *name));
-            all.extend(operated.map(|(name, _)| {
-                let message = "the oil releases and engages this lock only at the end of a communication step, so the \
-                               motion depends on the communication step";
-                let remedy = "use communication steps of 10 ms or less";
-                Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy)
-            }));
+            all.extend(network.pressure_locks.names().into_iter().filter_map(|name| self.misspelt_lock(network, name)));
         }
         let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
         let mut values = vec![

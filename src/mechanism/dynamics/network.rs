@@ -7,7 +7,7 @@ use crate::hydraulics::circuit::FREE;
 use crate::hydraulics::inputs::Polynomial;
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::hydraulics::network::inputs::limits;
-use crate::hydraulics::network::laws::{Border, Drive, Laws};
+use crate::hydraulics::network::laws::{Border, Drive, Laws, Lock};
 use crate::integrator::{Kept, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{INSTANTS, MOTION, ON_BORDER, SPEED_FLOOR, length_at, next_instant};
@@ -22,6 +22,54 @@ pub use crate::hydraulics::network::definition::CAPACITY;
 
 /// Components of the state of a motion with a network.
 pub const NETWORKED: usize = MOTION + CAPACITY;
+
+/// A level of a component of the state at which a lock changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Index of the component.
+    pub component: usize,
+    pub value: f64,
+    /// Sign of the change of the component beyond the level.
+    pub sign: f64,
+}
+
+impl Level {
+    /// How far a state is beyond the level.
+    #[inline]
+    pub fn excess(&self, z: &[f64]) -> f64 {
+        (z[self.component] - self.value) * self.sign
+    }
+}
+
+/// The places of the pressure locks in the state of a network, with what each is: 1 if it is engaged, else 0.
+fn pressure_locks(laws: &Laws) -> impl Iterator<Item = (usize, &Lock)> {
+    (laws.layout.components() + 1..).zip(&laws.locks)
+}
+
+/// Whether a pressure lock of a network in this state is engaged.
+pub fn is_engaged(laws: &Laws, state: &[f64], lock: usize) -> bool {
+    state[laws.layout.components() + 1 + lock] != 0.0
+}
+
+/// The state of the pressure locks before the first step follows from their pressures.
+pub fn engage_locks(laws: &Laws, state: &mut [f64]) {
+    for (place, lock) in pressure_locks(laws) {
+        state[place] = f64::from(lock.holds(true, state[lock.at]));
+    }
+}
+
+/// Release and engage the pressure locks of a network that are due in this state. Calls `changed` with each of them, by
+/// its index, and with whether it is engaged.
+pub fn switch_locks(laws: &Laws, state: &mut [f64], changed: &mut impl FnMut(usize, bool)) {
+    for (index, (place, lock)) in pressure_locks(laws).enumerate() {
+        let was_engaged = state[place] != 0.0;
+        let engaged = lock.holds(was_engaged, state[lock.at]);
+        if engaged != was_engaged {
+            state[place] = f64::from(engaged);
+            changed(index, engaged);
+        }
+    }
+}
 
 /// The network during one step: laws, inputs, lengths of the cylinders.
 #[derive(Clone, Debug)]
@@ -123,6 +171,21 @@ impl EquationOfMotion<'_> {
     /// The lowest pressure of a state in words, for messages.
     pub fn describe_network(&self, z: &[f64]) -> String {
         self.network.as_ref().map_or_else(String::new, |ports| ports.drives.laws.lowest_pressure(&z[MOTION..]))
+    }
+
+    /// Number of pressure locks of the network.
+    #[inline]
+    pub fn pressure_locks(&self) -> usize {
+        self.network.as_ref().map_or(0, |ports| ports.drives.laws.locks.len())
+    }
+
+    /// The level at which a pressure lock changes next from a state.
+    #[inline]
+    pub fn level_of_network(&self, lock: usize, z: &[f64]) -> Option<Level> {
+        let laws = &self.network.as_ref()?.drives.laws;
+        let own = laws.locks.get(lock)?;
+        let (value, sign) = own.next_change(is_engaged(laws, &z[MOTION..], lock));
+        Some(Level { component: MOTION + own.at, value, sign })
     }
 
     /// How far a state is beyond a border at which the laws are not smooth, 0 where it is on it; None where there is no

@@ -113,6 +113,10 @@ impl Told {
                 event(format!("a lock catches the mechanism at the stop {}", name(stop)))
             }
             What::LetGo { stop } => event(format!("the lock at the stop {} releases the mechanism", name(stop))),
+            What::Switched { lock, engaged } => {
+                let name = &loading.network.as_ref()?.pressure_locks[lock];
+                event(format!("lock {name} {}", if engaged { "engages" } else { "releases" }))
+            }
             What::Reversal => {
                 event("the motion stops or reverses, and the losses of the drives change their direction".to_owned())
             }

@@ -5,7 +5,7 @@ use super::{Formulation, Model, ModelError};
 use crate::mechanism::definition::{Method, Range};
 use crate::mechanism::designs::decides_reduced;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
-use crate::mechanism::motion::state::is_engaged;
+use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
 use std::sync::Arc;
@@ -190,7 +190,7 @@ impl Model {
             Some(Quantity::PressureLock(lock)) => {
                 let reduced = Arc::clone(self.reduced()?);
                 let state = self.state()?.along_curve();
-                let (network, memory) = (reduced.loading().network.as_ref(), state.memory.network());
+                let (network, memory) = (reduced.loading().network.as_ref(), state.memory.network_values());
                 Ok(network.zip(memory).is_some_and(|(network, memory)| is_engaged(&network.laws, memory, lock)))
             }
             Some(Quantity::AtStop(stop)) => {

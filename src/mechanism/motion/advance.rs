@@ -2,9 +2,9 @@
 //!
 //! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
 //! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
-//! drives with an efficiency and of friction that sticks, changes of friction's regime - are found on the interpolant
-//! of a step; impacts are polished on the integration itself. A step may go on beyond the span (`step_ahead.rs`). It
-//! must not know what moves.
+//! drives with an efficiency and of friction that sticks, changes of friction's regime, pressures at which locks change
+//! - are found on the interpolant of a step; impacts and locks are polished on the integration itself. A step may go on
+//! beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
@@ -29,7 +29,8 @@ pub enum Stopped {
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
-    /// A stop is met, as the contact tells, or lets go: the advance pauses there, and can go on.
+    /// A stop is met, as the contact tells, or lets go, or a lock is to change: the advance pauses there, and can go
+    /// on.
     Event(Progress),
     /// An internal step is done: the advance pauses there, and can go on.
     Pause(Progress),
@@ -124,6 +125,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         while self.progress.t < span {
             if self.progress.work.is_spent(self.integrator.attempts()) {
                 return Err(Stopped::Budget(self.progress));
+            }
+            if self.is_due(z) {
+                return Err(Stopped::Event(self.progress));
             }
             match self.instant(z, span)? {
                 Instant::Held => break,
@@ -400,8 +404,21 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.jumped();
                 self.impact(place, z)?;
             }
+            Event::Level(level) => {
+                if let Some(level) = self.dynamics.level(level, z) {
+                    z[level.component] = level.value;
+                }
+                return Err(Stopped::Event(self.progress));
+            }
         }
         Ok(())
+    }
+
+    /// Whether a lock is to change in the state z.
+    #[inline(always)]
+    fn is_due(&self, z: &[f64; N]) -> bool {
+        let is_beyond = |index| self.dynamics.level(index, z).is_some_and(|level| level.excess(z) >= 0.0);
+        (0..self.dynamics.levels()).any(is_beyond)
     }
 
     /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.

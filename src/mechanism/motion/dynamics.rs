@@ -6,7 +6,7 @@ use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
-use crate::mechanism::dynamics::network::NETWORKED;
+use crate::mechanism::dynamics::network::{Level, NETWORKED};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::reduced::StateLoads;
@@ -67,6 +67,16 @@ pub trait Dynamics<const N: usize>: System<N> {
     /// How far a state is beyond a border at the time t of the span [s]; 0 where there is none.
     fn beyond_border(&mut self, _border: usize, _t: f64, _z: &[f64; N]) -> f64 {
         0.0
+    }
+
+    /// Number of levels of components of the state at which locks change.
+    fn levels(&self) -> usize {
+        0
+    }
+
+    /// A level by its index; none where there is none.
+    fn level(&self, _index: usize, _z: &[f64; N]) -> Option<Level> {
+        None
     }
 
     /// Whether inputs change with time within the span.
@@ -317,6 +327,15 @@ where
             return self.beyond_border_of_network(border, z).unwrap_or(0.0);
         }
         z.first_chunk().and_then(|z| self.beyond_border_of_circuit(border, z)).unwrap_or(0.0)
+    }
+
+    #[inline(always)]
+    fn levels(&self) -> usize {
+        if N == NETWORKED { self.pressure_locks() } else { 0 }
+    }
+
+    fn level(&self, index: usize, z: &[f64; N]) -> Option<Level> {
+        self.level_of_network(index, z)
     }
 
     #[inline]

@@ -15,6 +15,7 @@ use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::passage::Bounded;
 use crate::numerics::table::TablePosition;
+pub use levels::{first_level, may_pass_level};
 use std::cell::RefCell;
 use switches::{may_switch, passage_of_switch};
 
@@ -45,6 +46,8 @@ pub enum Event {
     Border(usize),
     /// This sigma is passed, at which the right-hand side is less smooth.
     Knot(f64),
+    /// The level of this index is passed: a lock changes.
+    Level(usize),
     /// The interpolant has no finite value, or leads over positions in which friction locks: the step is taken again,
     /// shorter.
     Undefined,
@@ -65,9 +68,10 @@ impl Event {
                 sigma = knot;
                 (6, 0, Place::default())
             }
+            Self::Level(level) => (7, level, Place::default()),
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 7)?;
+        record.choice("event", &mut kind, 8)?;
         match kind {
             0 => place.record(record)?,
             6 => record.finite("position of an event", &mut sigma)?,
@@ -80,6 +84,7 @@ impl Event {
             3 => Self::Regime(index),
             4 => Self::Border(index),
             6 => Self::Knot(sigma),
+            7 => Self::Level(index),
             _ => Self::Switch(index),
         };
         Ok(())
@@ -129,7 +134,8 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         switching |= u64::from(may_switch(dynamics, switch, step, tolerance)) << switch;
     }
     let knot = passed_knot(dynamics, step);
-    if !(reverses || is_near || changing.is_some() || is_passed || knot.is_some() || switching != 0) {
+    let may_pass = may_pass_level(dynamics, step);
+    if !(reverses || is_near || changing.is_some() || is_passed || knot.is_some() || switching != 0 || may_pass) {
         return None;
     }
     let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
@@ -163,6 +169,9 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     }
     if let Some((knot, direction)) = knot {
         offer(dense.first_passage(0, knot, towards(direction), false), Event::Knot(knot));
+    }
+    if let Some((part, level)) = may_pass.then(|| first_level(dynamics, dense)).flatten() {
+        offer(Some(part), Event::Level(level));
     }
     for side in 0..2 {
         let Some(position) = ends.rigid(side).filter(|&position| near.place(position, side)) else { continue };
@@ -282,6 +291,7 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
         Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
+        Event::Level(level) => dynamics.level(level, z).map_or(0.0, |level| level.excess(z)),
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
@@ -416,4 +426,5 @@ fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense
     Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
 }
 
+mod levels;
 mod switches;

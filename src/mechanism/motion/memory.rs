@@ -198,6 +198,12 @@ impl Memory {
         }
     }
 
+    /// The numbers of this state.
+    #[inline]
+    pub fn network_values(&self) -> Option<&[f64]> {
+        self.network().map(|network| &network.values[..])
+    }
+
     /// A step has failed: the circuit or network is where it was.
     pub fn undo_circuit(&mut self) {
         match self {

@@ -232,6 +232,10 @@ impl SavedState {
                     switch < state_loads.map_or(0, StateLoads::switches),
                     format!("index of an event = {switch}: the mechanism has no change of sign with this index"),
                 ),
+                Event::Level(lock) => (
+                    loading.network.as_ref().is_some_and(|network| lock < network.laws.locks.len()),
+                    format!("index of an event = {lock}: the mechanism has no pressure lock with this index"),
+                ),
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };
             if !exists {

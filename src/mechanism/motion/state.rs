@@ -26,8 +26,8 @@ use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::{End, Reduced, StateLoads};
 use arrival::{Arrival, Begin};
-use circuit::{at_vacuum, operate_locks, rough_length};
-pub use circuit::{check_length, is_engaged};
+pub use circuit::check_length;
+use circuit::{at_vacuum, rough_length};
 pub use inputs::engages;
 use inputs::{Before, engaged_locks};
 pub use start::Start;
@@ -85,15 +85,16 @@ impl Reached {
     }
 }
 
-/// Locks are engaged or not as the ends tell; where the mechanism rests, a lock catches it or lets it go.
+/// Locks are engaged or not as the ends tell, from a time t of the step [s] on; where the mechanism rests, a lock
+/// catches it or lets it go.
 #[inline(always)]
-fn set_locks(contact: &mut Contact, ends: &Ends, witness: &mut Witness) {
+fn set_locks(contact: &mut Contact, ends: &Ends, t: f64, witness: &mut Witness) {
     let was_latched = contact.is_latched();
     contact.locks_set(ends);
     if contact.is_latched() != was_latched
         && let Some((stop, _)) = contact.at_rest().and_then(|place| ends.travel.stop(place))
     {
-        witness.tell(0.0, if was_latched { What::LetGo { stop } } else { What::Caught { stop } });
+        witness.tell(t, if was_latched { What::LetGo { stop } } else { What::Caught { stop } });
     }
 }
 
@@ -277,7 +278,7 @@ impl State {
         let Self { saved, scratch, witness, .. } = self;
         let SavedState { airspeed, revolutions, .. } = *saved;
         let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
-        set_locks(contact, ends, witness);
+        set_locks(contact, ends, 0.0, witness);
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
@@ -337,7 +338,7 @@ impl State {
             }
             Memory::WithCircuit(memory) => {
                 let driven = circuit::Driven { dynamics, memory, ends, contact, witness, tolerance, inputs };
-                let (impacts, z) = driven.run(*y, h, max_steps);
+                let (impacts, z, _) = driven.run(*y, h, max_steps);
                 (*y, *lost) = ([z[0], z[1]], z[2]);
                 *lost += impacts?;
                 Ok(())
@@ -345,13 +346,10 @@ impl State {
             Memory::WithNetwork(memory) => {
                 let own = &mut **memory;
                 let driven = circuit::Driven { dynamics, memory: own, ends, contact, witness, tolerance, inputs };
-                let (impacts, z) = driven.run(*y, h, max_steps);
+                let (impacts, z, now_locked) = driven.run(*y, h, max_steps);
                 (*y, *lost) = ([z[0], z[1]], z[2]);
-                if let Some(network) = &whole.loading().network
-                    && operate_locks(&network.laws, &mut memory.circuit.values)
-                {
+                if now_locked != locked {
                     saved.in_force = None;
-                    saved.memory.refresh();
                 }
                 *lost += impacts?;
                 Ok(())
@@ -398,7 +396,11 @@ impl State {
     /// The places of the stops in the frame of sigma, and where locks are engaged.
     pub fn ends(&self, reduced: &Reduced, locks: &[bool]) -> Ends<'_> {
         let travel = &*self.travel;
-        Ends::new(travel, shift(reduced, self.revolutions), engaged_locks(travel, reduced, locks, &self.memory))
+        Ends::new(
+            travel,
+            shift(reduced, self.revolutions),
+            engaged_locks(travel, reduced, locks, self.memory.network_values()),
+        )
     }
 
     /// Whether the mechanism is at a stop or beyond: past the place where the stop is first met, and not back within

@@ -28,6 +28,8 @@ pub enum What {
     Caught { stop: usize },
     /// The locks of this stop let the mechanism go.
     LetGo { stop: usize },
+    /// This pressure lock of the network engages or releases.
+    Switched { lock: usize, engaged: bool },
     /// The motion reverses, and with it the losses of the drives.
     Reversal,
     /// Friction holds the mechanism at rest.

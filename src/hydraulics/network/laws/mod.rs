@@ -172,6 +172,12 @@ impl Lock {
     pub fn holds(&self, engaged: bool, pressure: f64) -> bool {
         if engaged { pressure < self.release } else { pressure < self.engage }
     }
+
+    /// The pressure of the next change of a lock [Pa], which takes place on it or beyond, and the sign of the change of
+    /// the pressure beyond.
+    pub fn next_change(&self, engaged: bool) -> (f64, f64) {
+        if engaged { (self.release, 1.0) } else { (self.engage.next_down(), -1.0) }
+    }
 }
 
 impl Laws {

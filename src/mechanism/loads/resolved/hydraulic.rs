@@ -35,6 +35,8 @@ pub struct NetworkDrives {
     pub first_input: usize,
     /// Names of these inputs.
     pub inputs: Vec<String>,
+    /// Names of the pressure locks.
+    pub pressure_locks: Vec<String>,
     /// For each lock of the mechanism the pressure lock of the same name, which operates it.
     pub locks: Vec<Option<usize>>,
 }
@@ -56,6 +58,7 @@ impl NetworkDrives {
             laws: Laws::carried(network),
             first_input,
             inputs: flow_inputs(network).into_iter().map(|input| input.name).collect(),
+            pressure_locks: network.pressure_locks.names().into_iter().map(str::to_owned).collect(),
             locks: mechanism.locks.names().into_iter().map(pressure_lock).collect(),
         }
     }

@@ -56,6 +56,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             found.event,
             Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
         );
+        // The lock is to change at the same time in communication steps of any size.
+        let is_level = matches!(found.event, Event::Level(_));
         // The interpolant has the kink within it.
         let has_kink = matches!(found.event, Event::Border(border) if self.dynamics.is_kink(border));
         if is_smooth
@@ -87,7 +89,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 shorter = self.integrator.retake(self.dynamics, step, next);
                 self.progress.work.extra += 1;
             }
-        } else if let (true, Some(dense)) = (is_smooth, dense) {
+        } else if let (true, Some(dense)) = (is_smooth || is_level, dense) {
             self.polish(step, found, dense, &mut shorter);
         }
         Some(shorter)

@@ -7,6 +7,7 @@ use crate::integrator::{Dense, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::events::{Event, Found, first_level, may_pass_level};
 use crate::mechanism::motion::witness::What;
 use crate::numerics::bracket::bisect;
 use crate::numerics::passage::first_rise_of_quartic;
@@ -143,7 +144,23 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let is_cut = kink < span;
             let end = if is_cut { kink } else { span };
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance).map_err(Stopped::Integration)?;
-            if !self.sets_off(t + step.h, &step.end, directions)? {
+            let sets_off = self.sets_off(t + step.h, &step.end, directions)?;
+            let may_pass = may_pass_level(self.dynamics, &step);
+            let dense = if sets_off || may_pass { Some(self.integrator.dense(self.dynamics, &step)) } else { None };
+            let level = dense.as_ref().filter(|_| may_pass).and_then(|dense| first_level(self.dynamics, dense));
+            let mut end = 1.0;
+            if let (Some(dense), Some((part, level))) = (&dense, level) {
+                if !self.sets_off(t + part * step.h, &dense.at(part), directions)? {
+                    let found = Found { part, state: dense.at(part), event: Event::Level(level) };
+                    let shorter = self.locate(&step, &found, Some(dense)).unwrap_or(step);
+                    *z = shorter.end;
+                    z[..2].copy_from_slice(&rest);
+                    self.progress.t += shorter.h;
+                    return self.apply_event(found.event, false, z).map(|()| false);
+                }
+                end = part;
+            }
+            let Some(dense) = dense.filter(|_| sets_off || end < 1.0) else {
                 *z = step.end;
                 z[..2].copy_from_slice(&rest);
                 self.progress.t += step.h;
@@ -151,8 +168,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     return Ok(false);
                 }
                 continue;
-            }
-            let dense = self.integrator.dense(self.dynamics, &step);
+            };
             let mut locked = false;
             let [_, part] = bisect(
                 |part| {
@@ -161,7 +177,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     off != Ok(false)
                 },
                 0.0,
-                1.0,
+                end,
             );
             if locked {
                 return Err(Stopped::Locked);

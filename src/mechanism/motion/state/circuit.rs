@@ -2,23 +2,24 @@
 //!
 //! In: an equation of motion, the state of the circuit or network, inputs. Out: the state after the step, or what keeps
 //! the motion from going on. It must not know outputs.
-use super::State;
+use super::inputs::engaged_locks;
+use super::{State, set_locks};
 use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::hydraulics::network::definition::HydraulicSystem;
-use crate::hydraulics::network::laws::{Laws, Lock};
+use crate::hydraulics::network::laws::Laws;
 use crate::integrator::{IntegrationError, Kept, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED, NetworkPorts};
+use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED, NetworkPorts, engage_locks, switch_locks};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
-use crate::mechanism::motion::contact::{Contact, Ends};
+use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory};
-use crate::mechanism::motion::witness::Witness;
+use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
 
@@ -38,6 +39,10 @@ pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
     /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a
     /// length is not smooth along the motion.
     fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<N>>>) -> Option<()>;
+
+    /// Release and engage the locks that the pressures in the state z operate and that are due. Calls `changed` with
+    /// each of them, by its index, and with whether it is engaged.
+    fn switch_locks(&self, _z: &mut [f64; N], _changed: &mut impl FnMut(usize, bool)) {}
 
     /// Why the integration came no further from the state z.
     fn why_stuck(&self, error: IntegrationError, z: &[f64; N]) -> Stopped;
@@ -65,6 +70,12 @@ impl<'e> Hydraulics<'e, NETWORKED> for EquationOfMotion<'e> {
         Some(())
     }
 
+    fn switch_locks(&self, z: &mut [f64; NETWORKED], changed: &mut impl FnMut(usize, bool)) {
+        if let Some(drives) = &self.whole.loading().network {
+            switch_locks(&drives.laws, &mut z[MOTION..], changed);
+        }
+    }
+
     fn why_stuck(&self, error: IntegrationError, z: &[f64; NETWORKED]) -> Stopped {
         Stopped::Stuck(error, self.describe_network(z))
     }
@@ -75,8 +86,13 @@ where
     EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
 {
     /// Advance (sigma, sigma_dot) and the circuit or network by exactly `h` [s]. Returns the energy lost in impacts
-    /// [J], and sigma, sigma_dot and the energy lost in the state reached.
-    pub fn run(self, [sigma, sigma_dot]: [f64; 2], h: f64, max_steps: u64) -> (Result<f64, Stopped>, [f64; MOTION]) {
+    /// [J]; sigma, sigma_dot and the energy lost in the state reached; the places where a lock is engaged there.
+    pub fn run(
+        self,
+        [sigma, sigma_dot]: [f64; 2],
+        h: f64,
+        max_steps: u64,
+    ) -> (Result<f64, Stopped>, [f64; MOTION], EngagedLocks) {
         let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
         let HydraulicMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
         *before = *circuit;
@@ -84,10 +100,7 @@ where
         (z[0], z[1]) = (sigma, sigma_dot);
         z[MOTION..].copy_from_slice(&circuit.values);
         let start = [sigma, sigma_dot, 0.0];
-        let Some(first) = dynamics.whole.loading().first_port() else { return (Ok(0.0), start) };
-        if lookahead.begin(tolerance, ends.locked) {
-            integrator.branch_off();
-        }
+        let Some(first) = dynamics.whole.loading().first_port() else { return (Ok(0.0), start, ends.locked) };
         let now = &inputs.reals[first..first + ports.len()];
         if !same_bits(ports, now) {
             ports.copy_from_slice(now);
@@ -97,12 +110,33 @@ where
             integrator.refresh();
         }
         if dynamics.begin(inputs, circuit.time.now, h, kept.take()).is_none() {
-            return (Err(Stopped::Length), start);
+            return (Err(Stopped::Length), start, ends.locked);
         }
-        let progress = Progress::within(integrator.attempts() + max_steps);
-        let dynamics = &mut *dynamics;
-        let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
-        let mut advanced = advance.run(&mut z, h);
+        let mut progress = Progress::within(integrator.attempts() + max_steps);
+        let mut ends = *ends;
+        let mut advanced = loop {
+            let mut is_changed = false;
+            dynamics.switch_locks(&mut z, &mut |lock, engaged| {
+                witness.tell(progress.t, What::Switched { lock, engaged });
+                is_changed = true;
+            });
+            if is_changed {
+                ends.locked = engaged_locks(ends.travel, dynamics.whole, &inputs.locks, Some(&z[MOTION..]));
+                set_locks(contact, &ends, progress.t, witness);
+            }
+            if lookahead.begin(tolerance, ends.locked) {
+                integrator.branch_off();
+            }
+            let (dynamics, integrator, lookahead) = (&mut *dynamics, &mut *integrator, &mut *lookahead);
+            let (ends, contact, witness) = (&ends, &mut *contact, &mut *witness);
+            let pauses = witness.pauses.at_events;
+            let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
+            match advance.run(&mut z, h) {
+                // A lock is to change.
+                Err(Stopped::Event(reached)) if !(pauses && reached.t > 0.0) => progress = reached,
+                advanced => break advanced,
+            }
+        };
         lookahead.end();
         *kept = dynamics.take_kept();
         let reached = match &advanced {
@@ -114,13 +148,8 @@ where
         if let Err(Stopped::Integration(error)) = advanced {
             advanced = Err(dynamics.why_stuck(error, &z));
         }
-        (advanced, [z[0], z[1], z[2]])
+        (advanced, [z[0], z[1], z[2]], ends.locked)
     }
-}
-
-/// The places of the pressure locks in the state of a network, with what each is: 1 if it is engaged, else 0.
-fn pressure_locks(laws: &Laws) -> impl Iterator<Item = (usize, &Lock)> {
-    (laws.layout.components() + 1..).zip(&laws.locks)
 }
 
 /// The state of a network at its start, at these lengths of the cylinders [m].
@@ -128,26 +157,8 @@ pub fn network_at_start(system: &HydraulicSystem, laws: &Laws, lengths: &[f64]) 
     let mut state = CircuitState::default();
     laws.fill_start(system, &mut state.values);
     state.values[laws.layout.components()] = laws.volume_at(|cylinder| lengths[cylinder]);
-    for (place, lock) in pressure_locks(laws) {
-        state.values[place] = f64::from(state.values[lock.at] < lock.release);
-    }
+    engage_locks(laws, &mut state.values);
     state
-}
-
-/// At the end of a step the pressures release and engage locks. Returns whether they have.
-pub fn operate_locks(laws: &Laws, values: &mut [f64]) -> bool {
-    let mut changed = false;
-    for (place, lock) in pressure_locks(laws) {
-        let engaged = f64::from(lock.holds(values[place] != 0.0, values[lock.at]));
-        changed |= engaged != values[place];
-        values[place] = engaged;
-    }
-    changed
-}
-
-/// Whether a pressure lock of the network is engaged.
-pub fn is_engaged(laws: &Laws, state: &CircuitState<CAPACITY>, lock: usize) -> bool {
-    state.values[laws.layout.components() + 1 + lock] != 0.0
 }
 
 /// The error of a motion in which a chamber, A or B, of oil without air has come to absolute zero.
@@ -183,6 +194,16 @@ pub fn check_length(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<(
 }
 
 impl State {
+    /// Whether a pressure lock is to change in this state.
+    pub fn is_lock_due(&self, reduced: &Reduced) -> bool {
+        let Some((network, state)) = reduced.loading().network.as_ref().zip(self.memory.network()) else {
+            return false;
+        };
+        let (mut values, mut is_due) = (state.values, false);
+        switch_locks(&network.laws, &mut values, &mut |_, _| is_due = true);
+        is_due
+    }
+
     /// The input with this index has this value: before the first step `supply.pressure` is the start of an
     /// accumulator.
     pub fn fill_accumulator(&mut self, reduced: &Reduced, input: usize, value: f64) {

@@ -3,16 +3,16 @@
 //! In: inputs that may have changed since the last step. Out: a state with them applied, or as it was before; the loads
 //! that the state decides under them. It must not know how a step is made.
 use super::State;
-use super::circuit::{check_ports, is_engaged};
+use super::circuit::check_ports;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
-use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
@@ -45,19 +45,20 @@ impl Before {
 }
 
 /// Whether a lock is engaged: as its input states, and, where a pressure lock of the network operates it, as that does.
-pub fn engages(reduced: &Reduced, locks: &[bool], memory: &Memory, lock: usize) -> bool {
+/// `network`: the state of the network, if there is one.
+pub fn engages(reduced: &Reduced, locks: &[bool], network: Option<&[f64]>, lock: usize) -> bool {
     let by_pressure = || {
-        let network = reduced.loading().network.as_ref()?;
-        Some(is_engaged(&network.laws, memory.network()?, network.locks[lock]?))
+        let drives = reduced.loading().network.as_ref()?;
+        Some(is_engaged(&drives.laws, network?, drives.locks[lock]?))
     };
     locks[lock] && by_pressure().unwrap_or(true)
 }
 
-/// The places at which a lock is engaged.
-pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], memory: &Memory) -> EngagedLocks {
+/// The places at which a lock is engaged, as [`engages`] states.
+pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], network: Option<&[f64]>) -> EngagedLocks {
     let mut locked = EngagedLocks::default();
     let all = reduced.loading().locks.iter().enumerate();
-    for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, memory, *index)) {
+    for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, network, *index)) {
         for (side, locked) in locked.rigid.iter_mut().enumerate() {
             *locked |= travel.holds(Place::rigid(side), lock.stop);
         }
@@ -148,7 +149,7 @@ impl State {
         if changed || ahead || self.is_retuned {
             self.right_hand_side_changed();
         }
-        let locked = engaged_locks(&self.travel, reduced, &inputs.locks, &self.memory);
+        let locked = engaged_locks(&self.travel, reduced, &inputs.locks, self.memory.network_values());
         if self.saved.prescribed.is_some() && driven.is_none() {
             self.release_prescribed(reduced, locked);
         }

@@ -120,7 +120,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Prescribed`]; nothing has changed.
     pub fn preview(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        let locked = engaged_locks(&self.saved.travel, reduced, &inputs.locks, &self.saved.memory);
+        let locked = engaged_locks(&self.saved.travel, reduced, &inputs.locks, self.saved.memory.network_values());
         self.follow(reduced, inputs, locked, false)
     }
 

@@ -231,7 +231,7 @@ impl State {
                 _ => saved.memory.begin(state_loads.is_some()),
             },
         }
-        let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, &saved.memory);
+        let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
         saved.in_force = is_applied.then(locked);
         if reduced.loading().motion.is_some() {
             self.begin_prescribed(reduced, inputs)?;
