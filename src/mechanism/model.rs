@@ -38,7 +38,7 @@ pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
 pub(super) use tune::Untuned;
-pub(super) use warnings::{Clipped, Parting};
+pub(super) use warnings::{Clipped, Watched};
 
 /// Section of the kept tables with the GUID of the interface.
 const GUID: &str = "guid";
@@ -63,7 +63,7 @@ pub struct Model {
     /// Whether [`Self::take_growth`] has told that the curve grows.
     has_told: bool,
     pub(super) clipped: Clipped,
-    pub(super) parting: Parting,
+    pub(super) watched: Watched,
     told: Told,
     /// Whether the host knows that `energy.drift` has no value in model exchange.
     lacks_drift: bool,
@@ -95,7 +95,7 @@ pub(super) struct Original {
     /// What the definition gives reason to warn of.
     pub(super) warnings: Vec<Finding>,
     /// At the start of a run.
-    parting: Parting,
+    watched: Watched,
 }
 
 impl Model {
@@ -147,11 +147,11 @@ impl Model {
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         found.extend(warnings(&mechanism, &reduced));
         found.extend(warnings_at_start(&mechanism, &reduced, &inputs));
-        let parting = Parting::new(&mechanism, &reduced);
+        let watched = Watched::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
         let identity = OnceLock::new();
         let original =
-            Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found, parting };
+            Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found, watched };
         let mut model = Self::of(Arc::new(original));
         // Tables are kept of what has a start.
         if !is_stored {
@@ -173,7 +173,7 @@ impl Model {
             is_placed: false,
             has_told: false,
             clipped: Clipped::default(),
-            parting: original.parting.clone(),
+            watched: original.watched.clone(),
             told: Told::default(),
             lacks_drift: false,
             untuned: None,
@@ -240,7 +240,7 @@ impl Model {
     fn place(&mut self) -> Result<(), ModelError> {
         self.clipped = Clipped::default();
         self.untuned = None;
-        self.parting.restart();
+        self.watched.restart();
         self.told.restart();
         self.begin_exchange()?;
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
@@ -332,8 +332,9 @@ impl Model {
         if let Some(command) = clipped {
             self.clipped.raise(command);
         }
-        if self.parting.watches {
-            self.look_for_parting(point.map(|point| point + reached.time(h)));
+        if self.watched.watches {
+            self.watch_contacts(point.map(|point| point + reached.time(h)));
+            self.watch_accumulators();
         }
         Ok(reached)
     }
@@ -350,7 +351,7 @@ impl Model {
         self.untuned = None;
         self.has_told = false;
         self.clipped = Clipped::default();
-        self.parting.restart();
+        self.watched.restart();
         self.told.restart();
         self.exchange = self.exchange.map(|_| Exchange::default());
     }

@@ -6,7 +6,7 @@
 use super::designs::shares_reduced;
 use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
-use super::model::{Clipped, Exchange, Formulation, Model, Parting, Untuned};
+use super::model::{Clipped, Exchange, Formulation, Model, Untuned, Watched};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::{Method, Role};
@@ -31,7 +31,7 @@ pub struct Snapshot {
     exchange: Option<Exchange>,
     /// What was warned of: the same step gives the same answer again.
     clipped: Clipped,
-    parting: Parting,
+    watched: Watched,
     /// The laws of the last step, where they are others.
     untuned: Option<Untuned>,
 }
@@ -64,7 +64,7 @@ impl Snapshot {
             Some(SavedFormulation::RigidFem(state)) => state.record(record)?,
             None => {}
         }
-        record_rest(record, &mut self.exchange, &mut self.clipped, &mut self.parting)?;
+        record_rest(record, &mut self.exchange, &mut self.clipped, &mut self.watched)?;
         let untuned = self.untuned.as_ref();
         let mut untuned = untuned.map(|untuned| (untuned.values.parameters.clone(), untuned.reference));
         Ok(record_untuned(record, &mut untuned, 0)?)
@@ -76,11 +76,11 @@ fn record_rest(
     record: &mut Record,
     exchange: &mut Option<Exchange>,
     clipped: &mut Clipped,
-    parting: &mut Parting,
+    watched: &mut Watched,
 ) -> Result<(), Damaged> {
     record.option("model exchange", exchange, Exchange::default, |record, exchange| exchange.record(record))?;
     clipped.record(record)?;
-    parting.record(record)
+    watched.record(record)
 }
 
 /// The parameters of the last step, where they are others, with the energy that the balance referred to, written or
@@ -120,7 +120,7 @@ impl Model {
             motion: self.kept_state().map(saved),
             exchange: self.exchange,
             clipped: self.clipped,
-            parting: self.parting.clone(),
+            watched: self.watched.clone(),
             untuned: self.untuned.clone(),
         }
     }
@@ -138,7 +138,7 @@ impl Model {
         share(&mut snapshot.parameter_values, &self.parameter_values);
         snapshot.inputs.copy_from(&self.inputs);
         (snapshot.exchange, snapshot.clipped) = (self.exchange, self.clipped);
-        snapshot.parting.copy_from(&self.parting);
+        snapshot.watched.copy_from(&self.watched);
         snapshot.untuned.clone_from(&self.untuned);
         match (&mut snapshot.reduced, &self.reduced) {
             (Some(theirs), Some(own)) => share(theirs, own),
@@ -183,7 +183,7 @@ impl Model {
         self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
         self.is_placed = snapshot.has_motion();
         self.clipped = snapshot.clipped;
-        self.parting.copy_from(&snapshot.parting);
+        self.watched.copy_from(&snapshot.watched);
         self.untuned.clone_from(&snapshot.untuned);
         Ok(())
     }
@@ -265,8 +265,8 @@ impl Model {
         } else {
             None
         };
-        let (mut exchange, mut clipped, mut parting) = (None, self.clipped, self.parting.clone());
-        record_rest(record, &mut exchange, &mut clipped, &mut parting)?;
+        let (mut exchange, mut clipped, mut watched) = (None, self.clipped, self.watched.clone());
+        record_rest(record, &mut exchange, &mut clipped, &mut watched)?;
         let mut untuned = None;
         record_untuned(record, &mut untuned, parameter_values.parameters.len())?;
         let untuned = untuned.map(|(read, reference)| {
@@ -275,7 +275,7 @@ impl Model {
         let untuned = untuned.transpose()?;
         match record {
             Record::Read([]) => {
-                Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, parting, untuned })
+                Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, watched, untuned })
             }
             _ => Err(Damaged("the saved data is longer than the state of this model".to_owned()).into()),
         }

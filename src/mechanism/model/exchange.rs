@@ -258,8 +258,8 @@ impl Model {
     /// Not initialised.
     pub fn completed_step(&mut self) -> Result<bool, ModelError> {
         let is_due = self.due()?.is_some();
-        if self.parting.watches {
-            self.look_for_parting(None);
+        if self.watched.watches {
+            self.watch_contacts(None);
         }
         if !is_due {
             self.remember()?;

@@ -5,6 +5,7 @@
 use super::{Formulation, Model};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::inputs::clipping;
+use crate::hydraulics::network::laws::empty_words;
 use crate::inspection::Finding;
 use crate::mechanism::definition::{CouplingKind, Mechanism};
 use crate::mechanism::dynamics::hydraulic::command;
@@ -76,13 +77,23 @@ fn clipped_command(network: &NetworkDrives, inputs: &Inputs, h: f64) -> Option<(
 /// Part of the natural size of a force of the mechanism below which a contact force is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Contacts that only pressure keeps closed: of followers on cams without a groove, and of belts, of which a host is
-/// told once each where one parts.
+/// What is watched after each step, and of which a host is told once each: contacts that only pressure keeps closed, of
+/// followers on cams without a groove and of belts, where one parts; accumulators, where one contains no oil.
 #[derive(Clone, Debug, Default)]
-pub struct Parting {
+pub struct Watched {
     contacts: Vec<Contact>,
-    /// Whether a contact is left that has not parted.
+    accumulators: Option<Accumulators>,
+    /// Whether a contact is left that has not parted, or no accumulator was empty.
     pub watches: bool,
+}
+
+/// The accumulators of the network.
+#[derive(Clone, Copy, Debug, Default)]
+struct Accumulators {
+    /// Whether one was empty.
+    was_empty: bool,
+    /// The one that is empty, with its pressure and its precharge pressure [Pa], until the host is told.
+    pending: Option<(usize, [f64; 2])>,
 }
 
 /// A contact that only pressure keeps closed.
@@ -95,7 +106,7 @@ struct Contact {
     pending: Option<(f64, Option<f64>)>,
 }
 
-impl Parting {
+impl Watched {
     /// The cams of a mechanism that have no groove, and its belts.
     pub fn new(mechanism: &Mechanism, reduced: &Reduced) -> Self {
         let linkage = reduced.linkage();
@@ -109,23 +120,34 @@ impl Parting {
         };
         let contact = |coupling: &Coupling| Contact { joint: coupling.joint, has_parted: false, pending: None };
         let contacts: Vec<_> = linkage.couplings.iter().filter(can_part).map(contact).collect();
-        Self { watches: !contacts.is_empty(), contacts }
+        let has_accumulators = mechanism.hydraulics.as_ref().is_some_and(|network| !network.accumulators.is_empty());
+        let accumulators = has_accumulators.then(Accumulators::default);
+        let mut watched = Self { contacts, accumulators, watches: false };
+        watched.restart();
+        watched
+    }
+
+    fn update(&mut self) {
+        let is_left = self.accumulators.is_some_and(|accumulators| !accumulators.was_empty);
+        self.watches = is_left || self.contacts.iter().any(|contact| !contact.has_parted);
     }
 
     /// Nothing has been told.
     pub fn restart(&mut self) {
         self.contacts.iter_mut().for_each(|contact| (contact.has_parted, contact.pending) = (false, None));
-        self.watches = !self.contacts.is_empty();
+        self.accumulators = self.accumulators.map(|_| Accumulators::default());
+        self.update();
     }
 
     /// Become the same as another one of this mechanism, without allocation.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         self.contacts.clone_from(&other.contacts);
+        self.accumulators = other.accumulators;
         self.watches = other.watches;
     }
 
-    /// Which contacts have parted, written or read.
+    /// Which contacts have parted and whether an accumulator was empty, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("contacts that part", self.contacts.len())?;
         self.contacts.iter_mut().try_for_each(|contact| {
@@ -134,7 +156,13 @@ impl Parting {
             }
             record.flag("parted before", &mut contact.has_parted)
         })?;
-        self.watches = self.contacts.iter().any(|contact| !contact.has_parted);
+        if let Some(accumulators) = &mut self.accumulators {
+            if record.reads() {
+                accumulators.pending = None;
+            }
+            record.flag("accumulator empty before", &mut accumulators.was_empty)?;
+        }
+        self.update();
         Ok(())
     }
 
@@ -167,8 +195,13 @@ impl Model {
                 None => clipping(command),
             }
         });
-        clipped.or_else(|| {
-            let (joint, force, time) = self.parting.take()?;
+        let accumulators = self.watched.accumulators.as_mut();
+        let empty = accumulators.and_then(|accumulators| accumulators.pending.take()).and_then(|(index, charge)| {
+            let network = self.parameter_values.mechanism().hydraulics.as_ref()?;
+            Some(empty_words(network.accumulators.names().get(index)?, charge))
+        });
+        clipped.into_iter().chain(empty).reduce(|one, other| [one, other].join("; ")).or_else(|| {
+            let (joint, force, time) = self.watched.take()?;
             let when = time.map_or_else(String::new, |time| format!(" at t = {} s", Decimal::rounded(time)));
             let [message, remedy] = self.parted(joint, force, &when);
             Some(format!("{message}; {remedy}"))
@@ -179,10 +212,13 @@ impl Model {
     /// no value is not told.
     #[cold]
     #[inline(never)]
-    pub(super) fn look_for_parting(&mut self, time: Option<f64>) {
+    pub(super) fn watch_contacts(&mut self, time: Option<f64>) {
+        if self.watched.contacts.iter().all(|contact| contact.has_parted) {
+            return;
+        }
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else { return };
         let (rounding, mechanism) = (rounding(motion, reduced, &self.inputs), self.parameter_values.mechanism());
-        for contact in self.parting.contacts.iter_mut().filter(|contact| !contact.has_parted) {
+        for contact in self.watched.contacts.iter_mut().filter(|contact| !contact.has_parted) {
             let output = Output::Reaction { joint: contact.joint, part: ReactionPart::Moment };
             let Ok(force) = motion.output(reduced, &self.inputs, output) else { continue };
             let tension = pretension(mechanism, reduced, contact.joint);
@@ -190,7 +226,20 @@ impl Model {
                 (contact.has_parted, contact.pending) = (true, Some((force, time)));
             }
         }
-        self.parting.watches = self.parting.contacts.iter().any(|contact| !contact.has_parted);
+        self.watched.update();
+    }
+
+    /// Look for an accumulator that contains no oil in the present state.
+    pub(super) fn watch_accumulators(&mut self) {
+        let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&self.state, &self.reduced) else { return };
+        let network = reduced.loading().network.as_ref().zip(motion.state.memory.network_values());
+        if let (Some(accumulators), Some((network, values))) = (&mut self.watched.accumulators, network)
+            && !accumulators.was_empty
+            && let Some(empty) = network.laws.empty_accumulator(values)
+        {
+            *accumulators = Accumulators { was_empty: true, pending: Some(empty) };
+            self.watched.update();
+        }
     }
 
     fn name_of_joint(&self, joint: usize) -> &str {
@@ -214,8 +263,8 @@ impl Model {
         if self.initialize().is_err() {
             return all;
         }
-        self.look_for_parting(None);
-        while let Some((joint, force, _)) = self.parting.take() {
+        self.watch_contacts(None);
+        while let Some((joint, force, _)) = self.watched.take() {
             let [message, remedy] = self.parted(joint, force, " at the start");
             let is_belt = pretension(self.parameter_values.mechanism(), &self.original.reduced, joint).is_some();
             let key = if is_belt { ".pretension" } else { "" };

@@ -4,6 +4,7 @@
 use super::{Law, Laws, Pilot};
 use crate::hydraulics::events::Guard;
 use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::numerics::decimal::Decimal;
 
 /// Events of the spool of a valve, and of the cushions of a cylinder.
 const SPOOL: usize = 4;
@@ -131,6 +132,17 @@ impl Laws {
             Event::Lock(lock) => format!("lock {} releases or engages", system.pressure_locks.names()[lock]),
         }
     }
+}
+
+/// The warning about an accumulator that contains no oil, with its pressure and its precharge pressure [Pa].
+#[cold]
+pub fn empty_words(name: &str, charge: [f64; 2]) -> String {
+    let [pressure, precharge] = charge.map(Decimal::rounded);
+    format!(
+        "the accumulator {name} contains no oil: its pressure of {pressure} Pa is below the precharge pressure of \
+         {precharge} Pa, and below the precharge pressure the equations of the accumulator are not valid; use a larger \
+         accumulator or a larger pump"
+    )
 }
 
 /// Names of the flow paths in the order of [`Laws::new`], but for the edges of valves, which come last.

@@ -15,7 +15,7 @@ use crate::hydraulics::circuit::Equations;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
-pub use events::Surroundings;
+pub use events::{Surroundings, empty_words};
 pub use flows::Point;
 pub use rates::{Drive, Element};
 
@@ -263,15 +263,10 @@ impl Laws {
         T::constant(one.volume) - one.gas(y[one.at], self.ambient)
     }
 
-    /// Number of accumulators.
-    pub fn accumulator_count(&self) -> usize {
-        self.accumulators.len()
-    }
-
-    /// Pressure of an accumulator and its precharge pressure [Pa].
-    pub fn charge(&self, accumulator: usize, y: &[f64]) -> [f64; 2] {
-        let one = &self.accumulators[accumulator];
-        [y[one.at], one.precharge - self.ambient]
+    /// The first accumulator that contains no oil, with its pressure and its precharge pressure [Pa].
+    pub fn empty_accumulator(&self, y: &[f64]) -> Option<(usize, [f64; 2])> {
+        let charges = self.accumulators.iter().map(|one| [y[one.at], one.precharge - self.ambient]);
+        charges.enumerate().find(|(_, [pressure, precharge])| pressure < precharge)
     }
 
     /// Volume of all chambers [m3].

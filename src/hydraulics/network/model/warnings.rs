@@ -3,6 +3,7 @@
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::Parameters;
 use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::network::laws::empty_words;
 use crate::hydraulics::network::layout::{Input, Part};
 use crate::hydraulics::network::state::{Foreseen, Setting, State, Toggle};
 use crate::numerics::decimal::Decimal;
@@ -80,13 +81,10 @@ impl Warnings {
                 }
             }
         }
-        if !self.raised[Warning::Empty as usize] {
-            for accumulator in 0..setting.laws.accumulator_count() {
-                let [pressure, precharge] = setting.laws.charge(accumulator, &state.y);
-                if pressure < precharge {
-                    self.raise(Warning::Empty, accumulator, [pressure, precharge]);
-                }
-            }
+        if let (false, Some((accumulator, charge))) =
+            (self.raised[Warning::Empty as usize], setting.laws.empty_accumulator(&state.y))
+        {
+            self.raise(Warning::Empty, accumulator, charge);
         }
     }
 
@@ -119,12 +117,7 @@ fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 
             "the size of the step is {two} s, but preview.horizon is {one} s: the motion was predicted again with the \
              size of this step; set preview.horizon to the size of the next step, or to 0 if all steps are equal"
         ),
-        Warning::Empty => format!(
-            "the accumulator {} contains no oil: its pressure of {one} Pa is below the precharge pressure of {two} \
-             Pa, and below the precharge pressure the equations of the accumulator are not valid; use a larger \
-             accumulator or a larger pump",
-            name(system.accumulators.names())
-        ),
+        Warning::Empty => empty_words(&name(system.accumulators.names()), numbers),
         Warning::Toggle => format!(
             "{}.reduced_mass = {one} kg changes by more than half within a step of {two} s, for example near a dead \
              centre of the cylinder: no motion is predicted for this step, and the inputs length and speed prescribe \
