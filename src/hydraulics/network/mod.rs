@@ -8,6 +8,7 @@
 //! definition -> layout, laws -> system -> state -> outputs, model -> snapshot
 //! ```
 pub mod definition;
+pub(crate) mod facts;
 pub(crate) mod inputs;
 pub mod inspection;
 pub(crate) mod interface;

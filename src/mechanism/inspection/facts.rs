@@ -3,6 +3,7 @@
 //! In: a model. Out: facts, and warnings about its travel. It must not know steps.
 use super::travel::{Extremes, Walk};
 use super::{equilibrium, friction};
+use crate::hydraulics::network::facts::facts as network_facts;
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::closure::{AssemblyError, Closure, guessed};
 use crate::mechanism::curve::{Configuration, Ends};
@@ -46,6 +47,10 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     friction::add((&reduced, &state), &model.original.inputs, ends, out);
     add_redundant_joints(&reduced, &assembled, &mut out.facts);
     equilibrium::add(model, &reduced, &state, &mut out.facts);
+    if let Some(network) = &mechanism.hydraulics {
+        let mut value = |name: &str| model.variables().find(name).and_then(|reference| model.real(reference).ok());
+        out.facts.extend(network_facts(network, &mut |name| value(name).unwrap_or(f64::NAN)));
+    }
     without_rounding(&mut out.facts, reduced.linkage().size);
 }
 
