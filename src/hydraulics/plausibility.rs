@@ -7,7 +7,7 @@ use crate::numerics::decimal::Decimal;
 use std::f64::consts::FRAC_PI_4;
 
 /// Numbers beyond which another unit is probable: name, least and largest plausible value, unit, what to check.
-const PLAUSIBLE: [(&str, f64, f64, &str, &str); 13] = [
+const PLAUSIBLE: [(&str, f64, f64, &str, &str); 14] = [
     ("supply.pressure", 1e5, 1e9, "Pa", "pressures are in Pa: 1 bar = 1e5 Pa, 1 MPa = 1e6 Pa"),
     ("relief.pressure", 1e5, 1e9, "Pa", "pressures are in Pa: 1 bar = 1e5 Pa, 1 MPa = 1e6 Pa"),
     ("fluid.ambient_pressure", 1e3, 1e7, "Pa", "the standard atmosphere is 101325 Pa"),
@@ -20,6 +20,7 @@ const PLAUSIBLE: [(&str, f64, f64, &str, &str); 13] = [
     ("chamber_b.dead_volume", 1e-9, 0.1, "m3", "volumes are in m3: 1 cm3 = 1e-6 m3"),
     ("valve.rated_flow", 1e-8, 0.2, "m3/s", "flows are in m3/s: 1 l/min = 1.667e-5 m3/s"),
     ("valve.rated_pressure_drop", 1e4, 1e9, "Pa", "pressures are in Pa: 1 bar = 1e5 Pa"),
+    ("valve.overlap", -1.0, 1.0, "1", "the spool moves from -1 to 1: write a part of this way"),
     ("valve.frequency", 0.5, 1e4, "Hz", "write the frequency in Hz"),
 ];
 
@@ -63,15 +64,40 @@ fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Fin
     }
 }
 
+/// Keys of circuit and network alike whose numbers have the same plausible values; 0 leaves out what they are about.
+const SHARED: [&str; 9] = [
+    "ambient_pressure",
+    "bulk_modulus",
+    "air_fraction",
+    "bore",
+    "stroke",
+    "closed_length",
+    "rated_pressure_drop",
+    "overlap",
+    "frequency",
+];
+
+/// What is wrong with a number of a network that is probably in another unit, by the path of its key, and the remedy.
+pub fn implausible(path: &str, value: f64) -> Option<(String, &'static str)> {
+    let last = |path: &str| path.rsplit('.').next().filter(|key| SHARED.contains(key)).map(str::to_owned);
+    let key = last(path)?;
+    let (_, least, most, unit, remedy) =
+        PLAUSIBLE.into_iter().find(|(name, ..)| last(name).as_deref() == Some(&key))?;
+    let is_usual = value == 0.0 || (least..=most).contains(&value);
+    (!is_usual).then(|| (unusual(value, [least, most], unit), remedy))
+}
+
+fn unusual(value: f64, [least, most]: [f64; 2], unit: &str) -> String {
+    format!("is {} {unit}; usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most))
+}
+
 /// Warnings about a circuit whose keys stand under `path`, which is empty or ends with a dot; `value`: the start value
 /// of a variable by its name.
 pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<Finding> {
     let mut all = Vec::new();
     for (name, least, most, unit, remedy) in PLAUSIBLE {
         if let Some(value) = value(name).filter(|value| !(least..=most).contains(value)) {
-            let message =
-                format!("is {} {unit}; usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most));
-            all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
+            all.push(Finding::warning(format_args!("{path}{name}"), unusual(value, [least, most], unit), remedy));
         }
     }
     throttled(path, &value, &mut all);

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::format::{DefinitionError, Faults, Range};
 use crate::hydraulics::definition::check_pressure;
+use crate::hydraulics::plausibility::implausible;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::variables::nearest;
@@ -437,6 +438,12 @@ impl HydraulicSystem {
             );
             warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure");
         }
+        self.clone().element_parameters(&mut |parameter, value| {
+            let path = parameter.key.concat();
+            if let Some((message, remedy)) = implausible(&path, *value) {
+                warn(path, message, remedy);
+            }
+        });
         let coarse = self.experiment.coarse();
         all.extend(coarse.map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
         all
