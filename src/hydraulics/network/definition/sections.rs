@@ -56,10 +56,10 @@ keys! {
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which @ delivers its \
             full flow");
-        /// Pressure at and above which a compensated pump delivers no flow [Pa]. This pressure must be greater than
-        /// `full_pressure`.
+        /// Pressure at and above which a compensated pump delivers 1 % of its full flow or less [Pa]. This pressure
+        /// must be greater than `full_pressure`.
         max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure at and above which @ \
-            delivers no flow");
+            delivers 1 % of its full flow or less");
     }
 
     /// Gas accumulator at a node.
