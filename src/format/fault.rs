@@ -251,6 +251,16 @@ impl Faults {
         });
     }
 
+    /// Leave out faults that are none here.
+    pub fn forgive(&mut self, is_none: impl Fn(&DefinitionError) -> bool) {
+        self.0.retain(|fault| !is_none(fault));
+    }
+
+    /// Give other paths to the faults that were not found while the text was read.
+    pub fn rename(&mut self, path: impl Fn(&str) -> String) {
+        self.0.iter_mut().filter(|fault| fault.place.is_none()).for_each(|fault| fault.path = path(&fault.path));
+    }
+
     /// Number of faults.
     pub fn len(&self) -> usize {
         self.0.len()

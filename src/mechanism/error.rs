@@ -152,6 +152,11 @@ impl fmt::Display for ModelError {
                  shorter communication steps, or increase solver.fem_step or solver.max_steps"
             ),
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
+            Self::NotInRigidFem { name, value, remedy } if value.is_empty() => write!(
+                f,
+                "{name}: solver.method = \"rigid_fem\" does not support this key; {remedy}, or choose solver.method = \
+                 \"reduced\""
+            ),
             Self::NotInRigidFem { name, value, remedy } => write!(
                 f,
                 "{name} = {value}: solver.method = \"rigid_fem\" does not support this value; {remedy}, or choose \

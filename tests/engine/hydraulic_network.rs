@@ -1,6 +1,7 @@
 //! A mechanism with a hydraulic network of two cylinders, as one system.
 
 use crate::support::{Run, assert_says, changed, read_all, refusal};
+use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 
 const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
@@ -198,7 +199,7 @@ fn faulty_networks_are_refused_by_name() {
     );
     assert_says(
         error(&|arm| arm["hydraulics"]["cylinders"]["lift"]["rod"] = json!(0.06)),
-        &["cylinders.lift.rod", "bore"],
+        &["hydraulics.cylinders.lift.rod", "bore"],
     );
     assert_says(
         error(&|arm| arm["hydraulics"]["cylinders"]["lift"]["closed_length"] = json!(0.95)),
@@ -227,6 +228,10 @@ fn faulty_networks_are_refused_by_name() {
         arm["hydraulics"]["cylinders"]["lift"]["reduced_mass"] = json!(10);
         arm["hydraulics"]["solver"] = json!({ "tolerance": 1e-6 });
     }));
+    assert_says(
+        error(&|arm| arm["solver"]["method"] = json!("rigid_fem")),
+        &["hydraulics: solver.method = \"rigid_fem\" does not support this key"],
+    );
     let all = warned.warnings().join("\n");
     assert_says(all, &["hydraulics.cylinders.lift.reduced_mass", "hydraulics.solver", "no effect"]);
 }
@@ -249,4 +254,47 @@ fn derivatives_of_inputs_count_and_steps_do_not() {
     for (one, other) in few.into_iter().zip(many) {
         assert!((one / other - 1.0).abs() < 1e-9, "{few:?} {many:?}");
     }
+}
+
+/// An accumulator that contains no oil is reported once, also across a saved state.
+#[test]
+fn an_empty_accumulator_gets_one_warning() {
+    let mut arm = Run::new(changed(ARM, |arm| {
+        arm["hydraulics"].as_object_mut().unwrap().remove("name");
+        arm["hydraulics"]["accumulators"]["bottle"]["precharge_pressure"] = json!(16.5e6);
+    }));
+    arm.set("pump.speed", 0.0);
+    arm.initialize();
+    arm.step(1e-3);
+    assert_eq!(arm.take_warning(), None);
+    let before = arm.saved();
+    arm.steps(100, 0.5);
+    assert_says(arm.take_warning().unwrap(), &["the accumulator bottle contains no oil", "16500000 Pa"]);
+    let after = arm.saved();
+    arm.steps(100, 0.5);
+    assert_eq!(arm.take_warning(), None);
+    for (state, warns) in [(after, false), (before, true)] {
+        arm.take(&state);
+        arm.steps(100, 0.5);
+        assert_eq!(arm.take_warning().is_some(), warns);
+    }
+}
+
+/// What `check` prints of a network, and a pressure lock whose name is almost that of a lock of the mechanism.
+#[test]
+fn a_check_reports_the_network() {
+    let found = inspect(&changed(ARM, |arm| {
+        arm["stops"] = json!({ "low": { "body": "arm", "limit": "lower", "angle": 0.1 } });
+        arm["locks"] = json!({ "Parking": { "stop": "low", "at": "arm.end", "engage": false } });
+    }));
+    let value = |topic: &str, of: &str, name: &str| {
+        let facts = found.facts.iter().filter(|fact| fact.topic == topic && fact.of == of);
+        facts.flat_map(|fact| &fact.quantities).find(|quantity| quantity.name == name).map(|quantity| quantity.value)
+    };
+    assert_eq!(value("Network", "elements", "cylinders"), Some(2.0));
+    assert_eq!(value("Pump", "pump", "largest flow"), Some(2.5e-4));
+    assert!(value("Cylinder", "lift", "force at the start").unwrap() > 1e4);
+    assert!(value("Accumulator", "bottle", "oil at the start").unwrap() > 1e-4);
+    let warnings: Vec<String> = found.findings.iter().map(|finding| finding.to_string()).collect();
+    assert_says(warnings.join("\n"), &["hydraulics.pressure_locks.parking", "the most similar names are Parking"]);
 }

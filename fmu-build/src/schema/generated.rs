@@ -50,6 +50,10 @@ pub fn schema(definition_file: &str) -> String {
         if name == "coupling" && is_mechanism {
             value.merge("oneOf", kinds(element));
         }
+        if let (true, Value::Object(members)) = (name == "network", &mut value) {
+            // The FMU has the name of the mechanism.
+            members.retain(|(key, _)| key != "required");
+        }
         if let Value::Object(members) = &rules {
             let own = members.iter().find(|(own, _)| own == name);
             own.into_iter().for_each(|(_, rule)| value.merge_all(rule.clone()));

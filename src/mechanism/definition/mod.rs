@@ -20,6 +20,7 @@ mod refusal;
 mod validate;
 mod warnings;
 
+use crate::format;
 pub use crate::format::{DefinitionError, Experiment, Named, Range, Role, Visit};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
@@ -85,10 +86,13 @@ impl Mechanism {
     /// All faults for which the text cannot be read as a mechanism.
     pub fn with_faults(text: &str) -> Result<(Self, Faults), Faults> {
         let (mut mechanism, mut faults) = Self::read(text);
+        // The FMU has the name of the mechanism.
+        faults.forgive(|fault| fault.path() == "hydraulics" && *fault.fault() == format::Fault::Missing("name"));
         if !faults.are_of_unknown_keys() {
             return Err(faults);
         }
         mechanism.find_faults(&mut faults);
+        faults.rename(|path| mechanism.path_in_file(path));
         mechanism.index_expressions();
         Ok((mechanism, faults))
     }

@@ -225,11 +225,11 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
     };
     let loading = reduced.loading();
     if loading.network.is_some() {
-        return refuse("hydraulics", "network".into(), "use forces instead");
+        return refuse("hydraulics", String::new(), "use forces instead");
     }
     if let Some(drive) = &loading.hydraulics {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
-        return refuse(&name, "circuit".into(), "use a force instead");
+        return refuse(&name, String::new(), "use a force instead");
     }
     if let Some(drive) = loading.drives.iter().find(|drive| drive.curve.is_some()) {
         let name = format!("actuators.{}.points", drive.name);

@@ -15,7 +15,7 @@ pub use scene::{
     Connection, DrawnBody, DrawnJoint, DrawnLock, DrawnOutline, DrawnStop, NamedPoint, On, Scene, Surface, Weight,
 };
 
-use super::definition::{DefinitionError, Mechanism};
+use super::definition::Mechanism;
 use super::model::Model;
 use crate::inspection::{Finding, Inspection};
 
@@ -31,11 +31,7 @@ pub fn inspect(text: &str) -> Inspection {
     };
     (out.is_readable, out.name) = (true, mechanism.name.clone());
     let is_sound = faults.are_of_unknown_keys();
-    let of_fault = |fault: DefinitionError| match fault.place() {
-        Some(_) => Finding::fault(fault.path(), &fault),
-        None => Finding::fault(&path::in_file(fault.path(), &mechanism), &fault),
-    };
-    out.findings.extend(faults.into_iter().map(of_fault));
+    out.findings.extend(faults.into_iter().map(|fault| Finding::fault(fault.path(), &fault)));
     if !is_sound {
         out.findings.extend(mechanism.warnings());
         return out;

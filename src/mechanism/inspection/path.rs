@@ -1,23 +1,9 @@
 //! The key of a definition to which an error of the model belongs.
-use crate::format::Described;
-use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::mechanism::closure::AssemblyError;
 use crate::mechanism::curve::CurveError;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::reduced::ReductionError;
-
-/// Path in the file of a fault's key, where those of a circuit stand in its drive.
-pub fn in_file(path: &str, mechanism: &Mechanism) -> String {
-    let first = path.split('.').next().unwrap_or_default();
-    let is_own = || Mechanism::TABLE.position(first).is_some();
-    let is_of_network = || HydraulicSystem::TABLE.position(first).is_some();
-    match mechanism.hydraulic_drive() {
-        None if mechanism.hydraulics.is_some() && is_of_network() && !is_own() => format!("hydraulics.{path}"),
-        Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
-        _ => path.to_owned(),
-    }
-}
 
 /// Path of the key to which an error belongs; empty for the whole file.
 pub fn of_error(error: &ModelError, mechanism: &Mechanism) -> String {

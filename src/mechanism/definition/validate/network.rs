@@ -2,13 +2,25 @@
 //!
 //! In: a definition. Out: faults of its network. It must not know laws.
 use super::names::entry;
-use crate::format::Faults;
+use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::mechanism::definition::loads::Actuator;
 use crate::mechanism::definition::mechanism::Mechanism;
 use crate::mechanism::definition::refusal::refused;
 
 impl Mechanism {
+    /// Path in the file of a fault's key, where those of a network or of a circuit stand in its section.
+    pub(in crate::mechanism::definition) fn path_in_file(&self, path: &str) -> String {
+        let first = path.split('.').next().unwrap_or_default();
+        let is_own = || Self::TABLE.position(first).is_some();
+        let is_of_network = || HydraulicSystem::TABLE.position(first).is_some();
+        match self.hydraulic_drive() {
+            None if self.hydraulics.is_some() && is_of_network() && !is_own() => format!("hydraulics.{path}"),
+            Some((_, drive, _)) if !is_own() => format!("actuators.{drive}.hydraulics.{path}"),
+            _ => path.to_owned(),
+        }
+    }
+
     pub(super) fn check_network(&self, faults: &mut Faults) {
         let Some(network) = &self.hydraulics else { return };
         if let Some((_, drive, _)) = self.hydraulic_drive() {
