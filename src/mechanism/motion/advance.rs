@@ -1,9 +1,9 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
 //! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
-//! the contact there, the energy lost in impacts. Events - impacts on stops, bumpers touched and left, reversals of
-//! drives with an efficiency and of friction that sticks, changes of friction's regime, pressures at which locks change
-//! - are found on the interpolant of a step; impacts and locks are polished on the integration itself. A step may go on
+//! the contact there, the energy lost in impacts. Events are found on the interpolant of a step: impacts on stops,
+//! bumpers touched and left, reversals of drives with an efficiency and of friction that sticks, changes of friction's
+//! regime, pressures at which locks change. Impacts and locks are polished on the integration itself. A step may go on
 //! beyond the span (`step_ahead.rs`). It must not know what moves.
 use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
