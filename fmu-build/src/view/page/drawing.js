@@ -7,6 +7,7 @@ class Drawing {
   constructor(svg, data, sources, run) {
     Object.assign(this, { svg, data, scene: data.scene, sources, run, moving: [] });
     this.layers = {};
+    svg.querySelectorAll(":scope > g").forEach((layer) => layer.remove());
     for (const name of ["ground", "ghosts", "paths", "bodies", "surfaces", "springs", "cylinders", "blocks", "joints", "masses", "locks", "arrows", "gaps", "names", "frame"]) {
       this.layers[name] = element("g", { class: `layer ${name}` }, svg);
     }

@@ -6,13 +6,17 @@ const MOST_LINES = 12;
 
 class Plots {
   /** `seek` moves the time to a frame. */
-  constructor(parent, motion, seek) {
-    Object.assign(this, { parent, motion, seek, plots: [] });
+  constructor(parent, seek) {
+    Object.assign(this, { parent, seek, plots: [], colours: new Map() });
+    new ResizeObserver(() => this.resize()).observe(parent);
+  }
+
+  /** Plot a motion: the variables that were plotted before, or those that it names. */
+  load(motion) {
+    this.motion = motion;
     this.times = Array.from({ length: motion.count }, (_, k) => k * motion.step);
     this.byName = new Map(motion.variables.map((variable) => [variable.name, variable]));
-    this.chosen = motion.plotted.filter((name) => this.byName.has(name));
-    this.colours = new Map();
-    new ResizeObserver(() => this.resize()).observe(parent);
+    this.chosen = (this.chosen ?? motion.plotted).filter((name) => this.byName.has(name));
     this.build();
   }
 

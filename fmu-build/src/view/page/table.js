@@ -3,8 +3,8 @@
 const CAUSALITIES = [["output", "Outputs"], ["input", "Inputs"], ["parameter", "Parameters"]];
 
 class Table {
-  constructor(data, plots) {
-    Object.assign(this, { data, plots, kind: "output", rows: [] });
+  constructor(plots) {
+    Object.assign(this, { plots, kind: "output", rows: [] });
     this.table = document.getElementById("values");
     this.title = document.getElementById("values-title");
     this.filter = document.getElementById("filter");
@@ -12,6 +12,12 @@ class Table {
     this.filter.addEventListener("input", () => this.build());
     // While the motion plays, only rows in sight are kept up to date.
     this.sight = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => (target.isInSight = isIntersecting)));
+  }
+
+  load(data) {
+    this.data = data;
+    this.isTravel = Boolean(this.isTravel && data.travel);
+    this.kinds.replaceChildren();
     for (const [kind, words] of CAUSALITIES) {
       if (!data.motion?.variables.some((v) => v.causality === kind)) continue;
       const button = this.kinds.appendChild(document.createElement("button"));
@@ -19,7 +25,7 @@ class Table {
       button.dataset.kind = kind;
       button.addEventListener("click", () => this.switchTo(kind));
     }
-    this.switchTo("output");
+    this.build();
   }
 
   switchTo(kind) {

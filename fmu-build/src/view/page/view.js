@@ -1,14 +1,14 @@
 // The page: reads its data, builds the drawing, the plots and the table, and keeps them at one time.
+//
+// All that depends on the data is made by `show(data)`, which may be called again with other data: the mode, the time,
+// the layers, the plotted variables and the zoom stay.
 
 const byId = (id) => document.getElementById(id);
-const data = JSON.parse(byId("data").textContent);
 /** Time between two updates of the numbers while the motion plays [ms]. */
 const NUMBERS = 90;
 
-for (const source of [data.motion, data.travel].filter(Boolean)) {
-  source.frames = new Poses(source.poses, source.count);
-  for (const variable of source.variables ?? source.values) variable.samples = readSeries(variable.values, source.count);
-}
+/** The state of the page. Plots and table are made after the first frame is drawn. */
+const page = { mode: "still", told: 0, layers: new Map(), magnification: 1 };
 
 /** Poses that the drawing must have room for: some of each source. */
 function sampled(source) {
@@ -16,32 +16,58 @@ function sampled(source) {
   return Array.from({ length: parts }, (_, k) => source.frames.frame(parts > 1 ? (k * (source.count - 1)) / (parts - 1) : 0));
 }
 
-const view = { mode: data.motion ? "motion" : data.travel ? "travel" : "still", told: 0 };
-const still = data.still?.poses;
-const run = data.motion ? sampled(data.motion) : [];
-const drawing = data.scene && new Drawing(byId("drawing"), data, [...run, ...(data.travel ? sampled(data.travel) : []), ...(still ? [still] : [])], run);
-const clock = data.motion && new Clock(data.motion.count, data.motion.step, () => show());
-/** Made after the first frame is drawn. */
-let [plots, table] = [undefined, undefined];
-const scratch = (data.motion ?? data.travel)?.frames.bodies.map(() => [0, 0, 0]);
-
-/** Draw what the page stands at. */
-function show() {
-  if (view.mode === "motion") showMotion();
-  else if (view.mode === "travel") showTravel();
-  else drawing?.show(still);
+/** Show these data, in place of those shown before. */
+function show(data) {
+  for (const source of [data.motion, data.travel].filter(Boolean)) {
+    source.frames = new Poses(source.poses, source.count);
+    for (const variable of source.variables ?? source.values) variable.samples = readSeries(variable.values, source.count);
+  }
+  const before = page.clock;
+  page.clock?.play(false);
+  page.data = data;
+  page.still = data.still?.poses;
+  page.mode = data.motion && page.mode !== "travel" ? "motion" : data.travel ? "travel" : "still";
+  const run = data.motion ? sampled(data.motion) : [];
+  const sources = [...run, ...(data.travel ? sampled(data.travel) : []), ...(page.still ? [page.still] : [])];
+  page.drawing = data.scene && new Drawing(byId("drawing"), data, sources, run);
+  page.clock = data.motion && new Clock(data.motion.count, data.motion.step, draw);
+  if (before && page.clock) {
+    page.clock.index = Math.min(before.time / page.clock.step, page.clock.last);
+    Object.assign(page.clock, { speed: before.speed, repeats: before.repeats });
+  }
+  page.scratch = (data.motion ?? data.travel)?.frames.bodies.map(() => [0, 0, 0]);
+  byId("side").hidden = !data.motion;
+  document.body.classList.toggle("alone", !data.motion);
+  document.querySelector(".stage").hidden = !page.drawing;
+  describe();
+  listFindings();
+  fillControls();
+  if (page.drawing) {
+    fillLayers();
+    page.drawing.layout();
+  }
+  if (page.plots) fillSide();
+  draw();
 }
 
-function showMotion() {
+/** Draw what the page stands at. */
+function draw() {
+  if (page.mode === "motion") drawMotion();
+  else if (page.mode === "travel") drawTravel();
+  else page.drawing?.show(page.still);
+}
+
+function drawMotion() {
+  const { clock, data } = page;
   const { index } = clock;
-  drawing.show(data.motion.frames.at(index, scratch), index);
+  page.drawing.show(data.motion.frames.at(index, page.scratch), index);
   const now = performance.now();
-  const withNumbers = !clock.isPlaying || now - view.told > NUMBERS;
-  plots?.show(index, withNumbers);
+  const withNumbers = !clock.isPlaying || now - page.told > NUMBERS;
+  page.plots?.show(index, withNumbers);
   byId("time").value = index;
   if (!withNumbers) return;
-  view.told = now;
-  table?.show(index, false, !clock.isPlaying);
+  page.told = now;
+  page.table?.show(index, false, !clock.isPlaying);
   byId("time-text").textContent = `${clock.time.toFixed(decimals(clock.step))} s`;
   byId("time").setAttribute("aria-valuetext", `${clock.time.toFixed(decimals(clock.step))} s`);
   byId("play").classList.toggle("playing", clock.isPlaying);
@@ -50,10 +76,11 @@ function showMotion() {
   byId("travel-text").textContent = "";
 }
 
-function showTravel() {
+function drawTravel() {
+  const { data } = page;
   const position = Number(byId("travel").value) * (data.travel.count - 1);
-  drawing.show(data.travel.frames.at(position, scratch));
-  table?.show(position, true);
+  page.drawing.show(data.travel.frames.at(position, page.scratch));
+  page.table?.show(position, true);
   const [first] = data.travel.values;
   const value = linear(first.samples, position);
   const text = first.is_angle ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${shown(value, 4)} m`;
@@ -67,9 +94,9 @@ function decimals(step) {
 }
 
 function enter(mode) {
-  if (view.mode !== mode) {
-    view.mode = mode;
-    if (mode === "travel") clock?.play(false);
+  if (page.mode !== mode) {
+    page.mode = mode;
+    if (mode === "travel") page.clock?.play(false);
     byId("time-row").classList.toggle("off", mode === "travel");
     byId("travel-row").classList.toggle("off", mode === "motion");
     byId("plots-panel").classList.toggle("off", mode === "travel");
@@ -78,17 +105,18 @@ function enter(mode) {
 
 function seek(index) {
   enter("motion");
-  clock.play(false);
-  clock.seek(index);
+  page.clock.play(false);
+  page.clock.seek(index);
 }
 
 function travelTo(position) {
   byId("travel").value = position;
   enter("travel");
-  show();
+  draw();
 }
 
 function play(on) {
+  const { clock } = page;
   enter("motion");
   clock.play(on);
   announce(on ? "Playing" : `Paused at ${clock.time.toFixed(decimals(clock.step))} s`);
@@ -98,33 +126,32 @@ function announce(text) {
   byId("announced").textContent = text;
 }
 
+/** What the controls do. */
 function setUpControls() {
-  byId("controls").hidden = !data.motion && !data.travel;
-  byId("time-row").hidden = !data.motion;
-  byId("travel-row").hidden = !data.travel;
-  if (data.motion) setUpTime();
-  if (data.travel) setUpTravel();
+  byId("time").addEventListener("input", (event) => seek(Number(event.target.value)));
+  byId("play").addEventListener("click", () => play(!page.clock.isPlaying));
+  for (const speed of SPEEDS) byId("speed").add(new Option(`${speed < 1 ? `1/${Math.round(1 / speed)}` : speed} × real time`, speed));
+  byId("speed").addEventListener("change", (event) => (page.clock.speed = Number(event.target.value)));
+  byId("loop").addEventListener("click", (event) => {
+    page.clock.repeats = !page.clock.repeats;
+    event.currentTarget.setAttribute("aria-pressed", String(page.clock.repeats));
+  });
+  byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
   document.addEventListener("keydown", onKey);
 }
 
-function setUpTime() {
-  byId("time").max = clock.last;
-  byId("time").addEventListener("input", (event) => seek(Number(event.target.value)));
-  byId("play").addEventListener("click", () => play(!clock.isPlaying));
-  for (const speed of SPEEDS) {
-    const words = speed < 1 ? `1/${Math.round(1 / speed)}` : String(speed);
-    byId("speed").add(new Option(`${words} × real time`, speed, false, speed === clock.speed));
+/** What the data say about the controls. */
+function fillControls() {
+  const { data, clock } = page;
+  byId("controls").hidden = !data.motion && !data.travel;
+  byId("time-row").hidden = !data.motion;
+  byId("travel-row").hidden = !data.travel;
+  if (clock) {
+    byId("time").max = clock.last;
+    byId("speed").value = clock.speed;
   }
-  byId("speed").addEventListener("change", (event) => (clock.speed = Number(event.target.value)));
-  byId("loop").addEventListener("click", (event) => {
-    clock.repeats = !clock.repeats;
-    event.currentTarget.setAttribute("aria-pressed", String(clock.repeats));
-  });
-}
-
-function setUpTravel() {
-  byId("travel").value = data.travel.start;
-  byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
+  if (!data.travel) return;
+  if (page.mode !== "travel") byId("travel").value = data.travel.start;
   const [low, high] = data.travel.goes_on;
   const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
   const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end of the travel to the other end";
@@ -133,8 +160,9 @@ function setUpTravel() {
 }
 
 function onKey(event) {
+  const { clock, data } = page;
   const { target, key } = event;
-  if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input[type=search], select")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input[type=search], select, textarea, [contenteditable]")) return;
   const steps = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10 }[key];
   const onTravel = target.id === "travel";
   if (key === " " && data.motion && !target.matches("button, input[type=checkbox]")) play(!clock.isPlaying);
@@ -146,8 +174,10 @@ function onKey(event) {
 }
 
 /** Switches for what the drawing shows. */
-function setUpLayers() {
+function fillLayers() {
+  const { data, drawing } = page;
   const { arrows, layers, scene } = drawing;
+  byId("layers").replaceChildren();
   const add = (words, on, change, kind = "") => {
     const button = byId("layers").appendChild(document.createElement("button"));
     Object.assign(button, { type: "button", textContent: words });
@@ -157,10 +187,11 @@ function setUpLayers() {
       change(value);
     };
     button.addEventListener("click", () => {
-      set(button.getAttribute("aria-pressed") !== "true");
-      show();
+      page.layers.set(words, button.getAttribute("aria-pressed") !== "true");
+      set(page.layers.get(words));
+      draw();
     });
-    set(on);
+    set(page.layers.get(words) ?? on);
   };
   const layer = (name) => (on) => (layers[name].style.display = on ? "" : "none");
   for (const [kind, words, on] of arrows.kinds) add(words, on, (value) => (arrows.visible[kind] = value), `arrows ${kind}`);
@@ -169,27 +200,28 @@ function setUpLayers() {
   if (scene.surfaces.some((surface) => surface.half)) add("Surfaces", false, layer("surfaces"));
   if (data.travel?.stops.length) add("Stops", true, (on) => ["ghosts", "locks"].forEach((name) => layer(name)(on)));
   add("Names", !matchMedia("(max-width: 520px)").matches, layer("names"));
-  if (arrows.kinds.length) setUpArrowSize();
+  if (arrows.kinds.length) addArrowSize();
 }
 
-function setUpArrowSize() {
+function addArrowSize() {
   const label = byId("layers").appendChild(document.createElement("label"));
   label.className = "size";
   label.append("Arrow size");
   const input = label.appendChild(document.createElement("input"));
-  Object.assign(input, { type: "range", min: -1, max: 1, step: 0.05, value: 0 });
+  Object.assign(input, { type: "range", min: -1, max: 1, step: 0.05, value: Math.log10(page.magnification) });
+  page.drawing.arrows.magnification = page.magnification;
   input.setAttribute("aria-label", "Size of the arrows");
   input.addEventListener("input", () => {
-    drawing.arrows.magnification = 10 ** Number(input.value);
-    drawing.layout();
-    show();
+    page.drawing.arrows.magnification = page.magnification = 10 ** Number(input.value);
+    page.drawing.layout();
+    draw();
   });
 }
 
 function setUpTheme() {
   const root = document.documentElement;
   const dark = matchMedia("(prefers-color-scheme: dark)");
-  const repaint = () => plots?.redraw();
+  const repaint = () => page.plots?.redraw();
   byId("theme").addEventListener("click", () => {
     const isDark = root.dataset.theme ? root.dataset.theme === "dark" : dark.matches;
     root.dataset.theme = isDark ? "light" : "dark";
@@ -198,8 +230,10 @@ function setUpTheme() {
   dark.addEventListener("change", repaint);
 }
 
-function setUpFindings() {
+function listFindings() {
+  const { data } = page;
   const list = byId("findings").querySelector("ul");
+  list.replaceChildren();
   for (const { is_error, path, line: number, message, remedy } of data.findings) {
     const item = list.appendChild(document.createElement("li"));
     item.className = is_error ? "error" : "warning";
@@ -211,52 +245,68 @@ function setUpFindings() {
   byId("findings").hidden = !data.findings.length;
 }
 
+/** Name, description and error: in the page from the start, anew with other data. */
+function setTexts() {
+  const { name, description, error } = page.data;
+  document.title = name || "Mechanism";
+  document.querySelector("h1 bdi").textContent = document.title;
+  byId("lead").textContent = description;
+  byId("error").hidden = !error;
+  byId("error-text").replaceChildren(error ?? "");
+  byId("error-title").textContent = "The motion could not be computed";
+}
+
 function describe() {
-  const { scene, motion, still: stands } = data;
+  const { scene, motion, still: stands } = page.data;
+  setTexts();
   const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
   const parts = scene ? `${count(scene.bodies.length - 1, "body").replace("bodys", "bodies")}, ${count(scene.joints.length, "joint")}, ${count(scene.actuators.length, "drive")}.` : "Nothing can be drawn.";
   const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${shown(gap.gap, 4)} m`).join(", ");
-  if (gaps) byId("error").appendChild(document.createElement("p")).textContent = `In the position in the key guess, ${gaps}.`;
+  if (gaps) byId("error-text").append(document.createElement("br"), `In the position in the key guess, ${gaps}.`);
   const length = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
   byId("drawing-description").textContent = parts + length + (gaps ? ` In the position in the key guess, ${gaps}.` : "");
   const left = motion?.left_out ? ` ${motion.left_out} variables are not on this page.` : "";
   const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
   byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units. Built by linkage-fmu.`;
-  if (stands && byId("error-title")) {
+  if (stands) {
     byId("error-title").textContent = stands.is_assembled ? "The loops of this mechanism close, but the motion cannot be computed" : "The loops of this mechanism do not close; the drawing shows the positions of the guess";
-  } else if (motion && byId("error-title")) {
+  } else if (motion) {
     byId("error-title").textContent = "The motion ends early";
   }
 }
 
-byId("side").hidden = !data.motion;
-document.body.classList.toggle("alone", !data.motion);
-describe();
-setUpFindings();
-setUpTheme();
-setUpControls();
-if (drawing) {
-  new ResizeObserver(() => {
-    drawing.layout();
-    show();
-  }).observe(byId("drawing"));
-  setUpLayers();
-} else {
-  document.querySelector(".stage").hidden = true;
-}
-if (data.motion) {
-  const finish = () => {
+/** Plots and table of the data, the first time with their library. */
+function fillSide() {
+  const { motion } = page.data;
+  if (!motion) return;
+  if (!page.plots) {
     const library = document.createElement("script");
     library.textContent = byId("plot-library").textContent;
     document.head.append(library);
-    plots = new Plots(byId("plots"), data.motion, (index) => seek(index));
-    table = new Table(data, plots);
-    document.body.dataset.ready = "";
-    show();
-  };
-  // In the second frame the first one is on the screen; only then the library of the plots is compiled.
-  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(finish)));
-} else {
-  document.body.dataset.ready = "";
+    page.plots = new Plots(byId("plots"), seek);
+    page.table = new Table(page.plots);
+  }
+  page.plots.load(motion);
+  page.table.load(page.data);
 }
-window.mechanism = { data, clock, drawing, seek, travelTo, play };
+
+setUpTheme();
+setUpControls();
+new ResizeObserver(() => {
+  page.drawing?.layout();
+  draw();
+}).observe(byId("drawing"));
+show(JSON.parse(byId("data").textContent));
+// In the second frame the first one is on the screen; only then the library of the plots is compiled.
+const afterTwoFrames = (next) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(next)));
+afterTwoFrames(() => {
+  fillSide();
+  document.body.dataset.ready = "";
+  draw();
+});
+window.mechanism = {
+  show, seek, travelTo, play,
+  get data() { return page.data; },
+  get clock() { return page.clock; },
+  get drawing() { return page.drawing; },
+};
