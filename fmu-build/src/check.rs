@@ -30,6 +30,8 @@ pub struct Checked {
     pub findings: Vec<Located>,
     /// Whether names and numbers were checked too, which takes a text that can be read.
     pub is_whole: bool,
+    /// Units of the file.
+    pub units: FileUnits,
     /// Facts; the findings of the inspection are those above.
     pub inspection: Inspection,
 }
@@ -68,7 +70,8 @@ fn unread(path: &Path, error: &anyhow::Error) -> Checked {
     let finding = Finding::error("", format!("{error:#}"));
     let findings = vec![Located { finding, span: 0..0, position: [1, 1] }];
     let shown = path.display().to_string();
-    Checked { shown, text: String::new(), findings, is_whole: true, inspection: Inspection::default() }
+    let (units, inspection) = (FileUnits::default(), Inspection::default());
+    Checked { shown, text: String::new(), findings, is_whole: true, units, inspection }
 }
 
 /// Check the text of a definition of this kind, which messages name so.
@@ -76,6 +79,6 @@ fn unread(path: &Path, error: &anyhow::Error) -> Checked {
 /// # Errors
 /// There is no such kind.
 pub fn check(shown: String, kind: &str, text: String) -> Result<Checked> {
-    let faults::All { inspection, located, is_whole } = faults::all(kind, &text)?;
-    Ok(Checked { shown, text, findings: located, is_whole, inspection })
+    let faults::All { inspection, located, is_whole, units } = faults::all(kind, &text)?;
+    Ok(Checked { shown, text, findings: located, is_whole, units, inspection })
 }

@@ -46,6 +46,8 @@ pub struct All {
     pub located: Vec<Located>,
     /// Whether names and numbers were checked too.
     pub is_whole: bool,
+    /// Units of the file.
+    pub units: FileUnits,
 }
 
 /// All that is found in a text.
@@ -69,7 +71,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
     // Facts of a text that was repaired, or of which a part was not read, are those of another model.
     let is_other = !located.is_empty() || inspection.findings.iter().any(|finding| finding.bytes.is_some());
     let root = parse(kind, &repaired).ok();
-    let units = FileUnits::of(root.as_ref());
+    let units = FileUnits::stated(root.as_ref());
     let is_one_line = |bytes: &Range<usize>| !repaired[bytes.clone()].contains('\n');
     for finding in inspection.findings.drain(..) {
         let by_path = || {
@@ -89,7 +91,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
     }
     located.sort_by_key(|located| (located.finding.severity != Severity::Error, located.span.start));
     located.truncate(MOST);
-    Ok(All { inspection, located, is_whole })
+    Ok(All { inspection, located, is_whole, units })
 }
 
 /// A model whose name no FMU can have, as it names files in it.

@@ -1,12 +1,14 @@
 //! Findings and facts in words, and as JSON.
 
-use super::{Checked, Located};
+use super::{Checked, FileUnits, Located};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use linkage_fmu::inspection::{Fact, Quantity, Severity};
 use serde_json::{Value, json};
 use std::collections::HashSet;
-use std::f64::consts::PI;
 use std::fmt::Write;
+
+/// Distance from the guess that is rounding [rad or m].
+const SAME: f64 = 1e-9;
 
 /// All findings and facts of a definition.
 pub fn text(checked: &Checked) -> String {
@@ -15,12 +17,22 @@ pub fn text(checked: &Checked) -> String {
     let mut told = HashSet::new();
     for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
         let _ = writeln!(out, "{topic}");
-        for fact in &together(facts.iter().filter(|fact| fact.topic == topic)) {
-            let _ = writeln!(out, "  {}", line(fact));
+        let of_topic = || facts.iter().filter(|fact| fact.topic == topic);
+        if of_topic().all(is_idle) {
+            let _ = writeln!(out, "  the loops close in the position in the key guess");
+        }
+        for fact in &together(of_topic().filter(|fact| !is_idle(fact))) {
+            let _ = writeln!(out, "  {}", line(fact, &checked.units));
         }
     }
     let _ = writeln!(out, "{}", summary(checked));
     out
+}
+
+/// Whether a fact says nothing: a coordinate whose guess is the assembled value.
+fn is_idle(fact: &Fact) -> bool {
+    let apart = fact.quantities.iter().find(|quantity| quantity.name == "apart");
+    apart.is_some_and(|apart| apart.value.abs() < SAME)
 }
 
 /// These facts, those without numbers that say the same as one: at one dead centre several bodies may stand still.
@@ -66,7 +78,14 @@ pub fn summary(checked: &Checked) -> String {
     if !checked.is_whole {
         out.push_str("; correct these errors first, because names and numbers are checked only after this correction");
     }
-    if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium")) {
+    let start = facts.iter().filter(|fact| fact.topic == "Travel").find_map(|fact| {
+        let start = fact.quantities.iter().find(|quantity| quantity.name == "start")?;
+        Some(format!("{} = {}", fact.of, checked.units.quantity(start.value, start.unit)))
+    });
+    if let Some(start) = start {
+        let _ = write!(out, "; start at {start}");
+    }
+    if let Some(fact) = facts.iter().find(|fact| fact.topic.starts_with("Equilibrium at")) {
         let _ = write!(out, "; {}", fact.text.split(':').next().unwrap_or_default());
     }
     out
@@ -98,36 +117,21 @@ fn finding(checked: &Checked, located: &Located) -> String {
     Renderer::plain().render(&[group])
 }
 
-/// A fact in one line.
-pub fn line(fact: &Fact) -> String {
+/// A fact in one line, in the units of the file.
+pub fn line(fact: &Fact, units: &FileUnits) -> String {
     let of = if fact.of.is_empty() { String::new() } else { format!("{}: ", fact.of) };
-    let numbers: Vec<String> = fact.quantities.iter().map(quantity).collect();
+    let numbers: Vec<String> = fact.quantities.iter().map(|one| quantity(one, units)).collect();
     let numbers = numbers.join(", ");
     let joint = if numbers.is_empty() || fact.text.is_empty() { "" } else { "; " };
-    format!("{of}{numbers}{joint}{}", fact.text)
+    format!("{of}{numbers}{joint}{}", units.text(&fact.text))
 }
 
-fn quantity(quantity: &Quantity) -> String {
+fn quantity(quantity: &Quantity, units: &FileUnits) -> String {
     let Quantity { name, value, unit } = quantity;
-    let degrees = match *unit {
-        "rad" => format!(" ({} deg)", number(value * 180.0 / PI)),
-        _ => String::new(),
-    };
-    match unit.strip_prefix('1') {
-        Some("") => format!("{name} {}", number(*value)),
-        // The largest number stands for an infinite value of a variable.
-        _ if value.abs() >= f64::MAX => format!("{name} infinite"),
-        _ => format!("{name} {} {unit}{degrees}", number(*value)),
-    }
-}
-
-/// Six digits.
-fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    match rounded.abs() {
-        0.0 => "0".into(),
-        size if (1e-4..1e7).contains(&size) => rounded.to_string(),
-        _ => format!("{rounded:e}"),
+    // The largest number stands for an infinite value of a variable.
+    match value.abs() >= f64::MAX && *unit != "1" {
+        true => format!("{name} infinite"),
+        false => format!("{name} {}", units.quantity(*value, unit)),
     }
 }
 

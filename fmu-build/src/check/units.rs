@@ -8,6 +8,7 @@ use linkage_fmu::mechanism::definition::{AngleUnit, LengthUnit};
 use linkage_fmu::numerics::decimal::Decimal;
 
 /// A unit of the engine, the unit of the file, and how many of the file's make one of the engine's.
+#[derive(Clone)]
 struct Unit {
     si: &'static str,
     own: &'static str,
@@ -15,11 +16,12 @@ struct Unit {
 }
 
 /// The units in which a file states lengths and angles, where these are not SI units.
+#[derive(Clone, Default)]
 pub struct FileUnits(Vec<Unit>);
 
 impl FileUnits {
     /// The units that the definition states.
-    pub fn of(definition: Option<&Node>) -> Self {
+    pub fn stated(definition: Option<&Node>) -> Self {
         let units = definition.and_then(|definition| definition.member("units"));
         let states = |key: &str, unit: &str| {
             units.and_then(|units| units.value.member(key)).is_some_and(|stated| stated.value.text() == Some(unit))
@@ -37,6 +39,40 @@ impl FileUnits {
             finding.remedy = self.converted(&finding.remedy);
         }
         finding
+    }
+
+    /// The unit in which the file states a quantity of an SI unit, and its factor; None where that is the SI unit.
+    pub fn of(&self, si: &str) -> Option<(&'static str, f64)> {
+        self.0.iter().find(|unit| unit.si == si).map(|unit| (unit.own, unit.factor))
+    }
+
+    /// A number with its unit, to five digits; an angle of a file in radians in degrees too.
+    pub fn quantity(&self, value: f64, unit: &str) -> String {
+        if let Some(own) = self.0.iter().find(|own| own.si == unit) {
+            return format!("{} {}", number(value * own.factor), own.own);
+        }
+        match unit {
+            "1" => number(value),
+            "rad" => format!("{} rad ({} deg)", number(value), number(value.to_degrees())),
+            _ => format!("{} {unit}", number(value)),
+        }
+    }
+
+    /// The text of a fact: each angle and each length as [`Self::quantity`].
+    pub fn text(&self, text: &str) -> String {
+        let mut out: Vec<String> = Vec::new();
+        for word in text.split(' ') {
+            let unit = word.trim_end_matches([',', ';', ':']);
+            let value = out.last().filter(|_| ["rad", "m"].contains(&unit)).and_then(|last| last.parse().ok());
+            match value {
+                Some(value) => {
+                    out.pop();
+                    out.push(self.quantity(value, unit) + &word[unit.len()..]);
+                }
+                None => out.push(word.to_owned()),
+            }
+        }
+        out.join(" ")
     }
 
     /// Every number that is followed by a converted unit in this unit.
@@ -92,6 +128,16 @@ impl FileUnits {
     }
 }
 
+/// Five digits.
+pub fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    match rounded.abs() {
+        0.0 => "0".into(),
+        size if (1e-4..1e7).contains(&size) => rounded.to_string(),
+        _ => format!("{rounded:e}"),
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -99,9 +145,20 @@ mod tests {
     use linkage_fmu::format::parse;
 
     #[test]
+    fn facts_are_told_as_the_file_states_them() {
+        let [own, si] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
+            .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
+        let text = "up at leg = 0.500000 rad, rod = 0.123456 m: held";
+        assert_eq!(own.text(text), "up at leg = 28.648 deg, rod = 123.46 mm: held");
+        assert_eq!(si.text(text), "up at leg = 0.5 rad (28.648 deg), rod = 0.12346 m: held");
+        assert_eq!(own.quantity(2.0, "kg"), "2 kg");
+        assert_eq!(si.quantity(0.25, "1"), "0.25");
+    }
+
+    #[test]
     fn lengths_and_angles_are_told_as_the_file_states_them() {
         let [text, none] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
-            .map(|text| FileUnits::of(parse("test", text).ok().as_ref()));
+            .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
         for (message, told) in [
             ("a = 0.5 m: from -0.2 m to 0.4 m, 1.5 m/s", "a = 500 mm: from -200 mm to 400 mm, 1.5 m/s"),
             ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),

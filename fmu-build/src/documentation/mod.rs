@@ -120,6 +120,7 @@ impl Subject<'_> {
             text: self.checked.text.clone(),
             findings: self.checked.findings.clone(),
             is_whole: self.checked.is_whole,
+            units: self.checked.units.clone(),
             inspection: self.checked.inspection.clone(),
         };
         view::html(&Data::collect(&checked, &Wanted::default())?)

@@ -58,7 +58,7 @@ fn what_is_rounding_is_told_as_zero() {
     let [idle, short] = &told[..] else { panic!("{told:#?}") };
     assert!(idle.contains("the joint is at 0 rad in every position"), "{idle}");
     assert!(short.contains("the two ends are 0.05 m apart in every position"), "{short}");
-    let lines: Vec<String> = all.inspection.facts.iter().map(check::line).collect();
+    let lines: Vec<String> = all.inspection.facts.iter().map(|fact| check::line(fact, &all.units)).collect();
     assert!(lines.iter().all(|line| !line.contains("-0.000000") && !line.contains("e308")), "{lines:#?}");
     let small = |line: &String| line.contains("e-1") || line.contains("e-2") || line.contains("e-3");
     assert!(!lines.iter().any(small), "{lines:#?}");
@@ -89,6 +89,47 @@ fn the_start_holds_in_balance_and_at_a_stop() {
     let all = checked(&stopped.to_string());
     assert!(fact(&all, "Equilibrium at the start", "crank").text.contains("held at stop down"));
     assert!(fact(&all, "Ends of travel", "backward").text.starts_with("down at crank = 0.5"));
+}
+
+/// A flap whose link and rocker, of 0.05 m each, are in line before it is open.
+#[test]
+fn the_joints_that_end_a_motion_are_named() {
+    let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
+    let flap = |angle: f64| {
+        json!({
+            "name": "Flap", "units": { "angle": "deg", "length": "mm" },
+            "bodies": {
+                "ground": { "length": 100 }, "flap": { "length": 60, "mass": 1 }, "link": { "length": 50 },
+                "rocker": { "length": 50 }
+            },
+            "joints": {
+                "A": pin("ground.origin", "flap.origin"), "B": pin("flap.end", "link.origin"),
+                "C": pin("link.end", "rocker.end"), "D": pin("ground.end", "rocker.origin")
+            },
+            "stops": {
+                "open": { "body": "flap", "limit": "upper", "angle": 90 },
+                "shut": { "body": "flap", "limit": "lower", "angle": angle },
+                "far": { "body": "flap", "limit": "lower", "angle": angle - 5.0 }
+            },
+            "start": { "body": "flap", "angle": 20 }, "guess": { "flap": 20, "link": 36, "rocker": 94 }
+        })
+        .to_string()
+    };
+    let all = checked(&flap(10.0));
+    let told = |path: &str| all.findings.iter().find(|l| l.finding.path == path).unwrap().finding.message.clone();
+    // Where the two are in line, they are the third side of a triangle of 0.1, 0.06 and 0.1 m.
+    let short = 90.0 - (0.0036_f64 / 0.012).acos().to_degrees();
+    assert!(told("stops.open").contains(&format!("turns back {short:.2} deg")), "{} {short}", told("stops.open"));
+    assert!(told("stops.open").ends_with("B, C and D come into line (dead centre)"), "{}", told("stops.open"));
+    assert!(
+        told("stops.far").contains("the stop shut ends the motion 5 deg before this stop"),
+        "{}",
+        told("stops.far")
+    );
+    let at = all.inspection.facts.iter().filter(|fact| fact.topic == "Toggles" && fact.of == "flap");
+    let lines: Vec<String> = at.map(|fact| check::line(fact, &all.units)).collect();
+    assert!(lines.len() == 1 && lines[0].ends_with("B, C and D are in line"), "{lines:?}");
+    assert!(lines[0].contains(&format!("flap = {:.3} deg", 90.0 - short)), "{lines:?}");
 }
 
 #[test]

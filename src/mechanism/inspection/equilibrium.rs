@@ -2,6 +2,7 @@
 //!
 //! In: a model at its start. Out: the reason of the equilibrium or the acceleration, and the holding force of each
 //! drive. It must not know laws: it reads outputs.
+use super::place::Places;
 use crate::inspection::Fact;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
@@ -19,7 +20,7 @@ const ALL: &str = "Equilibria under the loads at the start";
 const MOST: usize = 12;
 
 /// Add the facts of the equilibrium; the model is left at rest.
-pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<Fact>) {
+pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, facts: &mut Vec<Fact>) {
     let start = &model.original.parameter_values.mechanism().start;
     let of = start.body.clone().or_else(|| start.joint.clone()).unwrap_or_default();
     let speed = model.variables().find(&format!("{of}.start_speed"));
@@ -36,7 +37,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
     let weighted = |i: usize| c.q_sigma[i].abs() / if i < linkage.angles { 1.0 } else { linkage.size };
     let most = (0..c.q.len()).fold(0, |most, i| if weighted(i) > weighted(most) { i } else { most });
     let (name, is_angle) = (&linkage.coordinates[most], most < linkage.angles);
-    add_all(model, reduced, &state.travel, most, facts);
+    add_all(model, reduced, &state.travel, places, most, facts);
     let Some(reference) = model.variables().find(&format!("{name}.acceleration")) else { return };
     let Ok(acceleration) = model.real(reference) else { return };
     let unit = if is_angle { Unit::RadianPerSecondSquared } else { Unit::MetrePerSecondSquared };
@@ -94,30 +95,32 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, facts: &mut Vec<
 
 /// All equilibria of the travel, stable or not, with the values of one coordinate; none are told of a model with more
 /// states than position and speed.
-fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, coordinate: usize, facts: &mut Vec<Fact>) {
+fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, places: Places, most: usize, facts: &mut Vec<Fact>) {
     let Ok(all) = model.equilibria() else { return };
     let linkage = reduced.linkage();
+    let coordinate = places.steady.unwrap_or(most);
     let unit = if coordinate < linkage.angles { Unit::Radian } else { Unit::Metre };
     for found in all.iter().take(MOST) {
         let (sigma, revolutions) = reduced.unwound(found.position);
-        let position = reduced.describe(sigma, revolutions);
         let value = reduced.at(sigma).curve().coordinates(sigma, revolutions)[coordinate];
-        let name = if found.place.is_some() || found.is_stable { "stable position" } else { "unstable position" };
-        let fact = Fact::new(ALL, &linkage.coordinates[coordinate]).with(name, value, unit);
-        facts.push(match (found.place, found.is_stable) {
-            (Some(_), _) => {
-                let stop = held_by(reduced, travel, found.position).unwrap_or_default();
-                fact.saying(format!("stable at {position}: the loads press the mechanism against {stop}"))
-            }
-            (None, true) if found.stiffness > 0.0 => {
-                let omega = found.stiffness.sqrt();
-                let fact = fact.with("eigenfrequency", omega / TAU, Unit::Hertz);
-                fact.with("damping ratio", 0.5 * found.damping / omega, Unit::One)
-                    .saying(format!("stable at {position}"))
-            }
-            (None, true) => fact.saying(format!("stable at {position}")),
-            (None, false) => fact.saying(format!("unstable at {position}")),
-        });
+        let is_stable = found.place.is_some() || found.is_stable;
+        let name = if is_stable { "stable position" } else { "unstable position" };
+        let mut fact = Fact::new(ALL, &linkage.coordinates[coordinate]).with(name, value, unit);
+        if found.place.is_none() && found.is_stable && found.stiffness > 0.0 {
+            let omega = found.stiffness.sqrt();
+            fact = fact.with("eigenfrequency", omega / TAU, Unit::Hertz);
+            fact = fact.with("damping ratio", 0.5 * found.damping / omega, Unit::One);
+        }
+        let mut parts = Vec::new();
+        if places.steady.is_none() {
+            let word = if is_stable { "stable" } else { "unstable" };
+            parts.push(format!("{word} at {}", places.describe(found.position)));
+        }
+        if found.place.is_some() {
+            let stop = held_by(reduced, travel, found.position).unwrap_or_default();
+            parts.push(format!("the loads press the mechanism against {stop}"));
+        }
+        facts.push(fact.saying(parts.join(": ")));
     }
     if all.is_empty() {
         facts.push(Fact::new(ALL, "").saying("none: no load acts, or the loads move the mechanism at every position"));

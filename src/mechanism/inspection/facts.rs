@@ -1,6 +1,8 @@
 //! Facts about a mechanism: its masses, its assembly, its travel, its drives.
 //!
 //! In: a model. Out: facts, and warnings about its travel. It must not know steps.
+use super::bends::bends;
+use super::place::Places;
 use super::travel::{Extremes, Walk};
 use super::{equilibrium, friction};
 use crate::hydraulics::network::facts::facts as network_facts;
@@ -16,7 +18,7 @@ use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::{End, Reduced};
 use crate::mechanism::warnings::{is_within, of_guess, remarks};
 use crate::numerics::decimal::Decimal;
-use crate::numerics::plane::{Vec2, cross};
+use crate::numerics::plane::Vec2;
 use crate::variables::Unit;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, TAU};
@@ -24,6 +26,10 @@ use std::sync::Arc;
 
 /// Topic of positions where branches almost cross, by lengths that may be as small as rounding.
 const NEAR: &str = "Near misses";
+/// Text where the motion is followed only in part.
+const FURTHER: &str = "moves further than this: no stop ends the motion";
+/// Remedy where joints that come into line end the motion.
+const LINKS: &str = "change the lengths or the pivots of these links,";
 /// Most places of one kind that are listed.
 const PLACES: usize = 12;
 /// Most coordinates, drives and bends that are followed over the travel, so that a large mechanism takes seconds.
@@ -43,10 +49,10 @@ pub fn collect(model: &mut Model, out: &mut Inspection) {
     let done = remarks(&reduced, mechanism.snap()).into_iter();
     out.facts.extend(done.map(|text| Fact::new("Snapped lengths", "").saying(text)));
     let ends = ends(&reduced, &state.travel, here);
-    add_travel(&reduced, &state, (here, ends), *mechanism.file_units, out);
+    let places = add_travel(&reduced, &state, (here, ends), *mechanism.file_units, out);
     friction::add((&reduced, &state), &model.original.inputs, ends, out);
     add_redundant_joints(&reduced, &assembled, &mut out.facts);
-    equilibrium::add(model, &reduced, &state, &mut out.facts);
+    equilibrium::add(model, &reduced, &state, places, &mut out.facts);
     if let Some(network) = &mechanism.hydraulics {
         let mut value = |name: &str| model.variables().find(name).and_then(|reference| model.real(reference).ok());
         out.facts.extend(network_facts(network, &mut |name| value(name).unwrap_or(f64::NAN)));
@@ -108,12 +114,11 @@ fn add_masses(linkage: &Linkage, positions: &Positions, facts: &mut Vec<Fact>) {
         let center = moment / mass;
         fact = fact.with("centre x", center.x, Unit::Metre).with("centre y", center.y, Unit::Metre);
     }
-    facts.push(fact.saying(format!(
-        "{} moving bodies, {} joints, {} closed loops",
-        linkage.bodies.len() - 1,
-        linkage.joints.len() - linkage.couplings.len(),
-        linkage.cuts.len() - linkage.couplings.len()
-    )));
+    let counted = |count: usize, one: &str, more: &str| format!("{count} {}", if count == 1 { one } else { more });
+    let bodies = counted(linkage.bodies.len() - 1, "moving body", "moving bodies");
+    let joints = counted(linkage.joints.len() - linkage.couplings.len(), "joint", "joints");
+    let loops = counted(linkage.cuts.len() - linkage.couplings.len(), "closed loop", "closed loops");
+    facts.push(fact.saying(format!("{bodies}, {joints}, {loops}")));
 }
 
 /// Assembled coordinates beside the guess, and the side to which each joint bends.
@@ -141,52 +146,6 @@ fn of_coordinate(linkage: &Linkage, coordinate: usize) -> (Unit, f64) {
         true => (Unit::Radian, linkage.bodies.iter().find(|body| body.name == *name).map_or(0.0, |body| body.offset)),
         false => (Unit::Metre, 0.0),
     }
-}
-
-/// Two links at a joint between moving bodies, as seen from the next joint of each.
-struct Bend {
-    /// The next joint of one body, the joint, the next joint of the other body.
-    joints: [usize; 3],
-    points: [Point; 3],
-}
-
-impl Bend {
-    /// Angle by which the way through the three joints turns, anticlockwise positive [rad].
-    fn angle(&self, positions: &Positions) -> f64 {
-        let [from, at, to] = self.points.map(|point| positions.point(point));
-        let (one, other) = (at - from, to - at);
-        cross(one, other).atan2(one.dot(&other))
-    }
-}
-
-/// The bends whose sides tell in which way a linkage is put together: at revolute joints between two moving bodies.
-fn bends(linkage: &Linkage) -> Vec<Bend> {
-    let mut joints_of: Vec<Vec<usize>> = vec![Vec::new(); linkage.bodies.len()];
-    let hinges = || linkage.joints[..linkage.joints.len() - linkage.couplings.len()].iter().enumerate();
-    for (index, joint) in hinges() {
-        joints_of[joint.first.body].push(index);
-        joints_of[joint.second.body].push(index);
-    }
-    let mut all = Vec::new();
-    for (index, joint) in hinges() {
-        let bodies = [joint.first.body, joint.second.body];
-        if joint.freedom.rows() != 2 || bodies.contains(&GROUND) {
-            continue;
-        }
-        let next = |own: Point| {
-            let on = |other: usize| {
-                let j = &linkage.joints[other];
-                if j.first.body == own.body { j.first } else { j.second }
-            };
-            let apart = |other: &usize| (on(*other).local - own.local).norm() > 1e-9 * linkage.size;
-            let other = joints_of[own.body].iter().copied().filter(|other| *other != index).find(apart);
-            other.map(|other| (other, on(other)))
-        };
-        if let (Some((from, one)), Some((to, other))) = (next(joint.first), next(joint.second)) {
-            all.push(Bend { joints: [from, index, to], points: [one, joint.first, other] });
-        }
-    }
-    all
 }
 
 /// What is watched over the travel: coordinates, then for each drive its displacement and its influence, then the
@@ -218,19 +177,21 @@ fn from_start(range: [f64; 2], start: f64, growth: f64) -> [f64; 2] {
     [start.min(start + growth), start.max(start + growth)]
 }
 
-fn add_travel(
-    reduced: &Reduced,
+fn add_travel<'a>(
+    reduced: &'a Reduced,
     state: &State,
     (here, ends): (f64, [f64; 2]),
     file_units: Units,
     out: &mut Inspection,
-) {
+) -> Places<'a> {
     let (linkage, loading) = (reduced.linkage(), reduced.loading());
     let mut walk = Walk::new(reduced, ends, functions(reduced));
     let at_start = walk.at(here);
     let coordinates = linkage.coordinates.len().min(FOLLOWED);
+    let places = Places::new(reduced, walk.steady(coordinates));
     let drives = loading.drives.len().min(FOLLOWED);
     let mut toggles = Vec::new();
+    let goes_on = (0..2).any(|side| state.travel.rigid[side].is_none() && reduced.curve().is_open(side));
     for (i, name) in linkage.coordinates.iter().enumerate().take(FOLLOWED) {
         let unit = of_coordinate(linkage, i).0;
         let Extremes { range, stationary } = walk.extremes(i, 1.0);
@@ -244,12 +205,16 @@ fn add_travel(
             continue;
         }
         out.facts.push(match turns == 0.0 {
+            true if goes_on => fact.saying(FURTHER),
             true => fact,
-            false => fact.saying(format!("makes {} full turns in each cycle of the mechanism", turns.round())),
+            false => {
+                let (turns, word) = (turns.round(), if turns.abs() < 1.5 { "turn" } else { "turns" });
+                fact.saying(format!("makes {turns} full {word} in each cycle of the mechanism"))
+            }
         });
-        toggles.extend(stationary.iter().map(|&sigma| (name.clone(), sigma)));
+        toggles.extend(stationary.iter().map(|&sigma| (sigma, name.clone(), None)));
     }
-    add_ends(reduced, state, &walk, file_units, out);
+    add_ends(reduced, (state, &walk, places), file_units, out);
     for (drive, defined) in loading.drives.iter().enumerate().take(FOLLOWED) {
         let (motion, influence) =
             (walk.extremes(coordinates + 2 * drive, 1.0), walk.extremes(coordinates + 2 * drive + 1, 0.0));
@@ -260,11 +225,9 @@ fn add_travel(
         let start = at_start[coordinates + 2 * drive][0];
         let fact = Fact::new("Drives", &defined.name).with("start", start, length);
         let [least, most] = from_start(motion.range, start, reduced.load_growth(drive));
-        out.facts.push(fact.with("least", least, length).with("most", most, length).with(
-            "stroke",
-            most - least,
-            length,
-        ));
+        let fact = fact.with("least", least, length).with("most", most, length);
+        let fact = fact.with("stroke", most - least, length);
+        out.facts.push(if goes_on { fact.saying(FURTHER) } else { fact });
         // The reduced mass is 1 / S_sigma^2.
         let [low, high] = influence.range;
         let slowest = if low < 0.0 && high > 0.0 { 0.0 } else { low.abs().min(high.abs()) };
@@ -272,15 +235,9 @@ fn add_travel(
         let fact = Fact::new("Reduced mass", &defined.name).with("start", start, mass);
         let fact = fact.with("least", low.abs().max(high.abs()).powi(-2), mass).with("most", slowest.powi(-2), mass);
         out.facts.push(fact);
-        toggles.extend(motion.stationary.iter().map(|&sigma| (defined.name.clone(), sigma)));
+        toggles.extend(motion.stationary.iter().map(|&sigma| (sigma, defined.name.clone(), Some(drive))));
     }
-    let told = toggles.len();
-    for (name, sigma) in toggles.into_iter().take(PLACES) {
-        out.facts.push(Fact::new("Toggles", name).saying(format!("dead centre at {}", walk.describe(sigma))));
-    }
-    if told > PLACES {
-        out.facts.push(Fact::new("Toggles", "").saying(format!("and {} more", told - PLACES)));
-    }
+    add_toggles(places, ends, toggles, out);
     for (k, bend) in bends(linkage).iter().enumerate().take(FOLLOWED) {
         let [low, high] = walk.extremes(coordinates + 2 * drives + k, 1.0).range;
         if low * high > 0.0 {
@@ -289,13 +246,37 @@ fn add_travel(
         }
     }
     add_singular(reduced, &state.travel, out);
+    places
+}
+
+/// Dead centres in the order of the travel: sigma, name, and the drive whose displacement stands still.
+fn add_toggles(words: Places, [low, high]: [f64; 2], toggles: Vec<(f64, String, Option<usize>)>, out: &mut Inspection) {
+    let near = 1e-7 * (high - low);
+    let mut places: Vec<Vec<(f64, String, Option<usize>)>> = Vec::new();
+    for toggle in toggles {
+        match places.iter_mut().find(|place| (place[0].0 - toggle.0).abs() <= near) {
+            Some(place) => place.push(toggle),
+            None => places.push(vec![toggle]),
+        }
+    }
+    places.sort_by(|a, b| a[0].0.total_cmp(&b[0].0));
+    for place in places.iter().take(PLACES) {
+        // One text for all that stand still here.
+        let drive = place.iter().find_map(|(_, _, drive)| *drive);
+        let reason = words.in_line(place[0].0, drive);
+        let reason = reason.map_or_else(String::new, |joints| format!("; {joints} are in line"));
+        let text = format!("dead centre at {}{reason}", words.describe(place[0].0));
+        out.facts.extend(place.iter().map(|(_, name, _)| Fact::new("Toggles", name).saying(&text)));
+    }
+    if places.len() > PLACES {
+        out.facts.push(Fact::new("Toggles", "").saying(format!("and {} more", places.len() - PLACES)));
+    }
 }
 
 /// What ends the travel on each side, the stops on the way, and those that are never met.
 fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     reduced: &Reduced,
-    state: &State,
-    walk: &Walk<F>,
+    (state, walk, places): (&State, &Walk<F>, Places),
     file_units: Units,
     out: &mut Inspection,
 ) {
@@ -303,7 +284,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
     let turns = (0..reduced.linkage().coordinates.len()).any(|i| reduced.curve().growth(i) != 0.0);
     for (side, word) in ["backward", "forward"].into_iter().enumerate() {
         let text = match (&state.travel.rigid[side], &reduced.curve().ends) {
-            (Some(end), _) => format!("{} at {}", stops[end.stop].name, walk.describe(end.position)),
+            (Some(end), _) => format!("{} at {}", stops[end.stop].name, places.describe(end.position)),
             (None, _) if reduced.ends_meet()[side].is_some() => {
                 let reason = ends_meet(reduced, side);
                 let message = format!(
@@ -314,12 +295,12 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             }
             (None, Ends::Closed(_)) if turns => "no stop: the mechanism turns without end".to_owned(),
             (None, Ends::Closed(_)) => "no stop: the motion is a cycle that returns to its start".to_owned(),
-            (None, _) => format!("no stop: the motion continues beyond {}", walk.describe(walk.ends[side])),
+            (None, _) => format!("no stop: the motion continues beyond {}", places.describe(walk.ends[side])),
         };
         out.facts.push(Fact::new("Ends of travel", word).saying(text));
         for bumper in &state.travel.bumpers {
             if let Some(position) = bumper.positions[side] {
-                let text = format!("bumper {} starts at {}", stops[bumper.stop].name, walk.describe(position));
+                let text = format!("bumper {} starts at {}", stops[bumper.stop].name, places.describe(position));
                 out.facts.push(Fact::new("Ends of travel", word).saying(text));
             }
         }
@@ -330,12 +311,11 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
         if ends || begins {
             continue;
         }
-        let values = walk.positions.iter().map(|&sigma| {
+        let beyond = |sigma: f64| {
             let (on_curve, revolutions) = reduced.unwound(sigma);
-            reduced.displacement_at(stop.load, on_curve, 0) + revolutions * reduced.load_growth(stop.load)
-        });
-        let nearest = values.fold(f64::NEG_INFINITY, |most: f64, s| most.max(stop.beyond(s)));
-        let unit = if stop.quantity == "angle" { "rad" } else { "m" };
+            stop.beyond(reduced.displacement_at(stop.load, on_curve, 0) + revolutions * reduced.load_growth(stop.load))
+        };
+        let (nearest, at) = walk.most(beyond);
         let as_degrees = stop.quantity == "angle" && stop.value.abs() > PI && !file_units.has_degrees();
         let remedy = match as_degrees {
             true => {
@@ -347,8 +327,23 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
             }
             false => "correct the value, or write \"enabled\": false".to_owned(),
         };
-        let short: f64 = format!("{:.2e}", -nearest).parse().unwrap_or(-nearest);
-        let message = format!("is never reached: the motion ends {} {unit} before this stop", Decimal(short));
+        let (factor, unit) = match stop.quantity {
+            "angle" if file_units.has_degrees() => (180.0 / PI, "deg"),
+            "angle" => (1.0, "rad"),
+            _ if file_units.has_millimetres() => (1e3, "mm"),
+            _ => (1.0, "m"),
+        };
+        let short: f64 = format!("{:.3e}", -nearest * factor).parse().unwrap_or(-nearest * factor);
+        let ending = [0, 1].into_iter().find(|&side| at == walk.ends[side]).and_then(|side| state.travel.rigid[side]);
+        let ends = match ending {
+            Some(end) => format!("the stop {} ends the motion {} {unit} before", stops[end.stop].name, Decimal(short)),
+            None if walk.ends.contains(&at) => format!("the motion ends {} {unit} before", Decimal(short)),
+            None => format!("the motion turns back {} {unit} before", Decimal(short)),
+        };
+        let joints = places.in_line(at, None).filter(|_| !walk.ends.contains(&at));
+        let reason = joints.map_or_else(String::new, |joints| format!(": {joints} come into line (dead centre)"));
+        let remedy = if reason.is_empty() { remedy } else { format!("{LINKS} {remedy}") };
+        let message = format!("is never reached: {ends} this stop{reason}");
         out.findings.push(Finding::warning(format_args!("stops.{}", stop.name), message, remedy));
     }
 }

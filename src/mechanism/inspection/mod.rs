@@ -2,10 +2,12 @@
 //!
 //! In: the text of a definition. Out: all its faults, or facts about the mechanism that it gives. It must not know
 //! FMI's life cycle.
+mod bends;
 mod equilibrium;
 mod facts;
 mod friction;
 mod path;
+mod place;
 mod poses;
 mod scene;
 mod travel;

@@ -9,6 +9,11 @@ use crate::numerics::bracket::false_position;
 
 /// Part of the distance between two samples to which a stationary place is located.
 const CLOSE: f64 = 1e-13;
+/// Part of its largest slope that the least slope of a function has that stands still nowhere.
+const STEADY: f64 = 1e-6;
+/// Golden sections of two intervals between samples, and their ratio.
+const SECTIONS: usize = 60;
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// A travel between two values of sigma, counted on over whole revolutions, with the functions to be watched.
 pub struct Walk<'a, F> {
@@ -83,9 +88,30 @@ impl<'a, F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)> Walk<'a, F> {
         Extremes { range, stationary }
     }
 
-    /// Coordinates at sigma, by name and in words.
-    pub fn describe(&self, sigma: f64) -> String {
-        let (on_curve, revolutions) = self.reduced.unwound(sigma);
-        self.reduced.at(on_curve).curve().describe(on_curve, revolutions)
+    /// The largest value of a function of sigma, and where it is: within the travel its peak.
+    pub fn most(&self, function: impl Fn(f64) -> f64) -> (f64, f64) {
+        let values = self.positions.iter().map(|&sigma| (function(sigma), sigma)).enumerate();
+        let (k, most) = values
+            .fold((0, (f64::NEG_INFINITY, self.ends[0])), |most, next| if next.1.0 > most.1.0 { next } else { most });
+        if k == 0 || k + 1 >= self.positions.len() {
+            return most;
+        }
+        // Golden sections.
+        let [mut low, mut high] = [self.positions[k - 1], self.positions[k + 1]];
+        for _ in 0..SECTIONS {
+            let [a, b] = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+            if function(a) > function(b) { high = b } else { low = a }
+        }
+        let sigma = 0.5 * (low + high);
+        (function(sigma).max(most.0), sigma)
+    }
+
+    /// The first of the first functions, so many, that stands still nowhere: its value names a position.
+    pub fn steady(&self, functions: usize) -> Option<usize> {
+        (0..functions).find(|&function| {
+            let slopes = || self.values.iter().map(|values| values[function][1]);
+            let [least, most] = slopes().map(f64::abs).fold([f64::INFINITY, 0.0], |[a, b], s| [s.min(a), s.max(b)]);
+            least > STEADY * most && (slopes().all(|slope| slope > 0.0) || slopes().all(|slope| slope < 0.0))
+        })
     }
 }
