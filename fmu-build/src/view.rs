@@ -16,22 +16,24 @@ pub use data::{Data, Status, Wanted};
 pub use fmu_cli::View as Arguments;
 use linkage_fmu::inspection::Severity;
 pub use page::{as_script, html};
+use std::path::Path;
 
 /// Write the page; whether it shows the whole motion that was asked for.
 ///
 /// # Errors
 /// A path that leads to no mechanism, a start value that no variable takes, or a page that cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
-    let Definition { shown, kind, text } = Definition::read(workspace, &arguments.path)?;
-    if kind != MECHANISM {
-        bail!(
-            "{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}, or of the FMU of a \
-             mechanism"
-        );
-    }
-    let checked = check::check(shown, kind, text)?;
+    let checked = checked_at(workspace, &arguments.path)?;
     let wanted = Wanted::new(arguments.stop_time, &arguments.start_values)?;
-    let data = Data::collect(&checked, &wanted)?;
+    let mut data = Data::collect(&checked, &wanted)?;
+    if arguments.compare.is_some() || !arguments.compare_set.is_empty() {
+        let wanted = wanted.with(&arguments.compare_set);
+        let other = match &arguments.compare {
+            Some(path) => Data::collect(&checked_at(workspace, path)?, &wanted)?,
+            None => Data::collect(&checked, &wanted)?,
+        };
+        data.compare_with(other, &arguments.compare_set);
+    }
     let html = html(&data)?;
     let path =
         arguments.out.clone().unwrap_or_else(|| workspace.output("view").join(format!("{}.html", data.file_name())));
@@ -52,6 +54,18 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         }
     }
     Ok(data.error.is_none())
+}
+
+/// The checked definition of a mechanism at a path.
+fn checked_at(workspace: &Workspace, path: &Path) -> Result<Checked> {
+    let Definition { shown, kind, text } = Definition::read(workspace, path)?;
+    if kind != MECHANISM {
+        bail!(
+            "{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}, or of the FMU of a \
+             mechanism"
+        );
+    }
+    check::check(shown, kind, text)
 }
 
 impl Checked {

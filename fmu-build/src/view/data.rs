@@ -7,7 +7,7 @@ mod still;
 mod sweep;
 mod wanted;
 
-use crate::check::Checked;
+use crate::check::{Checked, FileUnits};
 use anyhow::Result;
 use linkage_fmu::inspection::Severity;
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -66,6 +66,12 @@ pub struct Data {
     pub travel: Option<Travel>,
     /// Poses of a definition that gives no motion.
     pub still: Option<Still>,
+    /// Unit of lengths and its factor, as the file states them.
+    pub length: (&'static str, f64),
+    /// What is different in this run, where two are compared.
+    pub label: String,
+    /// The run with which this one is compared.
+    pub compare: Option<Box<Self>>,
 }
 
 impl Data {
@@ -92,11 +98,14 @@ impl Data {
             motion: None,
             travel: None,
             still: None,
+            length: checked.units.of("m").unwrap_or(("m", 1.0)),
+            label: String::new(),
+            compare: None,
         };
         let refused = match Simulation::open(&checked.text) {
             Ok(mut simulation) => {
                 wanted.set(&mut simulation)?;
-                match data.play(&mut simulation, wanted) {
+                match data.play(&mut simulation, wanted, &checked.units) {
                     Ok(()) => return Ok(data),
                     Err(refused) => refused,
                 }
@@ -109,13 +118,13 @@ impl Data {
     }
 
     /// The motion and the travel; why there is no start, if there is none.
-    fn play(&mut self, simulation: &mut Simulation, wanted: &Wanted) -> Result<(), String> {
+    fn play(&mut self, simulation: &mut Simulation, wanted: &Wanted, units: &FileUnits) -> Result<(), String> {
         let words = |error: &dyn std::fmt::Display| error.to_string();
         simulation.initialize().map_err(|error| words(&error))?;
         let model = simulation.model_mut();
         let scene = model.scene().map_err(|error| words(&error))?;
-        let travel = Travel::new(model).map_err(|error| words(&error))?;
-        let (motion, error) = Motion::new(simulation, &scene, wanted).map_err(|error| words(&error))?;
+        let travel = Travel::new(model, &scene, units).map_err(|error| words(&error))?;
+        let (motion, error) = Motion::new(simulation, &scene, wanted, units).map_err(|error| words(&error))?;
         self.status = if error.is_none() { Status::Whole } else { Status::Part };
         (self.error, self.scene, self.travel, self.motion) = (error, Some(scene), Some(travel), Some(motion));
         Ok(())
@@ -126,6 +135,19 @@ impl Data {
         if let Some((scene, still)) = Still::new(text) {
             (self.status, self.scene, self.still) = (Status::Still, Some(scene), Some(still));
         }
+    }
+
+    /// Compare with another run, in which these start values were changed.
+    pub fn compare_with(&mut self, mut other: Self, changed: &[String]) {
+        let [one, two] = match (self.source == other.source, self.name == other.name) {
+            (true, _) => ["as defined".to_owned(), String::new()],
+            (false, false) => [self.name.clone(), other.name.clone()],
+            (false, true) => [self.source.clone(), other.source.clone()],
+        };
+        let changed = changed.join(" ");
+        self.label = one;
+        other.label = [two, changed].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
+        self.compare = Some(Box::new(other));
     }
 
     /// What the page is called.

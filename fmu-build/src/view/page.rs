@@ -10,15 +10,20 @@ use minijinja::{Environment, context};
 const TEMPLATE: &str = include_str!("page/template.html");
 const STYLE: &str = include_str!("page/view.css");
 /// Parts of the script, in order.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 14] = [
     include_str!("page/samples.js"),
     include_str!("page/shapes.js"),
+    include_str!("page/labels.js"),
     include_str!("page/connections.js"),
     include_str!("page/drawing.js"),
     include_str!("page/arrows.js"),
+    include_str!("page/compared.js"),
     include_str!("page/plots.js"),
+    include_str!("page/results.js"),
     include_str!("page/table.js"),
     include_str!("page/clock.js"),
+    include_str!("page/zoom.js"),
+    include_str!("page/save.js"),
     include_str!("page/view.js"),
 ];
 /// uPlot 1.6.32: script, and style.
@@ -48,6 +53,13 @@ pub fn as_script(json: &str) -> String {
     out
 }
 
+/// Lines of a script or a style without what only its readers need: indentation, and comments that fill lines.
+fn slim(text: &str) -> String {
+    let lines = text.lines().map(str::trim);
+    let is_comment = |line: &str| line.starts_with("//") || line.starts_with("/**") && line.ends_with("*/");
+    lines.filter(|line| !line.is_empty() && !is_comment(line)).flat_map(|line| [line, "\n"]).collect()
+}
+
 /// The whole page.
 ///
 /// # Errors
@@ -61,10 +73,10 @@ pub fn html(data: &Data) -> Result<String> {
         name => data.title(),
         description => &data.description,
         error => &data.error,
-        style => Value::from_safe_string(STYLE.into()),
+        style => Value::from_safe_string(slim(STYLE)),
         plot_style => Value::from_safe_string(PLOTS[1].into()),
         plot_script => Value::from_safe_string(format!("/*! uPlot\n{LICENCE}*/\n{}", PLOTS[0])),
-        script => Value::from_safe_string(SCRIPTS.concat()),
+        script => Value::from_safe_string(slim(&SCRIPTS.concat())),
         data => Value::from_safe_string(as_script(&json)),
     });
     page.context("template of the page")

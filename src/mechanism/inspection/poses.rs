@@ -40,6 +40,10 @@ pub struct Sweep {
     /// Variable of each drive's displacement, such as `cylinder.length`, whether it is an angle, and its values [m or
     /// rad].
     pub drives: Vec<(String, bool, Vec<f64>)>,
+    /// Derivative along sigma of each coordinate, then of each drive's displacement.
+    pub slopes: Vec<Vec<f64>>,
+    /// Dead centres: sigma, and the name of the coordinate or the drive that stands still there.
+    pub dead_centres: Vec<(f64, String)>,
     /// sigma of the start.
     pub start: f64,
     /// Whether the motion returns to its beginning.
@@ -164,8 +168,12 @@ impl Model {
                 let [s, ..] = reduced.loading().loads[load].displacement(linkage, &c);
                 values.push(s + revolutions * reduced.load_growth(load));
             }
+            let slopes = slopes(&reduced, on_curve);
+            out.slopes.resize(slopes.len(), Vec::new());
+            out.slopes.iter_mut().zip(slopes).for_each(|(column, slope)| column.push(slope));
             out.poses.push(poses);
         }
+        out.find_dead_centres(&reduced);
         let rigid = state.travel.rigid.iter().flatten().map(|end| (end.stop, end.position));
         let bumpers = state.travel.bumpers.iter();
         let bumpers = bumpers.flat_map(|b| b.positions.iter().flatten().map(|position| (b.stop, *position)));
@@ -176,6 +184,32 @@ impl Model {
         });
         out.stops = met.collect();
         Ok(out)
+    }
+}
+
+/// Derivative along sigma of each coordinate, then of each drive's displacement.
+fn slopes(reduced: &Reduced, sigma: f64) -> Vec<f64> {
+    let c = reduced.at(sigma).curve().configuration(sigma);
+    let drives = reduced.loading().loads.iter().take(reduced.loading().drives.len());
+    let drives = drives.map(|load| load.displacement(reduced.linkage(), &c)[1]);
+    c.q_sigma.iter().copied().chain(drives).collect()
+}
+
+impl Sweep {
+    /// The places where a slope changes its sign between two positions, by more than rounding.
+    fn find_dead_centres(&mut self, reduced: &Reduced) {
+        let names = self.coordinates.iter().map(|(name, _)| name);
+        let names = names.chain(reduced.loading().drives.iter().map(|drive| &drive.name));
+        for (k, (name, column)) in names.zip(&self.slopes).enumerate() {
+            let largest = column.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+            for (pair, sigma) in column.windows(2).zip(self.sigma.windows(2)) {
+                if pair[0] * pair[1] >= 0.0 || pair[0].abs().max(pair[1].abs()) <= 1e-9 * largest {
+                    continue;
+                }
+                let is_beyond = |sigma: f64| slopes(reduced, reduced.unwound(sigma).0)[k] * pair[1] > 0.0;
+                self.dead_centres.push((bisect(is_beyond, sigma[0], sigma[1])[0], name.clone()));
+            }
+        }
     }
 }
 

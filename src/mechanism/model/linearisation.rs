@@ -128,6 +128,32 @@ impl Model {
         self.linearised(what, (&mut motion, &reduced), here)
     }
 
+    /// Values of outputs at rest at these positions along the curve, under the present inputs and parameters: for each
+    /// output one value a position, not a number where it has none. `held_by` is a force or torque of a drive, an input,
+    /// that holds the mechanism at each position.
+    ///
+    /// # Errors
+    /// As [`Self::equilibria`].
+    pub fn at_rest(
+        &mut self,
+        positions: &[f64],
+        outputs: &[Reference],
+        held_by: Option<Reference>,
+    ) -> Result<Vec<Vec<f64>>, ModelError> {
+        self.has_two_states()?;
+        let (mut motion, reduced) = self.motion_at_rest()?;
+        let mut columns = vec![Vec::with_capacity(positions.len()); outputs.len()];
+        for &position in positions {
+            let (inputs, _) = self.put_at_rest(held_by, (&mut motion, &reduced), position);
+            for (column, output) in columns.iter_mut().zip(outputs) {
+                let value = self.output_of(*output).and_then(|output| motion.output(&reduced, &inputs, output).ok());
+                column.push(value.unwrap_or(f64::NAN));
+            }
+            self.release(held_by, (&mut motion, &reduced));
+        }
+        Ok(columns)
+    }
+
     /// Refuse what has more states than position and speed.
     fn has_two_states(&self) -> Result<(), ModelError> {
         let refused = |reason: &str| {
@@ -214,36 +240,50 @@ impl Model {
         (motion, reduced): (&mut ReducedMotion, &Reduced),
         position: f64,
     ) -> Result<Linearised, ModelError> {
+        let (inputs, holding) = self.put_at_rest(what.held_by, (motion, reduced), position);
+        let mut out = Linearised { holding, ..Linearised::default() };
+        let [k, d] = motion.small_motion(reduced, &inputs).unwrap_or([f64::NAN; 2]);
+        out.omega = if k > 0.0 { k.sqrt() } else { f64::NAN };
+        out.damping_ratio = 0.5 * d / out.omega;
+        out.eigenvalues = if k.is_nan() || d.is_nan() { [[f64::NAN; 2]; 2] } else { roots(k, d) };
+        self.add_matrices(what, (motion, reduced, &inputs), &mut out);
+        self.release(what.held_by, (motion, reduced));
+        Ok(out)
+    }
+
+    /// Put a motion at rest at a position, counted on over whole revolutions; the inputs there, with the value of the
+    /// one that holds it, if one does.
+    fn put_at_rest(
+        &self,
+        held_by: Option<Reference>,
+        (motion, reduced): (&mut ReducedMotion, &Reduced),
+        position: f64,
+    ) -> (Inputs, Option<f64>) {
         let (sigma, revolutions) = reduced.unwound(position);
         let mut inputs = self.inputs.clone();
         inputs.signal.clear();
         motion.move_to(sigma, 0.0, revolutions);
         let touching = pressed_bumpers(reduced, &motion.state.travel, position, 0.0);
         motion.state.contact.set_touching(touching);
-        let mut out = Linearised::default();
-        let loads = reduced.loading().inputs.len();
-        if let Some((index, drive)) = what.held_by.and_then(|input| Some((input as usize, self.drive_of(input)?))) {
-            let holding = Output::OneElement { drive, term: OneElement::HoldingForce };
-            let held = motion.output(reduced, &inputs, holding).unwrap_or(f64::NAN);
-            // What the drive's curve gives at rest is not asked of the input.
-            let acting = motion.output(reduced, &inputs, Output::ActingForce { drive }).unwrap_or(f64::NAN);
-            let force = held - (acting - inputs.reals[index]);
-            out.holding = Some(force);
-            if force.is_finite() {
-                inputs.reals[index] = force;
-                motion.set_input(index, loads, force);
-            }
+        let held_by = held_by.and_then(|input| Some((input as usize, self.drive_of(input)?)));
+        let Some((index, drive)) = held_by else { return (inputs, None) };
+        let holding = Output::OneElement { drive, term: OneElement::HoldingForce };
+        let held = motion.output(reduced, &inputs, holding).unwrap_or(f64::NAN);
+        // What the drive's curve gives at rest is not asked of the input.
+        let acting = motion.output(reduced, &inputs, Output::ActingForce { drive }).unwrap_or(f64::NAN);
+        let force = held - (acting - inputs.reals[index]);
+        if force.is_finite() {
+            inputs.reals[index] = force;
+            motion.set_input(index, reduced.loading().inputs.len(), force);
         }
-        let [k, d] = motion.small_motion(reduced, &inputs).unwrap_or([f64::NAN; 2]);
-        out.omega = if k > 0.0 { k.sqrt() } else { f64::NAN };
-        out.damping_ratio = 0.5 * d / out.omega;
-        out.eigenvalues = if k.is_nan() || d.is_nan() { [[f64::NAN; 2]; 2] } else { roots(k, d) };
-        self.add_matrices(what, (motion, reduced, &inputs), &mut out);
-        if let Some(input) = what.held_by {
-            // The next position begins with the inputs of the model again.
-            motion.set_input(input as usize, loads, self.inputs.reals[input as usize]);
+        (inputs, Some(force))
+    }
+
+    /// Give the input that holds a motion its value of the model again.
+    fn release(&self, held_by: Option<Reference>, (motion, reduced): (&mut ReducedMotion, &Reduced)) {
+        if let Some(input) = held_by {
+            motion.set_input(input as usize, reduced.loading().inputs.len(), self.inputs.reals[input as usize]);
         }
-        Ok(out)
     }
 
     /// The matrices and the values in the present state of a motion.

@@ -1,11 +1,12 @@
 //! The motion in time: poses and variables in frames of equal distance.
 
 use super::Wanted;
+use crate::check::FileUnits;
 use crate::view::series::Series;
 use linkage_fmu::mechanism::ModelError;
 use linkage_fmu::mechanism::inspection::{Pose, Scene};
 use linkage_fmu::simulation::{Simulation, SimulationError};
-use linkage_fmu::variables::{Causality, Kind, Reference, Variable};
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Variable};
 use serde::Serialize;
 use std::collections::HashSet;
 
@@ -22,6 +23,8 @@ const PLOTTED: usize = 4;
 
 /// Word for the causality of an output.
 const OUTPUT: &str = "output";
+/// Word for a quantity that depends on the position alone.
+const POSITION: &str = "position";
 
 /// The motion in time.
 #[derive(Clone, Debug, Serialize)]
@@ -44,8 +47,9 @@ pub struct Motion {
 
 /// A variable with its values.
 #[derive(Clone, Debug, Serialize)]
-struct Recorded {
-    name: String,
+pub struct Recorded {
+    /// Name.
+    pub name: String,
     description: String,
     /// Unit; none of a Boolean.
     unit: Option<&'static str>,
@@ -72,6 +76,7 @@ impl Motion {
         simulation: &mut Simulation,
         scene: &Scene,
         wanted: &Wanted,
+        units: &FileUnits,
     ) -> Result<(Self, Option<String>), SimulationError> {
         let stop_time = wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time);
         // A run of no length is its start.
@@ -88,7 +93,7 @@ impl Motion {
         let variables = simulation.model().variables();
         let recorded = all.iter().zip(&frames.columns).filter_map(|(&reference, column)| {
             let variable = variables.get(reference)?;
-            Some((reference, Recorded::new(variable, column)))
+            Some((reference, Recorded::new(variable, units, column)))
         });
         let mut recorded: Vec<_> = recorded.collect();
         recorded.sort_by_key(|(reference, _)| *reference);
@@ -121,13 +126,19 @@ impl Motion {
     }
 }
 
+/// The unit in which a quantity is shown, and its factor: that of the file, or a display unit.
+pub fn display(unit: Unit, units: &FileUnits) -> Option<(&'static str, f64)> {
+    unit.display().or_else(|| units.of(unit.name()))
+}
+
 impl Recorded {
-    fn new(variable: &Variable, column: &[f64]) -> Self {
+    /// A variable with its values.
+    pub fn new(variable: &Variable, units: &FileUnits, column: &[f64]) -> Self {
         Self {
             name: variable.name.clone(),
             description: variable.description.clone(),
             unit: variable.unit.map(|unit| unit.name()),
-            display: variable.unit.and_then(|unit| unit.display()),
+            display: variable.unit.and_then(|unit| display(unit, units)),
             causality: match variable.causality {
                 Causality::Parameter => "parameter",
                 Causality::CalculatedParameter => "calculated parameter",
@@ -138,6 +149,18 @@ impl Recorded {
             is_boolean: variable.kind == Kind::Boolean,
             values: Series::new(column),
         }
+    }
+
+    /// A quantity that depends on the position alone.
+    pub fn of_position(name: String, unit: Unit, units: &FileUnits, column: &[f64]) -> Self {
+        let shown = display(unit, units);
+        Self { display: shown, causality: POSITION, ..Self::of_ratio(name, String::new(), unit.name(), column) }
+    }
+
+    /// A ratio of two quantities.
+    pub fn of_ratio(name: String, description: String, unit: &'static str, column: &[f64]) -> Self {
+        let values = Series::new(column);
+        Self { name, description, unit: Some(unit), display: None, causality: OUTPUT, is_boolean: false, values }
     }
 }
 
@@ -244,5 +267,13 @@ fn plotted(recorded: &[(Reference, Recorded)], scene: &Scene) -> Vec<String> {
     let drives = named(&mut scene.actuators.iter().map(|drive| drive.name.as_str()), &["length", "position"]);
     let slides = named(&mut scene.joints.iter().map(|joint| joint.name.as_str()), &["position"]);
     let lengths: Vec<String> = drives.into_iter().chain(slides).take(PLOTTED).collect();
-    [bodies, lengths, joints].concat()
+    let is_recorded = |name: &String| recorded.iter().any(|(_, recorded)| recorded.name == *name);
+    let forces = |names: &mut dyn Iterator<Item = &str>| -> Vec<String> {
+        let all =
+            names.flat_map(|name| ["acting_force", "force", "acting_torque", "torque"].map(|q| format!("{name}.{q}")));
+        all.filter(is_recorded).take(PLOTTED).collect()
+    };
+    let forces_of_drives = forces(&mut scene.actuators.iter().map(|drive| drive.name.as_str()));
+    let forces_of_stops = forces(&mut scene.stops.iter().map(|stop| stop.name.as_str()));
+    [bodies, lengths, forces_of_drives, forces_of_stops, joints].concat()
 }

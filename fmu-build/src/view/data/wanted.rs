@@ -1,7 +1,7 @@
 //! The experiment that the command line asks for: stop time and start values.
 
 use crate::start_values::parse;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::Value;
 
@@ -12,6 +12,8 @@ pub struct Wanted {
     pub stop_time: Option<f64>,
     /// Names and values, as written.
     start_values: Vec<String>,
+    /// Names and values of the run to be compared, set after those.
+    changed: Vec<String>,
 }
 
 impl Wanted {
@@ -23,7 +25,14 @@ impl Wanted {
         if let Some(time) = stop_time.filter(|time| !(time.is_finite() && *time >= 0.0)) {
             bail!("--stop-time {time}: must be a time in s, >= 0");
         }
-        Ok(Self { stop_time, start_values: start_values.to_vec() })
+        Ok(Self { stop_time, start_values: start_values.to_vec(), changed: Vec::new() })
+    }
+
+    /// The same with more start values, which take the place of others for the same variables.
+    #[must_use]
+    pub fn with(mut self, values: &[String]) -> Self {
+        self.changed = values.to_vec();
+        self
     }
 
     /// Set the start values.
@@ -31,7 +40,12 @@ impl Wanted {
     /// # Errors
     /// There is no such variable, or it does not take the value.
     pub fn set(&self, simulation: &mut Simulation) -> Result<()> {
-        for (reference, value) in parse(simulation.model().variables(), &self.start_values)? {
+        let variables = simulation.model().variables();
+        let mut all = parse(variables, &self.start_values)?;
+        let changed = parse(variables, &self.changed)
+            .map_err(|error| anyhow!(format!("{error:#}").replace("--start-values", "--compare-set")))?;
+        all.retain(|(reference, _)| changed.iter().all(|(other, _)| other != reference));
+        for (reference, value) in all.into_iter().chain(changed) {
             let name = simulation.model().variables().list()[reference as usize].name.clone();
             let set = match value {
                 Value::Real(value) => simulation.set(&name, value),

@@ -11,6 +11,21 @@ class Connections {
     return connection.ends ?? (joint?.axis ? [joint.first, joint.second] : undefined);
   }
 
+  /** Drives that are drawn as cylinders, with their least and largest lengths [m]. */
+  strokes(sources) {
+    // Without stops the travel may take in lengths that no cylinder has; the motion has those that matter.
+    const isBounded = this.data.travel?.stops.length || !this.drawing.run.length;
+    return this.scene.actuators.flatMap((drive) => {
+      const ends = this.ends(drive);
+      if (!ends) return [];
+      const lengths = (isBounded ? sources : this.drawing.run).map((poses) => {
+        const [a, b] = ends.map((end) => place(poses, end));
+        return Math.hypot(b[0] - a[0], b[1] - a[1]);
+      });
+      return [{ drive, ends, least: Math.min(...lengths), most: Math.max(...lengths) }];
+    });
+  }
+
   layout() {
     const { half, scale } = this.drawing;
     Object.assign(this, { half, scale });
@@ -19,10 +34,10 @@ class Connections {
       if (ends) this.drawSpring(spring, ends);
       else this.drawRing(this.scene.joints[spring.joint], "spiral", spring.name);
     }
+    const strokes = this.strokes(this.drawing.sources);
+    strokes.forEach((stroke) => this.drawCylinder(stroke));
     for (const drive of this.scene.actuators) {
-      const ends = this.ends(drive);
-      if (ends) this.drawCylinder(drive, ends);
-      else this.drawRing(this.scene.joints[drive.joint], "motor", drive.name);
+      if (strokes.every((stroke) => stroke.drive !== drive)) this.drawRing(this.scene.joints[drive.joint], "motor", drive.name);
     }
   }
 
@@ -43,14 +58,8 @@ class Connections {
   }
 
   /** A cylinder whose rod is as long as the shortest length allows, with the stroke marked beside it. */
-  drawCylinder(drive, ends) {
-    // Without stops the travel may take in lengths that no cylinder has; the motion has those that matter.
-    const isBounded = this.data.travel?.stops.length || !this.drawing.run.length;
-    const lengths = (isBounded ? this.drawing.sources : this.drawing.run).map((poses) => {
-      const [a, b] = ends.map((end) => place(poses, end));
-      return Math.hypot(b[0] - a[0], b[1] - a[1]);
-    });
-    const [least, most] = [Math.min(...lengths) * this.scale, Math.max(...lengths) * this.scale];
+  drawCylinder({ drive, ends, ...lengths }) {
+    const [least, most] = [lengths.least * this.scale, lengths.most * this.scale];
     const group = element("g", { class: "cylinder", "data-drive": drive.name }, this.drawing.layers.cylinders);
     element("title", {}, group, drive.name);
     const h = Math.min(Math.max(this.half * 0.95, 4.5), 8);
@@ -65,7 +74,11 @@ class Connections {
     const piston = element("rect", { class: "piston", y: -h + 1.2, width: 4, height: 2 * h - 2.4 }, group);
     element("circle", { class: "eye", r: 3.6 }, group);
     const eye = element("circle", { class: "eye", r: 3.6 }, group);
-    const text = element("text", { class: "name small", "text-anchor": "middle" }, this.drawing.layers.names, drive.name);
+    const middle = (poses) => {
+      const [[x1, y1], [x2, y2]] = ends.map((end) => this.drawing.at(place(poses, end)));
+      return [(x1 + x2) / 2, (y1 + y2) / 2];
+    };
+    this.drawing.labels.add(this.drawing.layers.names, "small", drive.name, 2, (poses) => [...middle(poses), h + 6]);
     this.drawing.moving.push((poses) => {
       const [[x1, y1], [x2, y2]] = ends.map((end) => this.drawing.at(place(poses, end)));
       const length = Math.hypot(x2 - x1, y2 - y1);
@@ -79,7 +92,6 @@ class Connections {
       eye.setAttribute("cx", fixed(length));
       now.setAttribute("cx", fixed(length));
       switchTo(now, length >= least - 1 && length <= most + 1);
-      moveTo(text, (x1 + x2) / 2, (y1 + y2) / 2 - h - 8);
     });
   }
 

@@ -3,30 +3,44 @@
 const COLOURS = ["#3f7fc1", "#d98324", "#3a9d6b", "#8c62c0", "#c9506f", "#2598a3", "#94812f", "#6d7f95"];
 
 class Drawing {
-  /** `sources`: poses that the drawing must have room for; `run`: those of the motion. */
-  constructor(svg, data, sources, run) {
-    Object.assign(this, { svg, data, scene: data.scene, sources, run, moving: [] });
+  /** `sources`: poses that the drawing must have room for; `run`: those of the motion; `view`: zoom and shift [px]. */
+  constructor(svg, data, sources, run, view = { zoom: 1, x: 0, y: 0 }) {
+    Object.assign(this, { svg, data, scene: data.scene, sources, run, view, moving: [] });
     this.layers = {};
     svg.querySelectorAll(":scope > g").forEach((layer) => layer.remove());
-    for (const name of ["ground", "ghosts", "paths", "bodies", "surfaces", "springs", "cylinders", "blocks", "joints", "masses", "locks", "arrows", "gaps", "names", "frame"]) {
+    for (const name of ["ground", "ghosts", "paths", "compared", "bodies", "surfaces", "springs", "cylinders", "blocks", "joints", "masses", "locks", "arrows", "gaps", "names", "frame"]) {
       this.layers[name] = element("g", { class: `layer ${name}` }, svg);
     }
+    this.labels = new Labels(this);
     this.arrows = new Arrows(this, data);
     this.connections = new Connections(this, data);
-    this.box = this.extents();
+    // A travel that goes on far beyond the motion is no measure for the drawing of the motion.
+    const isLong = data.motion && data.travel?.goes_on.some(Boolean);
+    this.rooms = { motion: isLong ? run : sources, travel: sources };
+    this.boxes = { motion: this.extents(this.rooms.motion), travel: this.extents(sources) };
+    [this.box, this.sources] = [this.boxes.motion, this.rooms.motion];
+  }
+
+  /** Make room for the motion, or for the whole travel. */
+  makeRoom(mode) {
+    const box = this.boxes[mode] ?? this.boxes.travel;
+    if (box.every((value, k) => value === this.box[k])) return;
+    [this.box, this.sources] = [box, this.rooms[mode] ?? this.rooms.travel];
+    this.layout();
   }
 
   /** Least and largest coordinates of all that moves [m]. */
-  extents() {
+  extents(sources) {
     const { bodies, joints, actuators, springs } = this.scene;
     const used = bodies.flatMap((body) => (body.points[0].frame === 0 ? [] : [...body.points, body.center]));
     const ends = [...actuators, ...springs].flatMap((connection) => connection.ends ?? []);
     const outlines = (this.scene.outlines ?? []).flatMap(({ frame, points }) => points.map((at) => ({ frame, at })));
     const points = [...used, ...ends, ...outlines, ...joints.flatMap((joint) => [joint.first, joint.second])];
     const box = [Infinity, Infinity, -Infinity, -Infinity];
-    for (const poses of this.sources) {
-      for (const point of points) {
-        const [x, y] = place(poses, point);
+    const drives = this.connections.strokes(sources);
+    for (const poses of sources) {
+      const strokes = drives.map(({ ends, most }) => along(...ends.map((end) => place(poses, end)), most));
+      for (const [x, y] of [...points.map((point) => place(poses, point)), ...strokes]) {
         box[0] = Math.min(box[0], x);
         box[1] = Math.min(box[1], y);
         box[2] = Math.max(box[2], x);
@@ -51,14 +65,17 @@ class Drawing {
     const margin = Math.min(70, 0.11 * Math.min(width, height) + 12);
     const size = this.scene.size * 0.1;
     const [wide, high] = [Math.max(right - left, size), Math.max(top - bottom, size)];
-    this.scale = Math.min((width - 2 * margin) / wide, (height - 2 * margin) / high);
-    this.origin = [width / 2 - (this.scale * (left + right)) / 2, height / 2 + (this.scale * (bottom + top)) / 2];
-    this.half = Math.min(Math.max(0.022 * this.scene.size * this.scale, 3.5), 9);
+    const { zoom, x, y } = this.view;
+    this.scale = zoom * Math.min((width - 2 * margin) / wide, (height - 2 * margin) / high);
+    this.origin = [width / 2 + x - (this.scale * (left + right)) / 2, height / 2 + y + (this.scale * (bottom + top)) / 2];
+    this.half = Math.min(Math.max(0.022 * this.scene.size * this.scale, 3.5), 9 * Math.max(1, Math.sqrt(zoom)));
     for (const layer of Object.values(this.layers)) layer.replaceChildren();
     this.moving = [];
+    this.labels.clear();
     this.drawGround();
     this.drawBodies();
     this.connections.layout();
+    this.compared?.layout();
     this.drawJoints();
     this.drawStops();
     this.drawPaths();
@@ -73,6 +90,7 @@ class Drawing {
     if (this.scale === undefined) return;
     for (const move of this.moving) move(poses, index);
     this.arrows.show(poses, index);
+    this.labels.show(poses);
   }
 
   /** A group that follows a point and a direction, an angle in the frame of a body [rad]. */
@@ -147,27 +165,10 @@ class Drawing {
 
   nameBody(body, corners) {
     const { frame } = body.points[0];
-    const k = this.scale;
     const middle = corners.reduce(([x, y], p) => [x + p[0] / corners.length, y + p[1] / corners.length], [0, 0]);
-    const text = element("text", { class: "name", style: this.colour(frame), "text-anchor": "middle" }, this.layers.names, body.name);
-    const along = corners.length === 2 ? [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]] : undefined;
-    const point = { frame, at: [middle[0] / k, -middle[1] / k] };
-    this.moving.push((poses) => {
-      let [x, y] = this.at(place(poses, point));
-      if (along) {
-        // Beside a rod, on the upper side.
-        const [dx, dy] = direct(poses, frame, [along[0], -along[1]]);
-        const length = Math.hypot(dx, dy) || 1;
-        const side = dx >= 0 ? 1 : -1;
-        x -= (side * dy * (this.half + 9)) / length;
-        y -= (side * dx * (this.half + 9)) / length;
-        const anchor = Math.abs(dy) > 0.5 * length ? (side * dy > 0 ? "end" : "start") : "middle";
-        if (anchor !== text.anchor) text.setAttribute("text-anchor", (text.anchor = anchor));
-      } else if (corners.length === 1) {
-        y += 2 * this.half + 16;
-      }
-      moveTo(text, x, y + 4);
-    });
+    const point = { frame, at: [middle[0] / this.scale, -middle[1] / this.scale] };
+    const distance = corners.length === 1 ? 2 * this.half + 6 : this.half + 4;
+    this.labels.add(this.layers.names, "of-body", body.name, 1, (poses) => [...this.at(place(poses, point)), distance], { style: this.colour(frame) });
   }
 
   drawGround() {
@@ -246,11 +247,9 @@ class Drawing {
         element("circle", { r: fixed(Math.max(this.half * 0.62, 3.4)), class: "pin" }, group);
         this.follow(group, joint.first, 0, false);
       }
-      const text = element("text", { class: "name small" }, this.layers.names, joint.name);
-      this.moving.push((poses) => {
-        const [x, y] = this.at(place(poses, joint.second));
-        moveTo(text, x + 9 + this.half * 0.5, y - 7 - this.half * 0.5);
-      });
+      const at = (poses) => this.at(place(poses, joint.second));
+      this.labels.add(this.layers.names, "small", joint.name, 4, (poses) => [...at(poses), 7 + this.half * 0.5]);
+      this.labels.avoid(at, joint.axis ? 12 : 6);
     }
   }
 
@@ -272,7 +271,7 @@ class Drawing {
           if (distance > far) [far, label] = [distance, [x, y]];
         }
       }
-      const text = element("text", { x: fixed(label[0] + 12), y: fixed(label[1] + 20), class: "name small stop" }, group, stop.name);
+      const text = this.labels.add(this.layers.ghosts, "small stop", stop.name, 0, () => [...label, 14]);
       const flag = this.data.motion?.variables.find((v) => v.name === stop.flag);
       const lock = this.scene.locks.find((l) => l.stop === met.stop);
       const padlock = lock && this.drawPadlock(lock, met);
@@ -320,7 +319,7 @@ class Drawing {
       const group = element("g", { class: "gap", "data-gap": gap.joint }, this.layers.gaps);
       element("path", { d: line([a, b]) }, group);
       for (const [x, y] of [a, b]) element("circle", { cx: fixed(x), cy: fixed(y), r: 7 }, group);
-      const words = `${gap.joint} open by ${shown(gap.gap, 4)} m`;
+      const words = `${gap.joint} open by ${length(gap.gap, this.data)}`;
       const text = element("text", { "text-anchor": "middle", y: fixed(Math.max(a[1], b[1]) + 28) }, group, words);
       const room = 4 * words.length + 10;
       text.setAttribute("x", fixed(Math.min(Math.max((a[0] + b[0]) / 2, room), Math.max(this.width - room, room))));
@@ -329,15 +328,18 @@ class Drawing {
 
   /** Scale of lengths, direction of gravity. */
   drawFrame() {
-    const length = roundBelow((0.24 * this.width) / this.scale);
+    const size = roundBelow((0.24 * this.width) / this.scale);
     const group = element("g", { class: "ruler", transform: `translate(18 ${fixed(this.height - 18)})` }, this.layers.frame);
-    element("path", { d: `M0-5V0H${fixed(length * this.scale)}V-5` }, group);
-    element("text", { x: fixed((length * this.scale) / 2), y: -5, "text-anchor": "middle" }, group, withPrefix(length, "m"));
+    this.rulerWidth = size * this.scale;
+    element("path", { d: `M0-5V0H${fixed(size * this.scale)}V-5` }, group);
+    const [unit, factor] = this.data.length;
+    const words = unit === "m" ? withPrefix(size, unit) : `${grouped(String(Number((size * factor).toPrecision(4))))} ${unit}`;
+    element("text", { x: fixed((size * this.scale) / 2), y: -5, "text-anchor": "middle" }, group, words);
     const [weight] = this.scene.weights;
     if (!weight) return;
-    const size = Math.hypot(...weight.force);
-    if (!(size > 0)) return;
-    const [x, y] = weight.force.map((v) => (26 * v) / size);
+    const force = Math.hypot(...weight.force);
+    if (!(force > 0)) return;
+    const [x, y] = weight.force.map((v) => (26 * v) / force);
     const compass = element("g", { class: "gravity", transform: `translate(${fixed(this.width - 34)} ${fixed(38)})` }, this.layers.frame);
     element("title", {}, compass, "Direction of gravity");
     element("path", { class: "shaft", d: arrow([-x / 2, y / 2], [x, -y], 6) }, compass);

@@ -71,13 +71,32 @@ function direct(poses, frame, [x, y]) {
   return [c * x - s * y, s * x + c * y];
 }
 
+/** Narrow spaces between groups of three digits of a number with five digits or more before its point. */
+function grouped(text) {
+  const [, sign, whole, rest] = /^([^\d]*)(\d*)(.*)$/.exec(text);
+  return sign + (whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, "\u202f") : whole) + rest;
+}
+
 /** A number for reading, to so many digits. */
 function shown(value, digits = 5) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
   if (size === 0) return "0";
-  const text = size >= 1e-3 && size < 1e6 ? value.toPrecision(digits) : value.toExponential(digits - 1);
-  return (text.includes("e") && size >= 1 && size < 1e6 ? String(Number(text)) : text).replace("-", "−").replace("e-", "e−");
+  let text = size >= 1e-3 && size < 1e7 ? value.toPrecision(digits) : value.toExponential(digits - 1);
+  if (text.includes("e") && size >= 1 && size < 1e7) text = String(Number(text));
+  return grouped(text.replace("-", "−").replace("e-", "e−").replace("e+", "e"));
+}
+
+/** A number on an axis whose largest number has this size. */
+function onAxis(value, size = Math.abs(value)) {
+  const [factor, prefix] = size >= 1e12 || (size > 0 && size < 1e-4) ? [undefined] : size >= 1e9 ? [1e-9, " G"] : size >= 1e6 ? [1e-6, " M"] : [1, ""];
+  const text = factor ? String(Number((value * factor).toPrecision(6))) : value.toExponential(3).replace(/\.?0+e/, "e").replace("e+", "e");
+  return grouped(text.replaceAll("-", "−")) + (value === 0 ? "" : prefix ?? "");
+}
+
+/** A length in the unit of the file. */
+function length(value, { length: [unit, factor] }, digits = 4) {
+  return `${shown(value * factor, digits)} ${unit}`;
 }
 
 /** The number of 1, 2 or 5 times a power of ten that is next below. */

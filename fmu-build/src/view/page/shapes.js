@@ -41,3 +41,9 @@ function hull(points) {
   };
   return sorted.length < 3 ? sorted : [...half(sorted), ...half(sorted.reverse())];
 }
+
+/** The point at a distance from one point towards another. */
+function along([x1, y1], [x2, y2], distance) {
+  const part = distance / (Math.hypot(x2 - x1, y2 - y1) || 1);
+  return [x1 + part * (x2 - x1), y1 + part * (y2 - y1)];
+}

@@ -74,7 +74,7 @@ class Table {
     row.dataset.variable = variable.name;
     row.title = variable.description ?? "";
     const tick = row.insertCell();
-    if (!this.isTravel && this.kind !== "parameter") {
+    if (this.isTravel || this.kind !== "parameter") {
       const box = tick.appendChild(document.createElement("input"));
       Object.assign(box, { type: "checkbox", checked: this.plots.has(variable.name) });
       box.setAttribute("aria-label", `Plot ${variable.name}`);
@@ -86,8 +86,7 @@ class Table {
     row.insertCell().textContent = words;
     const cells = [row.insertCell(), row.insertCell()];
     for (const cell of cells) cell.className = "number";
-    const unit = variable.unit ?? (variable.is_angle === undefined ? null : variable.is_angle ? "rad" : "m");
-    const display = variable.display ?? (variable.is_angle ? ["deg", 180 / Math.PI] : undefined);
+    const { unit, display } = variable;
     const numbers = cells.map((cell, k) => {
       const number = cell.appendChild(document.createElement("span"));
       const name = k ? (display?.[0] ?? "") : unit === "1" ? "" : (unit ?? "");

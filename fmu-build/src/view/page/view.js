@@ -8,7 +8,7 @@ const byId = (id) => document.getElementById(id);
 const NUMBERS = 90;
 
 /** The state of the page. Plots and table are made after the first frame is drawn. */
-const page = { mode: "still", told: 0, layers: new Map(), magnification: 1 };
+const page = { mode: "still", told: 0, layers: new Map(), magnification: 1, view: { zoom: 1, x: 0, y: 0 } };
 
 /** Poses that the drawing must have room for: some of each source. */
 function sampled(source) {
@@ -16,12 +16,30 @@ function sampled(source) {
   return Array.from({ length: parts }, (_, k) => source.frames.frame(parts > 1 ? (k * (source.count - 1)) / (parts - 1) : 0));
 }
 
-/** Show these data, in place of those shown before. */
-function show(data) {
-  for (const source of [data.motion, data.travel].filter(Boolean)) {
+/** Read the series of the data. */
+function readAll({ motion, travel }) {
+  for (const source of [motion, travel].filter(Boolean)) {
     source.frames = new Poses(source.poses, source.count);
     for (const variable of source.variables ?? source.values) variable.samples = readSeries(variable.values, source.count);
   }
+}
+
+/** Whether the motion goes towards the low end of the travel: then the slider runs the other way. */
+function runsBackward({ motion, travel }) {
+  if (!travel || travel.is_closed) return false;
+  if (travel.start > 0.9 || travel.start < 0.1 || !motion) return travel.start > 0.5;
+  const [first, last] = [0, motion.count - 1].map((k) => motion.frames.frame(k));
+  const [low, high] = [0, travel.count - 1].map((k) => travel.frames.frame(k));
+  let along = 0;
+  first.forEach((pose, body) => pose.forEach((x, k) => (along += (last[body][k] - x) * (high[body][k] - low[body][k]))));
+  return along < 0;
+}
+
+/** Show these data, in place of those shown before. */
+function show(data) {
+  readAll(data);
+  if (data.compare) readAll(data.compare);
+  page.isBackward = runsBackward(data);
   const before = page.clock;
   page.clock?.play(false);
   page.data = data;
@@ -29,7 +47,8 @@ function show(data) {
   page.mode = data.motion && page.mode !== "travel" ? "motion" : data.travel ? "travel" : "still";
   const run = data.motion ? sampled(data.motion) : [];
   const sources = [...run, ...(data.travel ? sampled(data.travel) : []), ...(page.still ? [page.still] : [])];
-  page.drawing = data.scene && new Drawing(byId("drawing"), data, sources, run);
+  page.drawing = data.scene && new Drawing(byId("drawing"), data, sources, run, page.view);
+  if (page.drawing && data.compare?.scene) page.drawing.compared = new Compared(page.drawing, data.compare);
   page.clock = data.motion && new Clock(data.motion.count, data.motion.step, draw);
   if (before && page.clock) {
     page.clock.index = Math.min(before.time / page.clock.step, page.clock.last);
@@ -42,6 +61,8 @@ function show(data) {
   describe();
   listFindings();
   fillControls();
+  byId("compared").textContent = data.compare ? `solid: ${data.label} · dashed: ${data.compare.label}` : "";
+  fillResults(byId("results"), data, (index, part) => (index === undefined ? travelTo(part) : seek(index)));
   if (page.drawing) {
     fillLayers();
     page.drawing.layout();
@@ -60,7 +81,9 @@ function draw() {
 function drawMotion() {
   const { clock, data } = page;
   const { index } = clock;
+  page.drawing.makeRoom("motion");
   page.drawing.show(data.motion.frames.at(index, page.scratch), index);
+  page.drawing.compared?.show("motion", clock.time);
   const now = performance.now();
   const withNumbers = !clock.isPlaying || now - page.told > NUMBERS;
   page.plots?.show(index, withNumbers);
@@ -78,12 +101,17 @@ function drawMotion() {
 
 function drawTravel() {
   const { data } = page;
-  const position = Number(byId("travel").value) * (data.travel.count - 1);
+  const part = partOf(byId("travel").value);
+  const position = part * (data.travel.count - 1);
+  page.drawing.makeRoom("travel");
   page.drawing.show(data.travel.frames.at(position, page.scratch));
+  page.drawing.compared?.show("travel", part);
+  page.plots?.show(position);
   page.table?.show(position, true);
-  const [first] = data.travel.values;
-  const value = linear(first.samples, position);
-  const text = first.is_angle ? `${((value * 180) / Math.PI).toFixed(1)}°` : `${shown(value, 4)} m`;
+  const first = leading(data.travel) ?? data.travel.values[0];
+  const [unit, factor] = first.display ?? [first.unit, 1];
+  const value = linear(first.samples, position) * factor;
+  const text = unit === "deg" ? `${onAxis(Number(value.toFixed(1)))}°` : `${shown(value, 4)} ${unit}`;
   byId("travel-text").textContent = text;
   byId("travel").setAttribute("aria-valuetext", `${first.name} ${text}`);
 }
@@ -93,13 +121,18 @@ function decimals(step) {
   return Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 9);
 }
 
+/** The part of the travel at a place of the slider, and the other way round. */
+function partOf(place) {
+  return page.isBackward ? 1 - Number(place) : Number(place);
+}
+
 function enter(mode) {
   if (page.mode !== mode) {
     page.mode = mode;
     if (mode === "travel") page.clock?.play(false);
     byId("time-row").classList.toggle("off", mode === "travel");
     byId("travel-row").classList.toggle("off", mode === "motion");
-    byId("plots-panel").classList.toggle("off", mode === "travel");
+    page.plots?.enter(mode);
   }
 }
 
@@ -109,10 +142,17 @@ function seek(index) {
   page.clock.seek(index);
 }
 
-function travelTo(position) {
-  byId("travel").value = position;
+/** Go to a part of the travel, from 0 at its low end to 1. */
+function travelTo(part) {
+  byId("travel").value = partOf(part);
   enter("travel");
   draw();
+}
+
+/** Go to a sample of the run, or of the travel. */
+function goTo(index, mode) {
+  if (mode === "travel") travelTo((page.mode === "travel" ? index : page.data.travel.start * (page.data.travel.count - 1)) / (page.data.travel.count - 1));
+  else seek(page.mode === "motion" ? index : page.clock.index);
 }
 
 function play(on) {
@@ -136,7 +176,8 @@ function setUpControls() {
     page.clock.repeats = !page.clock.repeats;
     event.currentTarget.setAttribute("aria-pressed", String(page.clock.repeats));
   });
-  byId("travel").addEventListener("input", (event) => travelTo(Number(event.target.value)));
+  byId("travel").addEventListener("input", (event) => travelTo(partOf(event.target.value)));
+  setUpTools();
   document.addEventListener("keydown", onKey);
 }
 
@@ -151,12 +192,13 @@ function fillControls() {
     byId("speed").value = clock.speed;
   }
   if (!data.travel) return;
-  if (page.mode !== "travel") byId("travel").value = data.travel.start;
+  if (page.mode !== "travel") byId("travel").value = partOf(data.travel.start);
+  fillEnds();
   const [low, high] = data.travel.goes_on;
   const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
   const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end of the travel to the other end";
   const beyond = low || high ? "; the motion of the mechanism continues beyond this range" : "";
-  byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame.`;
+  byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame. In the drawing, the wheel or two fingers zoom, and a drag moves the view.`;
 }
 
 function onKey(event) {
@@ -166,11 +208,65 @@ function onKey(event) {
   const steps = { ArrowLeft: -1, ArrowRight: 1, PageDown: -10, PageUp: 10 }[key];
   const onTravel = target.id === "travel";
   if (key === " " && data.motion && !target.matches("button, input[type=checkbox]")) play(!clock.isPlaying);
-  else if (steps && onTravel) travelTo(Math.min(Math.max(Number(target.value) + (steps * (event.shiftKey ? 10 : 1)) / (data.travel.count - 1), 0), 1));
+  else if (steps && onTravel) travelTo(partOf(Math.min(Math.max(Number(target.value) + (steps * (event.shiftKey ? 10 : 1)) / (data.travel.count - 1), 0), 1)));
   else if (steps && data.motion) seek(Math.round(clock.index) + steps * (event.shiftKey ? 10 : 1));
-  else if (key === "Home" || key === "End") onTravel ? travelTo(key === "End" ? 1 : 0) : data.motion && seek(key === "End" ? clock.last : 0);
-  else return;
+  else if (key === "Home" || key === "End") onTravel ? travelTo(partOf(key === "End" ? 1 : 0)) : data.motion && seek(key === "End" ? clock.last : 0);
+  else if (key === "f" && page.drawing) fullScreen();
+  else if (!page.drawing || !page.zoom.key(key)) return;
   event.preventDefault();
+}
+
+/** Names of the stops at the ends of the travel, and marks between them. */
+function fillEnds() {
+  const { travel, scene } = page.data;
+  const at = (part) => travel.stops.filter((met) => Math.abs(met.at - part) < 1e-6).map((met) => scene.stops[met.stop].name);
+  const words = [0, 1].map((part) => [...new Set(at(part))].join(", "));
+  [byId("travel-low").textContent, byId("travel-high").textContent] = page.isBackward ? [words[1], words[0]] : words;
+  const track = byId("travel-low").parentElement;
+  track.querySelectorAll("i").forEach((mark) => mark.remove());
+  const marks = [...travel.stops.map((met) => ({ at: met.at, name: scene.stops[met.stop].name, kind: "stop" })), ...travel.dead_centres.map((mark) => ({ ...mark, name: `dead centre of ${mark.name}`, kind: "toggle" })), ...travel.equilibria.map((mark) => ({ ...mark, name: `${mark.name} equilibrium`, kind: "balance" }))];
+  for (const { at: part, name, kind } of marks) {
+    const mark = track.appendChild(document.createElement("i"));
+    mark.className = kind;
+    mark.title = name;
+    mark.style.left = `${(100 * partOf(part)).toFixed(2)}%`;
+  }
+}
+
+/** Zoom, full screen, saving. */
+function setUpTools() {
+  page.zoom = new Zoom(byId("drawing"), page.view, () => {
+    page.drawing?.layout();
+    draw();
+  });
+  byId("zoom-in").addEventListener("click", () => page.zoom.by(1.4));
+  byId("zoom-out").addEventListener("click", () => page.zoom.by(1 / 1.4));
+  byId("zoom-reset").addEventListener("click", () => page.zoom.reset());
+  byId("full").addEventListener("click", fullScreen);
+  byId("full").hidden = !document.fullscreenEnabled;
+  byId("save").addEventListener("click", ({ target }) => {
+    const kind = target.dataset.save;
+    if (!kind) return;
+    byId("save").open = false;
+    save(kind).catch((error) => announce(`Not saved: ${error.message}`));
+  });
+}
+
+function fullScreen() {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else document.querySelector(".stage").requestFullscreen();
+}
+
+async function save(kind) {
+  const name = (page.data.name || "Mechanism").replace(/[^\w-]/g, "_");
+  const isPlot = kind.startsWith("plots");
+  const svg = () => (isPlot ? plotsAsSvg(page.plots) : drawingAsSvg(byId("drawing")));
+  const file = isPlot ? `${name}_plots` : name;
+  if (kind.endsWith("svg")) saveAs(`${file}.svg`, new Blob([svg()], { type: "image/svg+xml" }));
+  else if (kind === "csv") saveAs(`${name}.csv`, new Blob([asCsv(page.data, page.mode === "travel")], { type: "text/csv" }));
+  else if (kind.endsWith("png")) saveAs(`${file}.png`, await asBlob(await asCanvas(svg())));
+  else await navigator.clipboard.write([new ClipboardItem({ "image/png": asBlob(await asCanvas(svg())) })]);
+  announce(kind === "copy" ? "The drawing is copied" : "Saved");
 }
 
 /** Switches for what the drawing shows. */
@@ -261,13 +357,13 @@ function describe() {
   setTexts();
   const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
   const parts = scene ? `${count(scene.bodies.length - 1, "body").replace("bodys", "bodies")}, ${count(scene.joints.length, "joint")}, ${count(scene.actuators.length, "drive")}.` : "Nothing can be drawn.";
-  const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${shown(gap.gap, 4)} m`).join(", ");
+  const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${length(gap.gap, page.data)}`).join(", ");
   if (gaps) byId("error-text").append(document.createElement("br"), `In the position in the key guess, ${gaps}.`);
-  const length = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
-  byId("drawing-description").textContent = parts + length + (gaps ? ` In the position in the key guess, ${gaps}.` : "");
+  const duration = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
+  byId("drawing-description").textContent = parts + duration + (gaps ? ` In the position in the key guess, ${gaps}.` : "");
   const left = motion?.left_out ? ` ${motion.left_out} variables are not on this page.` : "";
   const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
-  byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units. Built by linkage-fmu.`;
+  byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units and in display units. Built by linkage-fmu.`;
   if (stands) {
     byId("error-title").textContent = stands.is_assembled ? "The loops of this mechanism close, but the motion cannot be computed" : "The loops of this mechanism do not close; the drawing shows the positions of the guess";
   } else if (motion) {
@@ -283,10 +379,10 @@ function fillSide() {
     const library = document.createElement("script");
     library.textContent = byId("plot-library").textContent;
     document.head.append(library);
-    page.plots = new Plots(byId("plots"), seek);
+    page.plots = new Plots(byId("plots"), byId("over"), goTo);
     page.table = new Table(page.plots);
   }
-  page.plots.load(motion);
+  page.plots.load(page.data);
   page.table.load(page.data);
 }
 
@@ -305,7 +401,7 @@ afterTwoFrames(() => {
   draw();
 });
 window.mechanism = {
-  show, seek, travelTo, play,
+  show, seek, travelTo, play, page,
   get data() { return page.data; },
   get clock() { return page.clock; },
   get drawing() { return page.drawing; },
