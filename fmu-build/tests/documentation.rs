@@ -137,7 +137,8 @@ fn hostile_texts_stay_texts() {
     for tag in ["<script", "<img", "<!--", "</style><", "javascript:"] {
         assert!(!page.contains(tag) || tag == "javascript:" && !page.contains("href=\"javascript"), "{tag}");
     }
-    assert_eq!(page.matches("</svg>").count(), 1);
+    // The drawings of a wide and of a narrow page.
+    assert_eq!(page.matches("</svg>").count(), 2);
     assert_eq!(page.matches("</style>").count(), 1);
     assert!(page.contains("{{ 7*7 }}") && page.contains("\u{202e}reversed"));
     // Each text of the user stands in an element that keeps its direction to itself.
@@ -154,13 +155,13 @@ fn hostile_texts_stay_texts() {
 fn hostile_names_in_a_scene_stay_texts() {
     let text = definition("LandingGearRetraction");
     let component = Component::from_definition(MECHANISM, &text).unwrap();
-    let Picture::Mechanism { name, mut scene, start, typical } = Picture::new(&component, &text).unwrap() else {
+    let Picture::Mechanism { name, mut scene, start, typical, stops } = Picture::new(&component, &text).unwrap() else {
         panic!()
     };
     for name in [&mut scene.joints[1].name, &mut scene.bodies[1].name, &mut scene.actuators[0].name] {
         *name = HOSTILE.to_owned();
     }
-    let drawing = Picture::Mechanism { name, scene, start, typical }.of_the_page();
+    let [drawing, _] = Picture::Mechanism { name, scene, start, typical, stops }.of_the_page();
     for colours in [Colours::Own, Colours::OfThePage] {
         let svg = to_svg(&drawing, colours, "hostile").unwrap();
         assert_eq!(

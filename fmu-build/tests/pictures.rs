@@ -44,7 +44,7 @@ fn the_committed_pictures_are_those_of_the_examples() {
         let text = example(&page);
         let component = Component::from_definition("mechanism.json", &text).unwrap();
         let picture = Picture::new(&component, &text).unwrap();
-        let svg = to_svg(&picture.of_the_page(), Colours::Own, "drawing").unwrap();
+        let svg = to_svg(&picture.of_the_page()[0], Colours::Own, "drawing").unwrap();
         let name = path.file_stem().unwrap().to_str().unwrap();
         assert!(page.contains(&format!("](../pictures/{name}.svg)")), "{name}.md shows the picture of another page");
         let path = folder().join("../pictures").join(name).with_extension("svg");

@@ -11,8 +11,9 @@ use crate::drawing::{Colours, to_svg};
 use crate::xml::common::number;
 use anyhow::{Context, Result};
 use linkage_fmu::component::Component;
-use linkage_fmu::inspection::Severity;
+use linkage_fmu::inspection::{Fact, Severity};
 use linkage_fmu::mechanism::definition::{JointKind, Mechanism};
+use linkage_fmu::variables::{Causality, Unit, Variable};
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use serde::Serialize;
@@ -51,7 +52,7 @@ struct Topic {
 pub fn html(subject: &Subject, picture: &Picture, animated: bool, results: Option<&Results>) -> Result<String> {
     let Subject { checked, component, readme } = subject;
     let mechanism = subject.is_mechanism().then(|| Mechanism::from_json(&checked.text)).transpose()?;
-    let drawing = picture.of_the_page();
+    let [wide, narrow] = picture.of_the_page();
     let experiment = component.experiment();
     let warnings = checked.findings.iter().filter(|located| located.finding.severity == Severity::Warning);
     let results = results.map(|results| {
@@ -69,13 +70,16 @@ pub fn html(subject: &Subject, picture: &Picture, animated: bool, results: Optio
         name => component.name(),
         description => component.description(),
         style => Value::from_safe_string(STYLE.into()),
-        drawing => Value::from_safe_string(to_svg(&drawing, Colours::OfThePage, "drawing")?),
+        drawing => Value::from_safe_string(to_svg(&wide, Colours::OfThePage, "drawing")?),
+        small => Value::from_safe_string(to_svg(&narrow, Colours::OfThePage, "small")?),
+        has_stops => picture.has_stops(),
+        summary => Serde(summary(subject)),
         has_markers => picture.scene().is_some_and(|scene| !scene.markers.is_empty()),
         conventions => Serde(conventions(component, mechanism.as_ref())),
-        parts => Serde(mechanism.as_ref().map(parts::tables)),
+        parts => Serde(mechanism.as_ref().map(|mechanism| parts::tables(mechanism, &checked.units))),
         topics => Serde(topics(subject)),
         warnings => warnings.map(|located| located.finding.to_string()).collect::<Vec<_>>(),
-        tables => Serde(tables(component.interface())),
+        tables => Serde(tables(component.interface(), &checked.units)),
         readme => readme.map(|text| Value::from_safe_string(markdown::to_html(text))),
         animated,
         results,
@@ -115,11 +119,69 @@ fn conventions(component: &Component, mechanism: Option<&Mechanism>) -> Conventi
 fn topics(subject: &Subject) -> Vec<Topic> {
     let mut topics: Vec<Topic> = Vec::new();
     for fact in &subject.checked.inspection.facts {
-        let line = check::line(fact);
+        let line = check::line(fact, &subject.checked.units);
         match topics.iter_mut().find(|topic| topic.topic == fact.topic) {
             Some(topic) => topic.lines.push(line),
             None => topics.push(Topic { topic: fact.topic, lines: vec![line] }),
         }
     }
     topics
+}
+
+/// Most names in a line of the summary.
+const NAMED: usize = 8;
+
+/// A line of the summary: what it is about, and text.
+type Line = (&'static str, String);
+
+/// The model in a few lines: what it is, its travel, strokes and forces, its inputs and outputs.
+fn summary(subject: &Subject) -> Vec<Line> {
+    let Subject { checked, component, .. } = subject;
+    let facts = |topic: &'static str| checked.inspection.facts.iter().filter(move |fact| fact.topic == topic);
+    let value = |fact: &Fact, name: &str| {
+        let found = fact.quantities.iter().find(|quantity| quantity.name == name && quantity.value.is_finite());
+        found.map(|quantity| checked.units.quantity(quantity.value, quantity.unit))
+    };
+    let mut lines: Vec<Line> = Vec::new();
+    for fact in facts("Mass") {
+        let mass = value(fact, "total").map_or_else(String::new, |mass| format!(", {mass}"));
+        lines.push(("Mechanism", format!("{}{mass}", fact.text)));
+    }
+    let span = |fact: &Fact| Some(format!("{} {} to {}", fact.of, value(fact, "least")?, value(fact, "most")?));
+    if let Some(travel) = facts("Travel").find_map(span) {
+        let ends = facts("Ends of travel").map(|fact| fact.text.split(" at ").next().unwrap_or_default().to_owned());
+        let mut ends: Vec<String> = ends.collect();
+        ends.dedup();
+        let start = facts("Travel").find_map(|fact| value(fact, "start")).unwrap_or_default();
+        let stops = ends.iter().all(|end| !end.contains(' '));
+        let ends = if stops { format!("stops {}", ends.join(" and ")) } else { ends.join("; ") };
+        lines.push(("Travel", format!("{travel}, start {start}; {}", checked.units.text(&ends))));
+    }
+    let strokes = facts("Drives").filter(|fact| fact.text.is_empty()).filter_map(|fact| {
+        let [stroke, least, most] = ["stroke", "least", "most"].map(|name| value(fact, name));
+        Some(format!("{} {} ({} to {})", fact.of, stroke?, least?, most?))
+    });
+    let of_drive = |fact: &&Fact| fact.quantities.iter().any(|quantity| quantity.name == "holding");
+    let forces = facts("Equilibrium at the start").filter(of_drive).filter_map(|fact| {
+        let [given, holding] = ["given", "holding"].map(|name| value(fact, name));
+        let given = given.map_or_else(String::new, |given| format!(", given {given}"));
+        Some(format!("{}: holding {}{given}", fact.of, holding?))
+    });
+    let lists: [(_, Vec<String>); 2] = [("Stroke", strokes.collect()), ("Force at the start", forces.collect())];
+    lines.extend(lists.into_iter().filter(|(_, list)| !list.is_empty()).map(|(about, list)| (about, list.join("; "))));
+    for (about, causality) in [("Inputs", Causality::Input), ("Outputs", Causality::Output)] {
+        let all: Vec<_> = component.interface().list().iter().filter(|v| v.causality == causality).collect();
+        let named = |variable: &&&Variable| match variable.unit.map(Unit::name).filter(|unit| *unit != "1") {
+            Some(unit) => format!("{} [{unit}]", variable.name),
+            None => variable.name.clone(),
+        };
+        let mut text = all.iter().take(NAMED).map(|variable| named(&variable)).collect::<Vec<_>>().join(", ");
+        match all.len().checked_sub(NAMED) {
+            None if all.is_empty() => continue,
+            None | Some(0) => {}
+            Some(more) => text += &format!(" and {more} more"),
+        }
+        lines.push((about, text));
+    }
+    lines
 }

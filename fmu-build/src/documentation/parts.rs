@@ -2,7 +2,8 @@
 //!
 //! In: a checked definition. Out: rows of texts, the first of each row the name.
 
-use crate::xml::common::number;
+use super::variables::rounded;
+use crate::check::FileUnits;
 use linkage_fmu::mechanism::definition::{JointKind, Limit, Mechanism, Stop};
 use serde::Serialize;
 
@@ -13,28 +14,31 @@ const MOST_ROWS: usize = 5000;
 #[derive(Debug, Serialize)]
 pub struct Table {
     title: &'static str,
-    columns: Vec<&'static str>,
+    columns: Vec<String>,
     rows: Vec<Vec<String>>,
     /// Number of parts for which there is no row.
     left_out: usize,
 }
 
 impl Table {
-    fn new(title: &'static str, columns: &[&'static str], rows: impl Iterator<Item = Vec<String>>) -> Self {
+    fn new(title: &'static str, columns: Vec<String>, rows: impl Iterator<Item = Vec<String>>) -> Self {
         let mut rows: Vec<_> = rows.collect();
         let left_out = rows.len().saturating_sub(MOST_ROWS);
         rows.truncate(MOST_ROWS);
-        Self { title, columns: columns.to_vec(), rows, left_out }
+        Self { title, columns, rows, left_out }
     }
 }
 
-/// The parts of a mechanism.
-pub fn tables(mechanism: &Mechanism) -> Vec<Table> {
+/// The parts of a mechanism, in the units of the file.
+pub fn tables(mechanism: &Mechanism, units: &FileUnits) -> Vec<Table> {
+    let (unit, factor) = units.of("m").unwrap_or(("m", 1.0));
+    let length = |value: f64| rounded(value * factor);
     let bodies = mechanism.bodies.iter().map(|(name, body)| {
         let [x, y] = body.center_of_mass();
         let carried = body.fixed_to.clone().unwrap_or_default();
-        let center = if body.mass.is_some() { format!("{}, {}", number(x), number(y)) } else { String::new() };
-        vec![name.to_owned(), optional(body.mass), center, optional(body.length), carried]
+        let center = if body.mass.is_some() { format!("{}, {}", length(x), length(y)) } else { String::new() };
+        let long = body.length.map(length).unwrap_or_default();
+        vec![name.to_owned(), body.mass.map(rounded).unwrap_or_default(), center, long, carried]
     });
     let joints = mechanism.joints.iter().map(|(name, joint)| {
         let kind = match joint.kind {
@@ -58,7 +62,7 @@ pub fn tables(mechanism: &Mechanism) -> Vec<Table> {
         let at = [&surface.at, &surface.from, &surface.to].into_iter().flatten().cloned().collect::<Vec<_>>();
         vec![name.to_owned(), "drag".to_owned(), at.join(" to ")]
     });
-    let stops = mechanism.stops.iter().map(|(name, stop)| vec![name.to_owned(), "stop".to_owned(), limit(stop)]);
+    let stops = mechanism.stops.iter().map(|(name, stop)| vec![name.to_owned(), "stop".to_owned(), limit(stop, units)]);
     let locks = mechanism.locks.iter().map(|(name, lock)| {
         vec![name.to_owned(), "lock".to_owned(), format!("holds {} at the stop {}", lock.at, lock.stop)]
     });
@@ -66,16 +70,26 @@ pub fn tables(mechanism: &Mechanism) -> Vec<Table> {
         mechanism.markers.iter().map(|(name, marker)| vec![name.to_owned(), "marker".to_owned(), marker.at.clone()]);
     let loads = drives.chain(springs).chain(forces).chain(torques).chain(surfaces);
     let tables = [
-        Table::new("Bodies", &["Body", "Mass [kg]", "Centre of mass [m]", "Length [m]", "Fixed to"], bodies),
-        Table::new("Joints", &["Joint", "Kind", "First body", "Second body"], joints),
-        Table::new("Drives and loads", &["Name", "Kind", "Where"], loads),
-        Table::new("Stops, locks and markers", &["Name", "Kind", "Where"], stops.chain(locks).chain(markers)),
+        Table::new(
+            "Bodies",
+            vec![
+                "Body".to_owned(),
+                "Mass [kg]".to_owned(),
+                format!("Centre of mass [{unit}]"),
+                format!("Length [{unit}]"),
+                "Fixed to".to_owned(),
+            ],
+            bodies,
+        ),
+        Table::new("Joints", columns(&["Joint", "Kind", "First body", "Second body"]), joints),
+        Table::new("Drives and loads", columns(&["Name", "Kind", "Where"]), loads),
+        Table::new("Stops, locks and markers", columns(&["Name", "Kind", "Where"]), stops.chain(locks).chain(markers)),
     ];
     tables.into_iter().filter(|table| !table.rows.is_empty()).collect()
 }
 
-fn optional(value: Option<f64>) -> String {
-    value.map(number).unwrap_or_default()
+fn columns(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
 }
 
 /// The ends of a connection, or its joint.
@@ -88,7 +102,7 @@ fn between(first: &Option<String>, second: &Option<String>, joint: &Option<Strin
 }
 
 /// What a stop limits, and to which value.
-fn limit(stop: &Stop) -> String {
+fn limit(stop: &Stop, units: &FileUnits) -> String {
     let side = if stop.limit == Limit::Lower { "at least" } else { "at most" };
     let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| between(&stop.first, &stop.second, &None));
     let (quantity, value, unit) = match (stop.angle, stop.position, stop.length) {
@@ -97,5 +111,5 @@ fn limit(stop: &Stop) -> String {
         (.., length) => ("length", length.unwrap_or(f64::NAN), "m"),
     };
     let state = if stop.enabled { "" } else { ", switched off" };
-    format!("{quantity} of {of} {side} {} {unit}{state}", number(value))
+    format!("{quantity} of {of} {side} {}{state}", units.quantity(value, unit))
 }

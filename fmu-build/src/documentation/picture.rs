@@ -5,10 +5,10 @@
 use crate::drawing::{Cylinder, Drawing, Format, cylinder, mechanism};
 use anyhow::{Context, Result};
 use linkage_fmu::component::Component;
-use linkage_fmu::mechanism::inspection::{Pose, Scene, attempt};
+use linkage_fmu::mechanism::inspection::{Pose, Scene, SweptStop, attempt};
 
-/// Width of a drawing on the page [px].
-const WIDTH: f64 = 880.0;
+/// Widths of the drawings for a wide and for a narrow page [px].
+const WIDTHS: [f64; 2] = [880.0, 380.0];
 /// Height to width below which a mechanism is too flat for an icon.
 const FLAT: f64 = 0.2;
 /// Positions of the travel among which an icon is chosen then.
@@ -27,6 +27,8 @@ pub enum Picture {
         start: Vec<Pose>,
         /// Poses in an icon.
         typical: Vec<Pose>,
+        /// Stops that the travel reaches.
+        stops: Vec<SweptStop>,
     },
     /// A hydraulic actuator.
     Cylinder {
@@ -72,7 +74,8 @@ impl Picture {
                     let best = best.max_by(|a, b| flatness(&scene, a).total_cmp(&flatness(&scene, b)));
                     typical = best.unwrap_or(typical);
                 }
-                Ok(Self::Mechanism { name, scene: Box::new(scene), start, typical })
+                let stops = model.sweep(1).map_or_else(|_| Vec::new(), |sweep| sweep.stops);
+                Ok(Self::Mechanism { name, scene: Box::new(scene), start, typical, stops })
             }
             Component::Hydraulic(_) => {
                 let Some([cylinder, actuator]) = first_cylinder(component) else {
@@ -104,9 +107,14 @@ impl Picture {
         }
     }
 
-    /// The drawing for the page.
-    pub fn of_the_page(&self) -> Drawing {
-        self.drawing(Format::Page { width: WIDTH })
+    /// Whether stops are drawn.
+    pub fn has_stops(&self) -> bool {
+        matches!(self, Self::Mechanism { stops, .. } if !stops.is_empty())
+    }
+
+    /// The drawings for a wide and for a narrow page.
+    pub fn of_the_page(&self) -> [Drawing; 2] {
+        WIDTHS.map(|width| self.drawing(Format::Page { width }))
     }
 
     /// The drawing for an icon with sides of this length [px].
@@ -116,9 +124,10 @@ impl Picture {
 
     fn drawing(&self, format: Format) -> Drawing {
         match self {
-            Self::Mechanism { name, scene, start, typical } => {
-                mechanism(name, scene, if matches!(format, Format::Icon { .. }) { typical } else { start }, format)
-            }
+            Self::Mechanism { name, scene, start, typical, stops } => match format {
+                Format::Icon { .. } => mechanism(name, scene, typical, &[], format),
+                Format::Page { .. } => mechanism(name, scene, start, stops, format),
+            },
             Self::Cylinder { name, cylinder: of } => cylinder(name, of, format),
         }
     }

@@ -2,9 +2,10 @@
 //!
 //! In: the interface. Out: rows of texts, with the attributes that `modelDescription.xml` has.
 
+use crate::check::FileUnits;
 use crate::xml::common::number;
 use crate::xml::fmi2::kind_attributes;
-use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Unit, Value, Variability, Variable};
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Value, Variability, Variable};
 use serde::Serialize;
 
 /// Most variables of a table; `modelDescription.xml` has the others.
@@ -40,7 +41,7 @@ struct Row {
 }
 
 /// Inputs, outputs, parameters and local variables, as far as there are any.
-pub fn tables(interface: &Interface) -> Vec<Table> {
+pub fn tables(interface: &Interface, units: &FileUnits) -> Vec<Table> {
     let kinds = [
         ("inputs", "Inputs", "A simulation tool can set these variables between two steps.", Causality::Input),
         (
@@ -81,7 +82,8 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
         .collect();
     let tables = kinds.into_iter().map(|(id, title, remark, causality)| {
         let of_kind = || interface.list().iter().filter(|variable| variable.causality == causality);
-        let rows: Vec<Row> = of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs)).collect();
+        let rows: Vec<Row> =
+            of_kind().take(MOST_ROWS).map(|variable| row(variable, interface, &inputs, units)).collect();
         let left_out = of_kind().count() - rows.len();
         let has_starts = matches!(causality, Causality::Input | Causality::Parameter);
         let has_dependencies = matches!(causality, Causality::Output | Causality::CalculatedParameter);
@@ -91,7 +93,7 @@ pub fn tables(interface: &Interface) -> Vec<Table> {
     tables.filter(|table| !table.rows.is_empty()).collect()
 }
 
-fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row {
+fn row(variable: &Variable, interface: &Interface, inputs: &[Reference], units: &FileUnits) -> Row {
     let attributes = kind_attributes(variable, None);
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
     let kind = match (variable.kind, variable.variability) {
@@ -104,33 +106,41 @@ fn row(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> Row 
         name: variable.name.clone(),
         description: variable.description.clone(),
         unit: attribute("unit").unwrap_or(kind).to_owned(),
-        start: start(variable),
+        start: start(variable, units),
         range: match (attribute("min"), attribute("max")) {
             (None, None) => String::new(),
-            (Some(least), None) => format!("at least {least}"),
-            (None, Some(most)) => format!("at most {most}"),
-            (Some(least), Some(most)) => format!("{least} to {most}"),
+            (Some(least), None) => format!("at least {}", short(least)),
+            (None, Some(most)) => format!("at most {}", short(most)),
+            (Some(least), Some(most)) => format!("{} to {}", short(least), short(most)),
         },
         dependencies: dependencies(variable, interface, inputs),
     }
 }
 
 /// The start value, in the display unit too.
-fn start(variable: &Variable) -> String {
+fn start(variable: &Variable, units: &FileUnits) -> String {
     match &variable.start {
         None => String::new(),
         Some(Value::Boolean(value)) => value.to_string(),
         Some(Value::Item(text)) => text.clone(),
-        Some(Value::Real(value)) => match variable.unit.and_then(Unit::display).filter(|_| *value != 0.0) {
-            Some((name, factor)) => format!("{} ({} {name})", number(*value), rounded(value * factor)),
-            None => number(*value),
-        },
+        Some(Value::Real(value)) => {
+            let display = variable.unit.and_then(|unit| unit.display().or_else(|| units.of(unit.name())));
+            match display.filter(|_| *value != 0.0) {
+                Some((name, factor)) => format!("{} ({} {name})", rounded(*value), rounded(value * factor)),
+                None => rounded(*value),
+            }
+        }
     }
 }
 
 /// Six digits.
-fn rounded(value: f64) -> String {
+pub fn rounded(value: f64) -> String {
     number(format!("{value:.5e}").parse().unwrap_or(value))
+}
+
+/// A written number to six digits.
+fn short(text: &str) -> String {
+    text.parse().map_or_else(|_| text.to_owned(), rounded)
 }
 
 /// The inputs on which an output depends at once, in the fewest words.
@@ -171,7 +181,7 @@ mod tests {
         let path = Workspace::locate().descriptions().join("FourBar/resources").join(MECHANISM);
         let component = Component::from_definition(MECHANISM, &std::fs::read_to_string(path).unwrap()).unwrap();
         let interface = component.interface();
-        let tables = tables(interface);
+        let tables = tables(interface, &FileUnits::default());
         assert_eq!(
             tables.iter().map(|table| table.id).collect::<Vec<_>>(),
             ["inputs", "outputs", "parameters", "locals"]

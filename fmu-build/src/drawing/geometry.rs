@@ -47,6 +47,11 @@ pub fn with_prefix(length: f64) -> String {
     format!("{} {unit}", (1e6 * length / factor).round() / 1e6)
 }
 
+/// What takes in two ranges of x and y.
+pub fn union(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,10 +3,12 @@
 //! In: the scene and the poses of the linkage's bodies. Out: ground, bodies, springs, drives, joints, markers, with
 //! names, axes, a scale and the direction of gravity where the format has them.
 
-use super::geometry::{hull, mean, round_below, with_prefix};
+mod stops;
+
+use super::geometry::{hull, mean, round_below, union, with_prefix};
 use super::labels::{Wish, place};
 use super::{Along, Drawing, Form, Format, Ink, Part, Point, Shape, Weight, arrow};
-use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, On, Pose, Scene};
+use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, On, Pose, Scene, SweptStop};
 
 /// Height to width at which a page is drawn at most.
 const HIGHEST: f64 = 0.64;
@@ -39,17 +41,19 @@ struct Draft<'a> {
     wishes: Vec<Wish>,
 }
 
-/// The drawing of a mechanism of this name.
-pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], format: Format) -> Drawing {
-    within(name, scene, poses, format, extents(scene, poses))
+/// The drawing of a mechanism of this name, with dashed outlines of what reaches a stop.
+pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], stops: &[SweptStop], format: Format) -> Drawing {
+    let all = stops.iter().map(|met| extents(scene, &met.poses));
+    let extents = all.fold(extents(scene, poses), union);
+    within(name, scene, (poses, stops), format, extents)
 }
 
 /// The drawings of two designs of a mechanism on the same scale, one beside the other, each under its title.
 pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) -> Drawing {
     let [a, b] = all.map(|(_, scene, poses)| extents(scene, poses));
-    let both = [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])];
+    let both = union(a, b);
     let [left, right] = all.map(|(title, scene, poses)| {
-        let mut drawing = within(name, scene, poses, format, both);
+        let mut drawing = within(name, scene, (poses, &[]), format, both);
         let middle = [0.5 * drawing.size[0], 22.0];
         let (text, weight, ink) = (title.to_owned(), Weight::Strong, Ink::Line);
         drawing.labels.push(super::Label { middle, text, weight, ink });
@@ -60,14 +64,21 @@ pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) ->
 }
 
 /// The drawing in which least and greatest x and y are these [m].
-fn within(name: &str, scene: &Scene, poses: &[Pose], format: Format, [left, low, right, high]: [f64; 4]) -> Drawing {
+fn within(
+    name: &str,
+    scene: &Scene,
+    (poses, stops): (&[Pose], &[SweptStop]),
+    format: Format,
+    [left, low, right, high]: [f64; 4],
+) -> Drawing {
     let least = 0.1 * scene.size;
     let (wide, tall) = ((right - left).max(least), (high - low).max(least));
     let (size, margin) = match format {
         Format::Icon { side } => ([side; 2], MARGINS[1] * side),
         Format::Page { width } => {
-            let scale = (width - 2.0 * MARGINS[0]) / wide;
-            ([width, (scale * tall + 2.0 * MARGINS[0]).clamp(LOWEST, HIGHEST * width)], MARGINS[0])
+            let margin = MARGINS[0].min(MARGINS[1] * width);
+            let (scale, most) = ((width - 2.0 * margin) / wide, (HIGHEST * width).max(1.4 * LOWEST));
+            ([width, (scale * tall + 2.0 * margin).clamp(LOWEST, most)], margin)
         }
     };
     let scale = ((size[0] - 2.0 * margin) / wide).min((size[1] - 2.0 * margin) / tall);
@@ -85,6 +96,7 @@ fn within(name: &str, scene: &Scene, poses: &[Pose], format: Format, [left, low,
         wishes: Vec::new(),
     };
     draft.ground();
+    draft.stops(stops);
     draft.bodies();
     draft.outlines();
     draft.connections();

@@ -95,12 +95,12 @@ fn the_start_holds_in_balance_and_at_a_stop() {
 #[test]
 fn the_joints_that_end_a_motion_are_named() {
     let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
+    let rod = |length: i32| json!({ "length": length, "mass": 1, "shape": "uniform_rod" });
     let flap = |angle: f64| {
         json!({
             "name": "Flap", "units": { "angle": "deg", "length": "mm" },
             "bodies": {
-                "ground": { "length": 100 }, "flap": { "length": 60, "mass": 1 }, "link": { "length": 50 },
-                "rocker": { "length": 50 }
+                "ground": { "length": 100 }, "flap": rod(60), "link": rod(50), "rocker": rod(50)
             },
             "joints": {
                 "A": pin("ground.origin", "flap.origin"), "B": pin("flap.end", "link.origin"),
