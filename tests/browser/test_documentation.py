@@ -46,7 +46,7 @@ def test_there_are_fmus() -> None:
 def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpacked: Unpack, show: Show) -> None:
     page = opened(show, unpacked(name), scheme=scheme).page
     assert page.title() == name
-    drawing = page.locator("figure svg[role=img]")
+    drawing = page.locator("figure .wide svg[role=img]")
     assert drawing.count() == 1
     # Its name and its description are what assistive software reads.
     named = drawing.get_attribute("aria-labelledby") or ""
@@ -88,7 +88,11 @@ def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
 @pytest.mark.parametrize("width", [1200, 390])
 def test_nothing_is_wider_than_the_page(name: str, width: int, unpacked: Unpack, show: Show) -> None:
     page = opened(show, unpacked(name), width=width).page
+    assert page.evaluate("document.documentElement.scrollHeight") < 6000
+    page.evaluate("document.querySelectorAll('details').forEach((section) => (section.open = true))")
     assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    cut = "[...document.querySelectorAll('.scroll, .drawing')].filter((box) => box.scrollWidth > box.clientWidth + 1).length"
+    assert width > 390 or page.evaluate(cut) == 0
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -139,8 +143,8 @@ def test_drawn_joints_are_where_the_engine_has_them(unpacked: Unpack, show: Show
 def test_names_in_the_drawing_stand_apart(unpacked: Unpack, show: Show) -> None:
     for name in (GEAR, "FourBar", "CraneJib"):
         page = opened(show, unpacked(name)).page
-        boxes = [text.bounding_box() for text in page.locator("figure svg text").all()]
-        frame = page.locator("figure svg").bounding_box()
+        boxes = [text.bounding_box() for text in page.locator("figure .wide svg text").all()]
+        frame = page.locator("figure .wide svg").bounding_box()
         assert frame is not None
         found = [box for box in boxes if box is not None]
         assert len(found) > 8
@@ -171,6 +175,7 @@ def test_it_prints_on_white_with_all_tables(unpacked: Unpack, show: Show, tmp_pa
     page.emulate_media(media="print", color_scheme="dark")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.locator("nav").is_hidden()
+    assert page.locator("#parameters table").is_visible()
     printed = tmp_path / "page.pdf"
     page.pdf(path=printed, format="A4")
     assert printed.read_bytes().startswith(b"%PDF")

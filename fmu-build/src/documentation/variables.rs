@@ -96,6 +96,8 @@ pub fn tables(interface: &Interface, units: &FileUnits) -> Vec<Table> {
 fn row(variable: &Variable, interface: &Interface, inputs: &[Reference], units: &FileUnits) -> Row {
     let attributes = kind_attributes(variable, None);
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
+    // The largest numbers stand for no limit.
+    let is_limit = |text: &&str| text.parse::<f64>().map_or(true, |value| value.abs() < 1e99);
     let kind = match (variable.kind, variable.variability) {
         (Kind::Boolean, _) => "true or false",
         (Kind::Enumeration, _) => "one of a list",
@@ -107,7 +109,7 @@ fn row(variable: &Variable, interface: &Interface, inputs: &[Reference], units: 
         description: variable.description.clone(),
         unit: attribute("unit").unwrap_or(kind).to_owned(),
         start: start(variable, units),
-        range: match (attribute("min"), attribute("max")) {
+        range: match (attribute("min").filter(is_limit), attribute("max").filter(is_limit)) {
             (None, None) => String::new(),
             (Some(least), None) => format!("at least {}", short(least)),
             (None, Some(most)) => format!("at most {}", short(most)),

@@ -18,6 +18,8 @@ const LOWEST: f64 = 300.0;
 const MARGINS: [f64; 2] = [78.0, 0.13];
 /// Most names of parts of one kind that are drawn; of more, none would be read.
 const MOST_NAMES: usize = 60;
+/// Least width of a page on which joints have names [px].
+const WIDE: f64 = 600.0;
 /// Distance below which two points are one [px].
 const LEAST: f64 = 1e-6;
 const DASHED: &[f64] = &[9.0, 3.0, 2.0, 3.0];
@@ -43,17 +45,15 @@ struct Draft<'a> {
 
 /// The drawing of a mechanism of this name, with dashed outlines of what reaches a stop.
 pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], stops: &[SweptStop], format: Format) -> Drawing {
-    let all = stops.iter().map(|met| extents(scene, &met.poses));
-    let extents = all.fold(extents(scene, poses), union);
+    let extents = stops.iter().map(|met| extents(scene, &met.poses)).fold(extents(scene, poses), union);
     within(name, scene, (poses, stops), format, extents)
 }
 
 /// The drawings of two designs of a mechanism on the same scale, one beside the other, each under its title.
 pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) -> Drawing {
     let [a, b] = all.map(|(_, scene, poses)| extents(scene, poses));
-    let both = union(a, b);
     let [left, right] = all.map(|(title, scene, poses)| {
-        let mut drawing = within(name, scene, (poses, &[]), format, both);
+        let mut drawing = within(name, scene, (poses, &[]), format, union(a, b));
         let middle = [0.5 * drawing.size[0], 22.0];
         let (text, weight, ink) = (title.to_owned(), Weight::Strong, Ink::Line);
         drawing.labels.push(super::Label { middle, text, weight, ink });
@@ -381,7 +381,7 @@ impl Draft<'_> {
 
     fn joints(&mut self) {
         let (scene, u) = (self.scene, self.unit);
-        let is_named = scene.joints.len() <= MOST_NAMES;
+        let is_named = scene.joints.len() <= MOST_NAMES && self.size[0] >= WIDE;
         for joint in &scene.joints {
             let at = self.at(joint.second);
             if let Some((axis, slide)) = self.rail(joint) {
