@@ -29,8 +29,7 @@ pub enum Stopped {
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
-    /// A stop is met, as the contact tells, or lets go, or a lock is to change: the advance pauses there, and can go
-    /// on.
+    /// A stop is met, as the contact tells, or lets go, or a lock is due: the advance pauses there, and can go on.
     Event(Progress),
     /// An internal step is done: the advance pauses there, and can go on.
     Pause(Progress),
@@ -417,8 +416,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether a lock is to change in the state z.
     #[inline(always)]
     fn is_due(&self, z: &[f64; N]) -> bool {
-        let is_beyond = |index| self.dynamics.level(index, z).is_some_and(|level| level.excess(z) >= 0.0);
-        (0..self.dynamics.levels()).any(is_beyond)
+        (0..self.dynamics.levels()).any(|index| self.dynamics.level(index, z).is_some_and(|own| own.excess(z) >= 0.0))
     }
 
     /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.
