@@ -139,11 +139,22 @@ fn forces_along_the_travel_agree_with_the_potential() {
         let rise = |k: usize| (columns[1][k + 1] - columns[1][k - 1]) / (sweep.sigma[k + 1] - sweep.sigma[k - 1]);
         let largest = (1..1000).map(|k| rise(k).abs()).fold(0.0, f64::max);
         for k in 1..1000 {
-            // A central difference of a smooth function over a thousandth of its range; Jib is driven to its dead centres.
+            // A central difference of a smooth function over a thousandth of its range.
             let off = columns[0][k] * slopes[k] - rise(k);
             assert!(off.abs() < 1e-3 * largest, "{name} {k}: {off} of {largest}");
         }
     }
+}
+
+/// The same gear with a prescribed motion and with a force has the same forces at rest.
+#[test]
+fn a_prescribed_motion_has_forces_at_rest_too() {
+    let holding = |name: &str| {
+        let json = serde_json::to_value(data(&definition(name), &[])).unwrap();
+        let values = json["travel"]["values"].as_array().unwrap().clone();
+        values.into_iter().find(|value| value["name"] == "actuator.holding_force").unwrap()["values"].clone()
+    };
+    assert_eq!(holding("SmoothRetraction"), holding("LandingGearRetraction"));
 }
 
 #[test]

@@ -132,7 +132,8 @@ pub struct View {
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU, whose run is compared with the first: a ghost in the drawing, dashed lines in the plots
+    /// Second definition or FMU, whose run is compared with the first: dashed outlines in the drawing, dashed lines in
+    /// the plots
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
     /// Start values of the second run, set after those of --start-values; without --compare the second run is of the

@@ -111,11 +111,12 @@ fn add_all(model: &mut Model, reduced: &Reduced, travel: &Travel, places: Places
             fact = fact.with("eigenfrequency", omega / TAU, Unit::Hertz);
             fact = fact.with("damping ratio", 0.5 * found.damping / omega, Unit::One);
         }
-        let mut parts = Vec::new();
-        if places.steady.is_none() {
-            let word = if is_stable { "stable" } else { "unstable" };
-            parts.push(format!("{word} at {}", places.describe(found.position)));
-        }
+        let word = if is_stable { "stable" } else { "unstable" };
+        // The value of a coordinate that stands still nowhere names the position.
+        let mut parts = vec![match places.steady {
+            Some(_) => word.to_owned(),
+            None => format!("{word} at {}", places.describe(found.position)),
+        }];
         if found.place.is_some() {
             let stop = held_by(reduced, travel, found.position).unwrap_or_default();
             parts.push(format!("the loads press the mechanism against {stop}"));

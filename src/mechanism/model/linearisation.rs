@@ -129,8 +129,8 @@ impl Model {
     }
 
     /// Values of outputs at rest at these positions along the curve, under the present inputs and parameters: for each
-    /// output one value a position, not a number where it has none. `held_by` is a force or torque of a drive, an input,
-    /// that holds the mechanism at each position.
+    /// output one value a position, not a number where it has none. `held_by` is a force or torque of a drive, an
+    /// input, that holds the mechanism at each position.
     ///
     /// # Errors
     /// As [`Self::equilibria`].

@@ -164,7 +164,15 @@ fn at_rest(model: &mut Model, scene: &Scene, sigma: &[f64], units: &FileUnits) -
     }
     references.truncate(MOST[0]);
     let holder = holder(model, scene).map(|(_, input)| input);
-    let Ok(columns) = model.at_rest(sigma, &references, holder) else { return Vec::new() };
+    // A drive that prescribes the motion holds the mechanism as any other.
+    let mut free = model.clone();
+    for drive in &scene.actuators {
+        if let Some(prescribes) = model.variables().find(&format!("{}.motion.enabled", drive.name)) {
+            // Where it may not change, there are no forces at rest.
+            let _ = free.set_boolean(prescribes, false);
+        }
+    }
+    let Ok(columns) = free.at_rest(sigma, &references, holder) else { return Vec::new() };
     let variables = model.variables();
     // Without friction a drive breaks away at its holding force.
     let is_same = |k: usize| {

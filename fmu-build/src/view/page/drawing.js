@@ -334,7 +334,7 @@ class Drawing {
     element("path", { d: `M0-5V0H${fixed(size * this.scale)}V-5` }, group);
     const [unit, factor] = this.data.length;
     const words = unit === "m" ? withPrefix(size, unit) : `${grouped(String(Number((size * factor).toPrecision(4))))} ${unit}`;
-    element("text", { x: fixed((size * this.scale) / 2), y: -5, "text-anchor": "middle" }, group, words);
+    element("text", { x: fixed(Math.max((size * this.scale) / 2, 3.2 * words.length)), y: -5, "text-anchor": "middle" }, group, words);
     const [weight] = this.scene.weights;
     if (!weight) return;
     const force = Math.hypot(...weight.force);

@@ -244,6 +244,8 @@ function setUpTools() {
   byId("zoom-reset").addEventListener("click", () => page.zoom.reset());
   byId("full").addEventListener("click", fullScreen);
   byId("full").hidden = !document.fullscreenEnabled;
+  document.addEventListener("pointerdown", ({ target }) => byId("save").contains(target) || (byId("save").open = false));
+  byId("save").addEventListener("keydown", ({ key }) => key === "Escape" && (byId("save").open = false));
   byId("save").addEventListener("click", ({ target }) => {
     const kind = target.dataset.save;
     if (!kind) return;
