@@ -50,7 +50,7 @@ pub enum Component {
     Hydraulic(Box<dyn AnyModel>),
 }
 
-type Constructor = fn(u128, &str, Option<Arc<Sections>>) -> Result<Component, Refused>;
+type Constructor = fn(&str, Option<Arc<Sections>>) -> Result<Component, Refused>;
 type Inspector = fn(&str) -> Inspection;
 
 /// A kind of model.
@@ -58,7 +58,7 @@ type Inspector = fn(&str) -> Inspection;
 pub struct ModelKind {
     /// Name of its definition file.
     file: &'static str,
-    /// How a component is made from the definition's text, with its key, and what was kept of its tables.
+    /// How a component is made from the definition's text and what was kept of its tables.
     construct: Constructor,
 }
 
@@ -72,17 +72,17 @@ impl ModelKind {
 /// A planar linkage with one degree of freedom, with or without a hydraulic circuit.
 pub const MECHANISM: ModelKind = ModelKind {
     file: "mechanism.json",
-    construct: |key, text, tables| Ok(Component::Mechanism(mechanism::Model::shared(key, text, tables)?)),
+    construct: |text, tables| Ok(Component::Mechanism(mechanism::Model::shared(text, tables)?)),
 };
 /// A hydraulic actuator alone.
 pub const HYDRAULIC_ACTUATOR: ModelKind = ModelKind {
     file: hydraulics::FILE,
-    construct: |_, text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
+    construct: |text, _| Ok(Component::Hydraulic(Box::new(hydraulics::Model::from_json(text)?))),
 };
 /// A supply network with cylinders.
 pub const HYDRAULIC_SYSTEM: ModelKind = ModelKind {
     file: network::FILE,
-    construct: |_, text, _| Ok(Component::Hydraulic(Box::new(network::Model::from_json(text)?))),
+    construct: |text, _| Ok(Component::Hydraulic(Box::new(network::Model::from_json(text)?))),
 };
 /// All kinds of models. A library that is given a part of them is without the code of the others.
 pub const KINDS: [ModelKind; 3] = [MECHANISM, HYDRAULIC_ACTUATOR, HYDRAULIC_SYSTEM];
@@ -121,7 +121,7 @@ impl Component {
     /// No kind of model has such a file; what is wrong with the text.
     pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
         match KINDS.iter().find(|kind| kind.file == file) {
-            Some(kind) => (kind.construct)(tables::key(text), text, None),
+            Some(kind) => (kind.construct)(text, None),
             None => Err(no_kind(file)),
         }
     }

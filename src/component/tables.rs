@@ -15,7 +15,7 @@ pub const TABLES: &str = "tables.bin";
 const LAYOUT: &str = "5";
 
 /// Key of a file of tables: of the engine's version, the layout and the definition's text.
-pub(super) fn key(text: &str) -> u128 {
+fn key(text: &str) -> u128 {
     fnv1a_128([env!("CARGO_PKG_VERSION"), "\0", LAYOUT, "\0", text])
 }
 
@@ -26,16 +26,15 @@ impl Component {
     /// # Errors
     /// As [`Component::from_definition`].
     pub fn with_tables(kind: &ModelKind, text: &str, folder: &Path) -> Result<(Self, Option<String>), Refused> {
-        let own = key(text);
-        match Sections::open(&folder.join(TABLES), own) {
-            Ok(sections) => Ok(((kind.construct)(own, text, sections.map(Arc::new))?, None)),
+        match Sections::open(&folder.join(TABLES), key(text)) {
+            Ok(sections) => Ok(((kind.construct)(text, sections.map(Arc::new))?, None)),
             Err(why) => {
                 let remark = format!(
                     "'{}' {why}: the tables are computed again, so this instance starts more slowly; package the \
                      model again, or remove the file",
                     folder.join(TABLES).display()
                 );
-                Ok(((kind.construct)(own, text, None)?, Some(remark)))
+                Ok(((kind.construct)(text, None)?, Some(remark)))
             }
         }
     }
@@ -46,7 +45,7 @@ impl Component {
     /// As [`Component::from_definition`]; the bytes are of another definition or damaged.
     pub fn with_table_bytes(kind: &ModelKind, text: &str, bytes: Vec<u8>) -> Result<Self, Refused> {
         let sections = Sections::of_bytes(bytes.into(), key(text)).map_err(|why| Refused(format!("{TABLES} {why}")))?;
-        (kind.construct)(key(text), text, Some(Arc::new(sections)))
+        (kind.construct)(text, Some(Arc::new(sections)))
     }
 
     /// The bytes of the file of tables of this component, whose definition has this text; None if it has no tables.

@@ -87,6 +87,34 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     sums.iter_mut().zip(rows).for_each(|(sum, row)| sum.add(size, row));
 }
 
+/// Make rows the sums of others, each times a size: a term has as many rows.
+#[inline]
+pub fn sum_rows<'a>(sums: &mut [Row], terms: impl Iterator<Item = (f64, &'a [Row])>) {
+    processor::run(Sum { sums, terms });
+}
+
+/// Rows to sum up.
+struct Sum<'s, I> {
+    sums: &'s mut [Row],
+    terms: I,
+}
+
+impl<'a, I: Iterator<Item = (f64, &'a [Row])>> Task for Sum<'_, I> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) {
+        self.sums.fill(Row::ZERO);
+        for (size, rows) in self.terms {
+            for (sum, row) in self.sums.iter_mut().zip(rows) {
+                for (sum, c) in sum.0.iter_mut().zip(&row.0) {
+                    *sum = multiply_add::<A>(&[size; ROW], c, sum);
+                }
+            }
+        }
+    }
+}
+
 /// Values of functions side by side at x, with derivatives if x carries some.
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
@@ -207,6 +235,24 @@ mod tests {
                 side_by_side_at(&rows, x, &mut one);
                 prop_assert_eq!(each[0][k], one[0][k]);
             }
+        }
+    }
+
+    proptest! {
+        /// A sum of functions has the sum of their values, whatever the rows had before.
+        #[test]
+        fn sums_of_rows_have_the_sums_of_values(sizes in proptest::array::uniform2(-9.0..9.0f64),
+            c in proptest::array::uniform16(-1.0..1.0f64), x in -1.0..1.0f64) {
+            let terms = [Row::of([&c; ROW]), Row::of([&c.map(|c| 1.0 - c); ROW])];
+            let mut sums = [Row::of([&[7.0; NODES]; ROW])];
+            sum_rows(&mut sums, sizes.into_iter().zip(terms.chunks_exact(1)));
+            let mut values = [[0.0; ROW]; 2];
+            side_by_side_at(&terms, x, &mut values);
+            let mut value = [[0.0; ROW]];
+            side_by_side_at(&sums, x, &mut value);
+            let expected = sizes[0] * values[0][0] + sizes[1] * values[1][0];
+            // Two terms of 16 powers, each at most 18 in size.
+            prop_assert!((value[0][0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
         }
     }
 

@@ -90,7 +90,7 @@ impl Kinematics<f64> for View<'_> {
         self.motion.kept.fem.kinetic(&self.motion.kept.state)
     }
 
-    fn drift(&self) -> f64 {
+    fn drift(&mut self) -> f64 {
         let Kept { fem, state, applied, reference, .. } = &self.motion.kept;
         fem.energy(state, applied) - reference
     }

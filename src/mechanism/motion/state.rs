@@ -431,12 +431,13 @@ impl State {
     }
 
     /// Potential of all loads at the applied sizes: the springs' energy, less the sum of size times displacement [J].
-    pub fn load_potential(&self, reduced: &Reduced) -> f64 {
+    /// `displacement` gives that of a load, as [`Self::displacement`].
+    pub fn load_potential(&self, reduced: &Reduced, mut displacement: impl FnMut(usize) -> f64) -> f64 {
         let springs = reduced.loading().springs.iter();
-        let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(self.displacement(reduced, spring.load)));
+        let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(displacement(spring.load)));
         for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
             if !reduced.loading().is_command(load) {
-                sum -= size * self.displacement(reduced, load);
+                sum -= size * displacement(load);
             }
         }
         sum

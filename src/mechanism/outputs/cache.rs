@@ -23,8 +23,15 @@ pub struct OutputCache<N: Differentiable> {
     pub position: Option<TablePosition>,
     /// Panel of the table of the coordinates in which sigma was last.
     pub panel: usize,
-    /// S_sigma and S_sigma_sigma of the drive asked for last, once evaluated in this state.
-    pub slopes: Option<(usize, [N; 2])>,
+    /// What terms of the drive asked for last share, once evaluated in this state.
+    pub drive: Option<(usize, DriveTerms<N>)>,
+    /// Displacement and S_sigma of a drive at the rigid stop at each end of the travel: drive, sigma of the stop,
+    /// number of the stretch, both values. They depend on nothing else.
+    pub ends: [Option<(usize, f64, i32, [f64; 2])>; 2],
+    /// Displacement of each load, once evaluated in this state; else NaN.
+    pub displacements: Vec<f64>,
+    /// Whether there is one.
+    pub has_displacements: bool,
     /// Reaction of each joint, once evaluated in this state.
     pub reactions: Vec<Option<[N; 3]>>,
     /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
@@ -45,6 +52,15 @@ pub struct OutputCache<N: Differentiable> {
     pub computed: Computed,
     /// Scratch of the equation of motion.
     pub scratch: Scratch<N>,
+}
+
+/// What terms of one drive share, with S its displacement.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveTerms<N> {
+    /// S_sigma and S_sigma_sigma, from the table of the displacement.
+    pub slopes: [N; 2],
+    /// S_sigma, from the table of the influences, once it has been needed.
+    pub influence: Option<N>,
 }
 
 /// Accelerations of a state under the present inputs, and what was decided to find them.
@@ -78,7 +94,10 @@ impl<N: Differentiable> OutputCache<N> {
             forces: None,
             position: None,
             panel: 0,
-            slopes: None,
+            drive: None,
+            ends: [None; 2],
+            displacements: vec![f64::NAN; reduced.loading().loads.len()],
+            has_displacements: false,
             reactions: vec![None; reduced.linkage().joints.len()],
             groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
             transmitted: vec![None; reduced.loading().meshes.len()],
@@ -102,7 +121,11 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.position, self.slopes) = (None, None, None);
+        (self.forces, self.position, self.drive) = (None, None, None);
+        if self.has_displacements {
+            self.displacements.fill(f64::NAN);
+            self.has_displacements = false;
+        }
         if let Some((_, is_known)) = &mut self.network {
             *is_known = false;
         }

@@ -136,14 +136,14 @@ pub trait Kinematics<N: Number> {
     fn kinetic(&self) -> N;
 
     /// Energy less that at the start and the work done since [J]; the exact motion has none.
-    fn drift(&self) -> N;
+    fn drift(&mut self) -> N;
 }
 
-/// An output of a formulation.
+/// An output of a formulation. It is inlined, so that a call that reads many outputs enters no function for each.
 ///
 /// # Errors
 /// [`OutputError`].
-#[inline]
+#[inline(always)]
 pub fn evaluate<N: Number, K: Kinematics<N>>(
     motion: &mut K,
     loading: &Loading,
@@ -235,6 +235,7 @@ fn frame<N: Number, K: Kinematics<N>>(motion: &mut K, body: usize, part: FramePa
 }
 
 /// Force or torque of a spring and damper.
+#[inline(never)]
 pub fn spring_force<N: Number, K: Kinematics<N>>(
     motion: &mut K,
     loading: &Loading,
@@ -249,6 +250,7 @@ pub fn spring_force<N: Number, K: Kinematics<N>>(
 }
 
 /// Potential of gravity under the present load factor, and of the springs [J].
+#[inline(never)]
 fn potential<N: Number, K: Kinematics<N>>(motion: &mut K, loading: &Loading) -> Result<N, OutputError> {
     let mut springs = N::constant(0.0);
     for spring in &loading.springs {

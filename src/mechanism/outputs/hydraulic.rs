@@ -38,6 +38,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// A quantity of the circuit.
+    #[inline(never)]
     pub fn circuit(&mut self, output: Hydraulic) -> Result<N, OutputError> {
         let Some((laws, circuit)) = self.own_circuit() else { return Ok(N::constant(0.0)) };
         let energy = |view: &Self, k: usize| view.component_of(circuit, ENERGY + k);

@@ -4,6 +4,7 @@
 //! drive's kind.
 use crate::mechanism::dynamics::inverse::{Demand, NoForce, toward, with_efficiency};
 use crate::mechanism::motion::contact::outward;
+use crate::mechanism::outputs::cache::DriveTerms;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
@@ -28,7 +29,7 @@ impl<N: Reading> View<'_, N> {
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
             OneElement::StaticLoad => {
-                let influence = self.influence(drive);
+                let influence = self.influence_of(drive)?;
                 let others = self.forces()?.free - self.delivered_by(drive) * influence;
                 with_efficiency(power, -others / slope)
             }
@@ -62,47 +63,82 @@ impl<N: Reading> View<'_, N> {
         Ok(finite(value))
     }
 
+    /// What the terms of a drive share; found once for a state.
+    #[inline]
+    fn shared(&mut self, drive: usize) -> Result<&mut DriveTerms<N>, OutputError> {
+        if self.cache.drive.is_none_or(|(own, _)| own != drive) {
+            let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
+            let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
+            self.cache.drive = Some((drive, DriveTerms { slopes, influence: None }));
+        }
+        // It is there: the closure never runs.
+        let none = || (drive, DriveTerms { slopes: [N::constant(0.0); 2], influence: None });
+        Ok(&mut self.cache.drive.get_or_insert_with(none).1)
+    }
+
     /// S_sigma and S_sigma_sigma of a drive; found once for a state.
     #[inline]
     fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
-        if let Some((own, slopes)) = self.cache.slopes
-            && own == drive
-        {
-            return Ok(slopes);
+        Ok(self.shared(drive)?.slopes)
+    }
+
+    /// S_sigma of a drive as the equation of motion has it; found once for a state.
+    #[inline]
+    fn influence_of(&mut self, drive: usize) -> Result<N, OutputError> {
+        if let Some(influence) = self.shared(drive)?.influence {
+            return Ok(influence);
         }
-        let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
-        let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
-        self.cache.slopes = Some((drive, slopes));
-        Ok(slopes)
+        let influence = self.influence(drive);
+        self.shared(drive)?.influence = Some(influence);
+        Ok(influence)
+    }
+
+    /// sigma_ddot, known before, where it depends on no speed and no direction: no load is one that the state decides.
+    #[inline]
+    fn unconditional(&self) -> Option<N> {
+        self.cache.forces.filter(|_| self.state_loads().is_none()).map(|forces| forces.free)
     }
 
     /// Least or largest displacement of a drive that stops and locks leave [m] or [rad]: the present one while a rigid
     /// stop or a lock holds the mechanism, else that at the rigid stop that ends the travel in this sense.
     /// -[`NO_LIMIT`] or [`NO_LIMIT`] where none does, and where the drive is at a dead centre or passes one before.
     fn limit(&mut self, drive: usize, upper: bool) -> Result<f64, OutputError> {
-        let (reduced, state) = (self.reduced, self.state);
+        let state = self.state;
         let none = if upper { NO_LIMIT } else { -NO_LIMIT };
         let slope = self.slopes_of(drive)?[0].value();
         if slope == 0.0 {
             return Ok(none);
         }
         let side = usize::from((slope > 0.0) == upper);
-        let here = state.displacement(reduced, drive);
+        let here = self.displaced(drive);
         if let Some(place) = state.contact.at_rest() {
-            let ends = state.ends(reduced, &self.inputs.locks);
+            let ends = state.ends(self.reduced, &self.inputs.locks);
             let holds = |place| ends.is_locked(place) || place.bumper.is_none() && place.side == side;
             if holds(place) || ends.at(state.sigma).any(holds) {
                 return Ok(here);
             }
         }
         let Some(end) = state.travel.rigid[side] else { return Ok(none) };
-        let (sigma, revolutions) = reduced.unwound(end.position);
-        let stretch = reduced.at(sigma);
-        let (table, position) = stretch.displacement_around(drive, sigma)?;
-        let there = reduced.displacement_at(drive, sigma, position.panel) + revolutions * reduced.load_growth(drive);
+        let [there, slope_there] = self.at_end(drive, side, end.position)?;
         // The displacement rises or falls on all the way.
-        let ahead = (there - here) * slope * outward(side) >= 0.0 && table.value(position, 1) * slope > 0.0;
+        let ahead = (there - here) * slope * outward(side) >= 0.0 && slope_there * slope > 0.0;
         Ok(if ahead { there } else { none })
+    }
+
+    /// Displacement of a drive and S_sigma at the rigid stop at one end of the travel; found once.
+    fn at_end(&mut self, drive: usize, side: usize, position: f64) -> Result<[f64; 2], OutputError> {
+        let reduced = self.reduced;
+        if let Some((own, at, stretch, values)) = self.cache.ends[side]
+            && (own, at.to_bits(), stretch) == (drive, position.to_bits(), reduced.stretch)
+        {
+            return Ok(values);
+        }
+        let (sigma, revolutions) = reduced.unwound(position);
+        let (table, place) = reduced.at(sigma).displacement_around(drive, sigma)?;
+        let there = reduced.displacement_at(drive, sigma, place.panel) + revolutions * reduced.load_growth(drive);
+        let values = [there, table.value(place, 1)];
+        self.cache.ends[side] = Some((drive, position, reduced.stretch, values));
+        Ok(values)
     }
 
     /// Whether friction locks the mechanism against a drive: the force for the demanded acceleration, or one of the two
@@ -116,8 +152,11 @@ impl<N: Reading> View<'_, N> {
 
     /// Force along sigma of all loads but one drive, at rest, without friction and losses.
     fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
-        let (sigma, influence) = (self.sigma(), self.influence(drive));
-        let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
+        let (sigma, influence) = (self.sigma(), self.influence_of(drive)?);
+        let at_rest = match self.unconditional() {
+            Some(acceleration) => acceleration,
+            None => self.equation()?.heading(0.0, sigma, N::constant(0.0))?,
+        };
         Ok(at_rest - self.delivered_by(drive) * influence)
     }
 
@@ -158,7 +197,10 @@ impl<N: Reading> View<'_, N> {
         direction: f64,
         breakaway: Option<f64>,
     ) -> Result<N, OutputError> {
-        let (sigma, sigma_dot, influence) = (self.sigma(), self.sigma_dot(), self.influence(drive));
+        let (sigma, sigma_dot, influence) = (self.sigma(), self.sigma_dot(), self.influence_of(drive)?);
+        if let Some(free) = self.unconditional() {
+            return Ok(acceleration - (free - self.delivered_by(drive) * influence));
+        }
         let demand = Demand { drive: (drive, influence), acceleration, direction, breakaway };
         self.equation()?.required(sigma, sigma_dot, &demand).map_err(|none| match none {
             NoForce::Locked => OutputError::Locked,

@@ -210,7 +210,7 @@ impl ReducedMotion {
     ///
     /// # Errors
     /// [`OutputError`].
-    #[inline]
+    #[inline(never)]
     pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let mut view = self.view(reduced, inputs);
         if view.loads.undriven.is_some() {
@@ -303,7 +303,7 @@ pub struct Outputs<'a> {
 
 impl Outputs<'_> {
     /// Value of an output; NaN where it has none.
-    #[inline]
+    #[inline(always)]
     pub fn value(&mut self, output: &Output) -> f64 {
         if self.view.loads.undriven.is_some() && self.view.check_placed().is_err() {
             return f64::NAN;

@@ -5,7 +5,7 @@
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::outputs::cache::{GroupReactions, PARTS, PresentLoads};
 use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
-use crate::numerics::bundle::{ROW, Row};
+use crate::numerics::bundle::{ROW, Row, sum_rows};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::table::Unresolved;
 use std::ops::Range;
@@ -83,10 +83,7 @@ impl<'a> Causes<'a> {
             return self.enter_panel(reactions, acting, group);
         }
         let GroupReactions { parts, given, units, .. } = reactions;
-        given.rows[..*parts].fill(Row::ZERO);
-        for ((_, size), units) in acting.zip(units.chunks_exact(*parts)) {
-            given.rows.iter_mut().zip(units).for_each(|(row, unit)| row.add(size, unit));
-        }
+        sum_rows(&mut given.rows[..*parts], acting.map(|(_, size)| size).zip(units.chunks_exact(*parts)));
     }
 
     /// [`Self::enter_given`] from the tables.
@@ -124,17 +121,18 @@ impl<'a> Causes<'a> {
         let most_kept = reduced.components().sized.min(MOST_KEPT);
         kept.reserve_exact(most_kept);
         units.reserve_exact(most_kept * most);
+        if keeps {
+            kept.extend(acting.clone().map(|(load, _)| load));
+            for &load in kept.iter() {
+                units.extend((0..most).map(|part| row(&given.panels, part, 2 + load)));
+            }
+            let sizes = acting.map(|(_, size)| size);
+            return sum_rows(&mut given.rows[..most], sizes.zip(units.chunks_exact(most.max(1))));
+        }
         given.rows[..most].fill(Row::ZERO);
         for (load, size) in acting {
             for (part, sum) in given.rows[..most].iter_mut().enumerate() {
-                let unit = row(&given.panels, part, 2 + load);
-                sum.add(size, &unit);
-                if keeps {
-                    units.push(unit);
-                }
-            }
-            if keeps {
-                kept.push(load);
+                sum.add(size, &row(&given.panels, part, 2 + load));
             }
         }
     }

@@ -121,6 +121,18 @@ impl<'a, N: Reading> View<'a, N> {
         sigma.chain(table.value(position, component), slope)
     }
 
+    /// Displacement of a load, counted on over whole revolutions; found once for a state.
+    #[inline]
+    pub fn displaced(&mut self, load: usize) -> f64 {
+        let known = self.cache.displacements[load];
+        if !known.is_nan() {
+            return known;
+        }
+        let value = self.state.displacement(self.reduced, load);
+        (self.cache.displacements[load], self.cache.has_displacements) = (value, true);
+        value
+    }
+
     /// S_sigma of a sized load.
     pub fn influence(&self, load: usize) -> N {
         let table = self.reduced.influence();
@@ -203,7 +215,7 @@ impl<'a, N: Reading> View<'a, N> {
         }
     }
 
-    #[inline]
+    #[inline(never)]
     fn find_forces(&mut self) -> Result<Forces<N>, OutputError> {
         self.loads.check_driven()?;
         let forces = N::forces(self)?;
@@ -304,7 +316,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
                 reduced.loading().loads[load].influence(reduced.linkage(), &c)
             }
         };
-        Ok(sigma.chain(self.state.displacement(reduced, load), slope))
+        Ok(sigma.chain(self.displaced(load), slope))
     }
 
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
@@ -354,8 +366,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(self.acting(drive, speed))
     }
 
+    #[inline]
     fn state_load(&mut self, load: usize) -> Result<N, OutputError> {
-        self.forces()?;
+        if self.cache.forces.is_none() {
+            self.find_forces()?;
+        }
         let index = self.state_loads().and_then(|s| s.loads.iter().position(|l| *l == load));
         Ok(index.map_or(N::constant(0.0), |k| self.cache.scratch.evaluator.loads[k]))
     }
@@ -417,7 +432,10 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         self.sigma_dot() * self.sigma_dot() * 0.5
     }
 
-    fn drift(&self) -> N {
-        N::constant(self.state.kinetic() + self.state.load_potential(self.reduced) - self.state.reference)
+    #[inline(never)]
+    fn drift(&mut self) -> N {
+        let (state, reduced) = (self.state, self.reduced);
+        let potential = state.load_potential(reduced, |load| self.displaced(load));
+        N::constant(state.kinetic() + potential - state.reference)
     }
 }

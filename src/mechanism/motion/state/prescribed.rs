@@ -165,13 +165,14 @@ impl State {
         step.check_locks(0.0, self.sigma, found.y[0])?;
         let mut contact = Contact::default();
         contact.set_touching(if at_start { BumperSet::EMPTY } else { self.contact.touching() });
-        let (energy, before) = (self.kinetic() + self.load_potential(reduced), self.sigma_dot);
+        let (energy, before) =
+            (self.kinetic() + self.load_potential(reduced, |load| self.displacement(reduced, load)), self.sigma_dot);
         let [sigma, sigma_dot, _] = found.y;
         let arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
         self.arrive(reduced, &arrival)?;
         self.saved.prescribed = Some(after);
         // The jump is work of the drive.
-        let work = self.kinetic() + self.load_potential(reduced) - energy;
+        let work = self.kinetic() + self.load_potential(reduced, |load| self.displacement(reduced, load)) - energy;
         self.saved.reference += work;
         if is_begun && sigma_dot != before {
             let change = found.slope * (sigma_dot - before);

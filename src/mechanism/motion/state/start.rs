@@ -236,7 +236,8 @@ impl State {
         if reduced.loading().motion.is_some() {
             self.begin_prescribed(reduced, inputs)?;
         }
-        let (kinetic, potential) = (self.kinetic(), self.load_potential(reduced));
+        let (kinetic, potential) =
+            (self.kinetic(), self.load_potential(reduced, |load| self.displacement(reduced, load)));
         self.reference = kinetic + potential;
         if self.reference.is_finite() {
             return Ok(());
