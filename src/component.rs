@@ -318,6 +318,12 @@ impl Component {
         references.iter().try_for_each(|&reference| self.real(reference).map(&mut give))
     }
 
+    /// Whether these are references of Real outputs that were read together before.
+    #[inline]
+    pub fn has_read(&self, references: &[Reference]) -> bool {
+        matches!(self, Self::Mechanism(model) if model.has_read(references))
+    }
+
     /// What the steps and values since the last call give reason to warn of; None mostly.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {

@@ -33,49 +33,52 @@ impl Record<'_> {
         matches!(self, Self::Read(_))
     }
 
-    /// Write these bytes, or give as many that are read.
-    #[inline]
+    /// Write these bytes, or read as many: the short way of a field, to be inlined, as most records are written.
+    #[inline(always)]
     fn bytes<const N: usize>(&mut self, value: [u8; N]) -> Result<[u8; N], Damaged> {
-        match self {
-            Self::Write(out) => {
-                put(out, value);
-                Ok(value)
-            }
-            Self::Read(rest) => {
-                let (first, after) = rest.split_first_chunk().ok_or_else(ended)?;
-                *rest = after;
-                Ok(*first)
-            }
+        if let Self::Write(out) = self {
+            put(out, value);
+            return Ok(value);
         }
+        self.read()
+    }
+
+    /// The next bytes that are read.
+    #[inline(never)]
+    fn read<const N: usize>(&mut self) -> Result<[u8; N], Damaged> {
+        let Self::Read(rest) = self else { return Err(ended()) };
+        let (first, after) = rest.split_first_chunk().ok_or_else(ended)?;
+        *rest = after;
+        Ok(*first)
     }
 
     /// Any whole number of 64 bits.
+    #[inline]
     pub fn word(&mut self, value: &mut u64) -> Result<(), Damaged> {
-        if let Self::Write(out) = self {
-            put(out, value.to_le_bytes());
-            return Ok(());
-        }
         *value = u64::from_le_bytes(self.bytes(value.to_le_bytes())?);
         Ok(())
     }
 
     /// A count of work done, 64 bits.
+    #[inline]
     pub fn count(&mut self, name: &str, value: &mut u64) -> Result<(), Damaged> {
         let limit = u64::MAX / 2;
         self.word(value)?;
-        Damaged::unless(*value <= limit, || format!("{name} = {value}: must be at most {limit}"))
+        if *value <= limit { Ok(()) } else { Err(beyond(name, *value, limit)) }
     }
 
     /// A small count, 32 bits.
+    #[inline]
     pub fn small(&mut self, name: &str, value: &mut u32) -> Result<(), Damaged> {
         *value = u32::from_le_bytes(self.bytes(value.to_le_bytes())?);
-        Damaged::unless(*value <= LARGEST, || format!("{name} = {value}: must be at most {LARGEST}"))
+        if *value <= LARGEST { Ok(()) } else { Err(beyond(name, u64::from(*value), u64::from(LARGEST))) }
     }
 
     /// Index of one of `choices` alternatives, as one byte.
+    #[inline]
     pub fn choice(&mut self, name: &str, value: &mut u8, choices: usize) -> Result<(), Damaged> {
         [*value] = self.bytes([*value])?;
-        Damaged::unless(usize::from(*value) < choices, || format!("{name} = {value}: must be below {choices}"))
+        if usize::from(*value) < choices { Ok(()) } else { Err(not_below(name, u64::from(*value), choices)) }
     }
 
     /// A truth value: a byte, 0 or 1.
@@ -85,26 +88,29 @@ impl Record<'_> {
             put(out, [u8::from(*value)]);
             return Ok(());
         }
-        let mut byte = u8::from(*value);
+        let mut byte = 0;
         self.choice(name, &mut byte, 2)?;
         *value = byte == 1;
         Ok(())
     }
 
     /// An index below `count`, as 64 bits.
+    #[inline]
     pub fn place(&mut self, name: &str, value: &mut usize, count: usize) -> Result<(), Damaged> {
         let mut word = *value as u64;
         self.word(&mut word)?;
-        let allowed = word < count as u64 || !self.reads();
-        Damaged::unless(allowed, || format!("{name} = {word}: must be below {count}"))?;
         *value = word as usize;
-        Ok(())
+        if word < count as u64 || !self.reads() { Ok(()) } else { Err(not_below(name, word, count)) }
     }
 
     /// Length of a list, which the reader knows beforehand.
+    #[inline]
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
-        let mut length = known as u64;
-        self.word(&mut length)?;
+        if let Self::Write(out) = self {
+            put(out, (known as u64).to_le_bytes());
+            return Ok(());
+        }
+        let length = u64::from_le_bytes(self.read()?);
         Damaged::unless(length == known as u64, || {
             format!("{name}: the saved data has {length} entries, but this model needs {known} entries")
         })
@@ -146,6 +152,7 @@ impl Record<'_> {
     }
 
     /// A number for which `allowed` holds; `text` states the condition in a message.
+    #[inline]
     pub fn number(
         &mut self,
         name: &str,
@@ -157,18 +164,20 @@ impl Record<'_> {
             put(out, value.to_le_bytes());
             return Ok(());
         }
-        let read = f64::from_le_bytes(self.bytes(value.to_le_bytes())?);
+        let read = f64::from_le_bytes(self.read()?);
         Damaged::unless(allowed(read), || format!("{name} = {read}: must be {text}"))?;
         *value = read;
         Ok(())
     }
 
     /// A finite number.
+    #[inline]
     pub fn finite(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, f64::is_finite, "a finite number")
     }
 
     /// A finite number > 0.
+    #[inline]
     pub fn positive(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, |v| v > 0.0 && v.is_finite(), "a finite number > 0")
     }
@@ -196,10 +205,11 @@ impl Record<'_> {
 
     /// Any numbers, with how many there are, which the reader knows beforehand.
     pub fn numbers(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
-        self.length(name, values.len())?;
         match self {
-            Self::Write(out) => append(out, values),
-            Self::Read(rest) => {
+            Self::Write(out) => write_numbers(out, values),
+            Self::Read(_) => {
+                self.length(name, values.len())?;
+                let Self::Read(rest) = self else { return Ok(()) };
                 let (own, after) = rest.split_at_checked(size_of_val(values)).ok_or_else(ended)?;
                 fill(values, own.as_chunks().0);
                 *rest = after;
@@ -210,6 +220,7 @@ impl Record<'_> {
 
     /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
     /// `blank()`.
+    #[inline]
     pub fn option<T>(
         &mut self,
         name: &str,
@@ -235,14 +246,37 @@ fn ended() -> Damaged {
     Damaged("the saved data is incomplete".to_owned())
 }
 
+/// A count is larger than it may be.
+#[cold]
+fn beyond(name: &str, value: u64, limit: u64) -> Damaged {
+    Damaged(format!("{name} = {value}: must be at most {limit}"))
+}
+
+/// An index is larger than it may be.
+#[cold]
+fn not_below(name: &str, value: u64, count: usize) -> Damaged {
+    Damaged(format!("{name} = {value}: must be below {count}"))
+}
+
+/// Write what [`Record::numbers`] reads.
+pub fn write_numbers(out: &mut Vec<u8>, values: &[f64]) {
+    put(out, (values.len() as u64).to_le_bytes());
+    append(out, values);
+}
+
 /// Append a few bytes.
-#[inline]
+#[inline(always)]
 fn put<const N: usize>(out: &mut Vec<u8>, bytes: [u8; N]) {
     out.extend_from_slice(&bytes);
 }
 
 /// Append numbers in little-endian bytes.
 fn append(out: &mut Vec<u8>, values: &[f64]) {
+    /// Numbers up to which each is appended by itself.
+    const FEW: usize = 4;
+    if values.len() <= FEW {
+        return values.iter().for_each(|value| put(out, value.to_le_bytes()));
+    }
     let start = out.len();
     out.resize(start + size_of_val(values), 0);
     let (words, _) = out[start..].as_chunks_mut::<8>();

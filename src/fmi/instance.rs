@@ -41,6 +41,8 @@ pub struct Instance {
     pub update: Option<Rc<IntermediateUpdate>>,
     /// Vectors that the version has beside the component's variables.
     pub(super) vectors: Vec<Vector>,
+    /// Memory for the bytes of the next state that is serialised.
+    pub(super) spare: Vec<u8>,
     /// Memory for the scalars of a call.
     pub(super) scalars: Vec<Reference>,
     /// Memory for the orders of its derivatives.
@@ -65,6 +67,7 @@ impl Instance {
             vectors: if version.has_vectors() { component.vectors() } else { Vec::new() },
             component,
             update: None,
+            spare: Vec::new(),
             scalars: Vec::new(),
             orders: Vec::new(),
             initial_dependencies: None,

@@ -45,14 +45,15 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The serialised form, for a component of this identity.
+    /// The serialised form, for a component of this identity, in the memory of these bytes.
     ///
     /// # Errors
     /// A count of work done is near overflow.
-    pub fn serialise(&mut self, identity: [u64; 2]) -> Result<Vec<u8>, Refusal> {
+    pub fn serialise(&mut self, identity: [u64; 2], mut bytes: Vec<u8>) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
-        let mut bytes = Vec::with_capacity(USUAL);
+        bytes.clear();
+        bytes.reserve(USUAL);
         let head = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases];
         head.iter().for_each(|part| bytes.extend_from_slice(part));
         let mut record = Record::Write(&mut bytes);

@@ -158,23 +158,23 @@ pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal
 }
 
 /// The bytes of a state, which any process can read, on any machine.
-unsafe fn serialized<'a>(instance: &Instance, state: State) -> Result<&'a mut Option<Vec<u8>>, Refusal> {
+unsafe fn serialized<'a>(instance: &mut Instance, state: State) -> Result<&'a mut Option<Vec<u8>>, Refusal> {
     // SAFETY: the caller's promise.
     let kept = unsafe { kept(state, instance) }?;
     if kept.bytes.is_none() {
-        kept.bytes = Some(kept.saved.serialise(kept.identity)?);
+        kept.bytes = Some(kept.saved.serialise(kept.identity, std::mem::take(&mut instance.spare))?);
     }
     Ok(&mut kept.bytes)
 }
 
 /// Number of bytes that [`serialize_to`] writes. They are kept for that call, which a host makes next.
-pub unsafe fn serialized_size(instance: &Instance, state: State) -> Result<usize, Refusal> {
+pub unsafe fn serialized_size(instance: &mut Instance, state: State) -> Result<usize, Refusal> {
     // SAFETY: the caller's promise.
     Ok(unsafe { serialized(instance, state) }?.as_ref().map_or(0, Vec::len))
 }
 
 /// Write the bytes of a state to `size` bytes at `bytes`.
-pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, size: usize) -> Result<(), Refusal> {
+pub unsafe fn serialize_to(instance: &mut Instance, state: State, bytes: *mut u8, size: usize) -> Result<(), Refusal> {
     // SAFETY: the caller's promise.
     let serialized = unsafe { serialized(instance, state) }?;
     let needed = serialized.as_ref().map_or(0, Vec::len);
@@ -188,6 +188,7 @@ pub unsafe fn serialize_to(instance: &Instance, state: State, bytes: *mut u8, si
     let serialized = serialized.take().unwrap_or_default();
     // SAFETY: both have this length, and the vector is not the host's memory.
     unsafe { std::ptr::copy_nonoverlapping(serialized.as_ptr(), bytes.as_mut_ptr().cast(), serialized.len()) };
+    instance.spare = serialized;
     Ok(())
 }
 
@@ -234,7 +235,7 @@ mod tests {
                 save(&instance, &mut pointer),
                 restore(&mut instance, state),
                 free(&instance, &mut pointer),
-                serialized_size(&instance, state).map(drop),
+                serialized_size(&mut instance, state).map(drop),
             ];
             for refusal in refused {
                 assert!(refusal.unwrap_err().message.contains("library version"));

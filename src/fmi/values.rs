@@ -5,6 +5,7 @@
 
 use super::access::{Way, may_get, may_get_all, may_set};
 use super::instance::Instance;
+use super::phase::Phase;
 use super::refusal::Refusal;
 use super::undefined::Undefined;
 use crate::component::{Component, Refused};
@@ -26,7 +27,10 @@ impl Instance {
     /// Read Reals. On an error the array may be filled in part. An output that has no value in this state is NaN; all
     /// others are told, and a warning says why.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
-        may_get_all(self, references, Kind::Real)?;
+        // Outputs that were read before may be read from initialization mode on.
+        if self.phase == Phase::Instantiated || !self.component.has_read(references) {
+            may_get_all(self, references, Kind::Real)?;
+        }
         let (mut undefined, mut values) = (false, values.iter_mut());
         self.component.reals(references, |number| {
             undefined |= number.is_nan();

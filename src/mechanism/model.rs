@@ -7,6 +7,7 @@ mod events;
 mod exchange;
 mod linearisation;
 mod occurrences;
+mod plan;
 mod shared;
 mod tune;
 mod undefined;
@@ -71,6 +72,7 @@ pub struct Model {
     pub(super) untuned: Option<Untuned>,
     /// What model exchange keeps, if that is what the model is for.
     pub(super) exchange: Option<Exchange>,
+    plan: plan::Plan,
 }
 
 /// The state of motion in the formulation that solver.method chose.
@@ -178,6 +180,7 @@ impl Model {
             lacks_drift: false,
             untuned: None,
             exchange: None,
+            plan: plan::Plan::default(),
             original,
         }
     }
@@ -227,11 +230,11 @@ impl Model {
         reduced.prepare();
         if let Some(Formulation::Reduced(motion)) = &mut self.state {
             let variables = &self.original.variables;
-            let outputs =
-                (0..).zip(variables.list()).filter_map(|(reference, _)| match variables.quantity(reference) {
-                    Some(Quantity::Output(output)) => Some(output),
-                    _ => None,
-                });
+            let outputs = variables.quantities().iter().filter_map(|quantity| match quantity {
+                Quantity::Output(output) => Some(*output),
+                _ => None,
+            });
+            self.plan.reserve(variables.quantities().len());
             motion.prepare(&reduced, &self.inputs, outputs);
         }
         Ok(())

@@ -8,7 +8,7 @@ use super::dynamics::inputs::Inputs;
 use super::error::ModelError;
 use super::model::{Clipped, Exchange, Formulation, Model, Untuned, Watched};
 use crate::codec::checksum::fnv1a;
-use crate::codec::record::{Damaged, Record};
+use crate::codec::record::{Damaged, Record, write_numbers};
 use crate::mechanism::definition::{Method, Role};
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedRigidFem};
 use crate::mechanism::motion::SavedState;
@@ -53,9 +53,9 @@ impl Snapshot {
     /// # Errors
     /// The number of bookings of work is near overflow.
     pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), ModelError> {
-        let record = &mut Record::Write(out);
         let values = &self.parameter_values;
-        record_parameters(record, &mut values.parameters.clone(), &mut values.flags.clone())?;
+        write_parameters(out, &values.parameters, &values.flags)?;
+        let record = &mut Record::Write(out);
         record.choice("solver.method", &mut (values.method() as u8), Method::ALL.len())?;
         self.inputs.record(record)?;
         record.flag("in motion", &mut self.has_motion())?;
@@ -98,6 +98,14 @@ fn record_parameters(record: &mut Record, parameters: &mut [f64], flags: &mut [b
     record.numbers("parameters", parameters)?;
     record.length("Boolean parameters", flags.len())?;
     flags.iter_mut().try_for_each(|flag| record.flag("Boolean parameter", flag))
+}
+
+/// What [`record_parameters`] reads, of parameters that others share.
+fn write_parameters(out: &mut Vec<u8>, parameters: &[f64], flags: &[bool]) -> Result<(), Damaged> {
+    write_numbers(out, parameters);
+    let record = &mut Record::Write(out);
+    record.length("Boolean parameters", flags.len())?;
+    flags.iter().try_for_each(|flag| record.flag("Boolean parameter", &mut { *flag }))
 }
 
 impl Model {

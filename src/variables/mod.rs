@@ -279,6 +279,11 @@ impl<Q: Copy> Variables<Q> {
         self.quantities.get(reference as usize)
     }
 
+    /// Quantities of the variables, by value reference.
+    pub fn quantities(&self) -> &[Q] {
+        &self.quantities
+    }
+
     /// Quantity of the variable with this reference.
     #[inline]
     pub fn quantity(&self, reference: Reference) -> Option<Q> {

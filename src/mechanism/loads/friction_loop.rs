@@ -38,7 +38,8 @@ pub struct Balance<'a, T> {
 /// m_j = mu(v_j) r_j [m, or 1 in a prismatic joint].
 ///
 /// Friction affects the reactions only through u and P_g, three numbers for each group of joints. These are the
-/// unknowns z of z = B |R(z)|, solved by Newton's method from z = B |R(0)|. Of several solutions the solver finds the
+/// unknowns z of z = B |R(z)|, solved by Newton's method from z = B |R(0)|; the magnitudes s = |R(B s)| stand for them
+/// where there are many. Of several solutions the solver finds the
 /// one that is connected with the frictionless solution as the m_j grow from 0.
 #[derive(Clone, Debug)]
 pub struct FrictionLoop<T> {
@@ -56,12 +57,10 @@ pub struct FrictionLoop<T> {
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
-    /// Index of each unknown among those that some friction affects, or [`NONE`]: of the components across the axes of
-    /// prismatic joints, which are 0.
-    places: Vec<usize>,
-    /// Number of unknowns that some friction affects.
-    active: usize,
-    before: Vec<T>,
+    /// Correction of each unknown.
+    change: Vec<f64>,
+    /// |R_i| at the unknowns.
+    measured: Vec<f64>,
     /// Magnitudes of the solution before.
     last: Vec<f64>,
     rest: Vec<T>,
@@ -88,9 +87,6 @@ impl fmt::Display for Locked {
 /// when this is below this part of the largest reaction, which is rounding of the friction.
 const CONVERGED: f64 = 1e-14;
 
-/// Mark of an unknown that no friction affects.
-const NONE: usize = usize::MAX;
-
 /// Largest number of iterations from the frictionless reactions. With more, Newton's method may converge to a solution
 /// that is not connected with the frictionless one.
 const FEW: u32 = 4;
@@ -107,12 +103,11 @@ impl<T: Number> FrictionLoop<T> {
             flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
-            places: vec![NONE; unknowns],
-            active: 0,
-            before: vec![zero; unknowns],
+            change: vec![0.0; unknowns],
+            measured: vec![0.0; n],
             last: vec![0.0; n],
-            rest: vec![zero; unknowns],
-            matrix: vec![0.0; unknowns * unknowns],
+            rest: vec![zero; n],
+            matrix: vec![0.0; n * n],
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),

@@ -54,6 +54,11 @@ impl Model {
             && references.iter().any(|r| matches!(variables.quantity_of(*r), Some(Quantity::Output(_))))
         {
             let (mut outputs, inputs) = (motion.outputs(reduced, &self.inputs), &self.inputs.reals);
+            if let Some(plan) = self.plan.of(references) {
+                outputs.values(plan, give);
+                return Ok(());
+            }
+            self.plan.learn(references, variables);
             for &reference in references {
                 give(match variables.quantity_of(reference) {
                     Some(Quantity::Output(output)) => outputs.value(output),
@@ -68,6 +73,12 @@ impl Model {
             give(self.real(reference)?);
         }
         Ok(())
+    }
+
+    /// Whether these are references of outputs that were read together before.
+    #[inline]
+    pub fn has_read(&self, references: &[Reference]) -> bool {
+        self.plan.of(references).is_some()
     }
 
     /// Whether [`Self::set_real`] would accept this value; changes nothing.

@@ -24,7 +24,7 @@ pub struct OutputCache<N: Differentiable> {
     /// Panel of the table of the coordinates in which sigma was last.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
-    pub drive: Option<(usize, DriveTerms<N>)>,
+    pub drive: Option<DriveTerms<N>>,
     /// Displacement and S_sigma of a drive at the rigid stop at each end of the travel: drive, sigma of the stop,
     /// number of the stretch, both values. They depend on nothing else.
     pub ends: [Option<(usize, f64, i32, [f64; 2])>; 2],
@@ -57,6 +57,8 @@ pub struct OutputCache<N: Differentiable> {
 /// What terms of one drive share, with S its displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct DriveTerms<N> {
+    /// The drive.
+    pub drive: usize,
     /// S_sigma and S_sigma_sigma, from the table of the displacement.
     pub slopes: [N; 2],
     /// S_sigma, from the table of the influences, once it has been needed.

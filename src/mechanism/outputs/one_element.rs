@@ -24,12 +24,15 @@ impl<N: Reading> View<'_, N> {
         let (sigma_dot, efficiency) = (self.sigma_dot(), loading.drives[drive].efficiency);
         let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
-        let power = self.acting(drive, speed).value() * speed.value();
+        let power = match efficiency {
+            Some(_) => self.acting(drive, speed).value() * speed.value(),
+            None => 0.0,
+        };
         let value = match term {
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
             OneElement::StaticLoad => {
-                let influence = self.influence_of(drive)?;
+                let influence = self.influence_of(drive);
                 let others = self.forces()?.free - self.delivered_by(drive) * influence;
                 with_efficiency(power, -others / slope)
             }
@@ -63,37 +66,43 @@ impl<N: Reading> View<'_, N> {
         Ok(finite(value))
     }
 
-    /// What the terms of a drive share; found once for a state.
-    #[inline]
-    fn shared(&mut self, drive: usize) -> Result<&mut DriveTerms<N>, OutputError> {
-        if self.cache.drive.is_none_or(|(own, _)| own != drive) {
-            let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
-            let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
-            self.cache.drive = Some((drive, DriveTerms { slopes, influence: None }));
+    /// S_sigma and S_sigma_sigma of a drive; found once for a state.
+    #[inline(always)]
+    fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
+        match &self.cache.drive {
+            Some(terms) if terms.drive == drive => Ok(terms.slopes),
+            _ => self.find_slopes(drive),
         }
-        // It is there: the closure never runs.
-        let none = || (drive, DriveTerms { slopes: [N::constant(0.0); 2], influence: None });
-        Ok(&mut self.cache.drive.get_or_insert_with(none).1)
     }
 
-    /// S_sigma and S_sigma_sigma of a drive; found once for a state.
-    #[inline]
-    fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
-        Ok(self.shared(drive)?.slopes)
+    #[inline(never)]
+    fn find_slopes(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
+        let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
+        let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
+        self.cache.drive = Some(DriveTerms { drive, slopes, influence: None });
+        Ok(slopes)
     }
 
     /// S_sigma of a drive as the equation of motion has it; found once for a state.
     #[inline]
-    fn influence_of(&mut self, drive: usize) -> Result<N, OutputError> {
-        if let Some(influence) = self.shared(drive)?.influence {
-            return Ok(influence);
+    fn influence_of(&mut self, drive: usize) -> N {
+        match &self.cache.drive {
+            Some(DriveTerms { drive: own, influence: Some(influence), .. }) if *own == drive => *influence,
+            _ => self.find_influence(drive),
         }
-        let influence = self.influence(drive);
-        self.shared(drive)?.influence = Some(influence);
-        Ok(influence)
     }
 
-    /// sigma_ddot, known before, where it depends on no speed and no direction: no load is one that the state decides.
+    #[inline(never)]
+    fn find_influence(&mut self, drive: usize) -> N {
+        let influence = self.influence(drive);
+        if let Some(terms) = self.cache.drive.as_mut().filter(|terms| terms.drive == drive) {
+            terms.influence = Some(influence);
+        }
+        influence
+    }
+
+    /// sigma_ddot, known before, where it depends on no speed and no direction: the state decides no load, so that each
+    /// drive delivers the size of its load.
     #[inline]
     fn unconditional(&self) -> Option<N> {
         self.cache.forces.filter(|_| self.state_loads().is_none()).map(|forces| forces.free)
@@ -152,11 +161,11 @@ impl<N: Reading> View<'_, N> {
 
     /// Force along sigma of all loads but one drive, at rest, without friction and losses.
     fn others_at_rest(&mut self, drive: usize) -> Result<N, OutputError> {
-        let (sigma, influence) = (self.sigma(), self.influence_of(drive)?);
-        let at_rest = match self.unconditional() {
-            Some(acceleration) => acceleration,
-            None => self.equation()?.heading(0.0, sigma, N::constant(0.0))?,
-        };
+        let (sigma, influence) = (self.sigma(), self.influence_of(drive));
+        if let Some(at_rest) = self.unconditional() {
+            return Ok(at_rest - self.size(drive) * influence);
+        }
+        let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
         Ok(at_rest - self.delivered_by(drive) * influence)
     }
 
@@ -174,6 +183,7 @@ impl<N: Reading> View<'_, N> {
     }
 
     /// Force of a drive for an acceleration of it: inverse dynamics, [CK16] eqs. (16), (37).
+    #[inline]
     pub fn force_for(&mut self, drive: usize, acceleration: N) -> Result<N, OutputError> {
         let [slope, curvature] = self.slopes_of(drive)?;
         let (sigma_dot, efficiency) = (self.sigma_dot(), self.reduced.loading().drives[drive].efficiency);
@@ -197,9 +207,9 @@ impl<N: Reading> View<'_, N> {
         direction: f64,
         breakaway: Option<f64>,
     ) -> Result<N, OutputError> {
-        let (sigma, sigma_dot, influence) = (self.sigma(), self.sigma_dot(), self.influence_of(drive)?);
+        let (sigma, sigma_dot, influence) = (self.sigma(), self.sigma_dot(), self.influence_of(drive));
         if let Some(free) = self.unconditional() {
-            return Ok(acceleration - (free - self.delivered_by(drive) * influence));
+            return Ok(acceleration - (free - self.size(drive) * influence));
         }
         let demand = Demand { drive: (drive, influence), acceleration, direction, breakaway };
         self.equation()?.required(sigma, sigma_dot, &demand).map_err(|none| match none {

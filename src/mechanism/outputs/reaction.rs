@@ -17,6 +17,7 @@ type Parts<N> = [N; PARTS];
 impl<'a, N: Reading> View<'a, N> {
     /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it
     /// transmits along the motion [N].
+    #[inline(never)]
     pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
         self.find_sums(joint / ROW)?;
         if let Some(value) = self.cache.reactions[joint] {

@@ -210,13 +210,13 @@ impl ReducedMotion {
     ///
     /// # Errors
     /// [`OutputError`].
-    #[inline(never)]
+    #[inline]
     pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
         let mut view = self.view(reduced, inputs);
         if view.loads.undriven.is_some() {
             view.check_placed()?;
         }
-        evaluate(&mut view, reduced.loading(), &output)
+        value_of(&mut view, reduced.loading(), &output)
     }
 
     /// The outputs of this state under these inputs, to be read one after the other.
@@ -303,16 +303,42 @@ pub struct Outputs<'a> {
 
 impl Outputs<'_> {
     /// Value of an output; NaN where it has none.
-    #[inline(always)]
+    #[inline]
     pub fn value(&mut self, output: &Output) -> f64 {
-        if self.view.loads.undriven.is_some() && self.view.check_placed().is_err() {
-            return f64::NAN;
+        if self.is_misplaced() { f64::NAN } else { number(value_of(&mut self.view, self.loading, output)) }
+    }
+
+    /// [`Self::value`] of several outputs.
+    #[inline]
+    pub fn values(&mut self, outputs: &[Output], mut give: impl FnMut(f64)) {
+        if self.is_misplaced() {
+            return outputs.iter().for_each(|_| give(f64::NAN));
         }
-        match evaluate(&mut self.view, self.loading, output) {
-            Ok(value) if value.is_finite() => value,
-            _ => f64::NAN,
+        for output in outputs {
+            give(number(evaluate(&mut self.view, self.loading, output)));
         }
     }
+
+    /// Whether the mechanism is not where its motion is prescribed to be.
+    #[inline]
+    fn is_misplaced(&self) -> bool {
+        self.view.loads.undriven.is_some() && self.view.check_placed().is_err()
+    }
+}
+
+/// The value of an output; NaN where it has none.
+#[inline(always)]
+fn number(value: Result<f64, OutputError>) -> f64 {
+    match value {
+        Ok(value) if value.is_finite() => value,
+        _ => f64::NAN,
+    }
+}
+
+/// [`evaluate`] as a function of its own, for one output.
+#[inline(never)]
+fn value_of(view: &mut View<f64>, loading: &Loading, output: &Output) -> Result<f64, OutputError> {
+    evaluate(view, loading, output)
 }
 
 /// Exact derivatives dy / d s of outputs along a direction s in which the state and the inputs change, by dual numbers

@@ -140,7 +140,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
-    #[inline]
+    #[inline(always)]
     pub fn time_derivative(
         &mut self,
         (table, position): (&Table, TablePosition),
@@ -299,7 +299,9 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         if order > 0 {
             return Ok(value);
         }
-        Ok(value + N::constant(self.state.revolutions * self.reduced.curve().growth(coordinate)))
+        let revolutions = self.state.revolutions;
+        let growth = if revolutions == 0.0 { 0.0 } else { revolutions * self.reduced.curve().growth(coordinate) };
+        Ok(value + N::constant(growth))
     }
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
@@ -319,6 +321,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(sigma.chain(self.displaced(load), slope))
     }
 
+    #[inline]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
         let table = self.reduced.marker(marker)?;
         self.time_derivative((table, self.position(table)), 3 * axis, order)
@@ -339,7 +342,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(turned.chain(angle, slope))
     }
 
-    #[inline]
+    #[inline(always)]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         match self.cache.reactions[joint] {
             Some(value) => Ok(value),

@@ -2,7 +2,7 @@
 //!
 //! In: arms, reactions as affine functions of the friction. Out: the solution, by Newton's method, if need be continued
 //! from the frictionless one. It must not know the law of friction.
-use super::{Balance, CONVERGED, FEW, FrictionLoop, Locked, NONE, are_near, greater, length_bound, norm};
+use super::{Balance, CONVERGED, FEW, FrictionLoop, Locked, are_near, greater, length_bound, norm};
 use crate::numerics::dual::Number;
 
 impl<T: Number> FrictionLoop<T> {
@@ -30,43 +30,25 @@ impl<T: Number> FrictionLoop<T> {
             }
             self.size[j] = self.measure(j, [balance.free[0][j], balance.free[1][j]]);
         }
-        for (z, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
-            *z = total(row, &self.size);
-        }
-        self.find_active();
         self.keep_sizes();
         let contracts = self.contracts(balance);
         if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
             return Ok(());
         }
-        self.unknown.fill(T::constant(0.0));
         let (mut part, mut more) = (0.0, FIRST);
         while part < 1.0 {
-            self.before.copy_from_slice(&self.unknown);
+            self.size.iter_mut().zip(&self.last).for_each(|(size, last)| *size = T::constant(*last));
             let next = f64::min(part + more, 1.0);
             if self.newton(balance, next, MOST) && self.is_near() {
                 (part, more) = (next, 2.0 * more);
                 self.keep_sizes();
             } else if more > LEAST {
-                self.unknown.copy_from_slice(&self.before);
                 more *= 0.25;
             } else {
                 return Err(Locked);
             }
         }
         Ok(())
-    }
-
-    /// Find the unknowns that some friction affects.
-    fn find_active(&mut self) {
-        self.active = 0;
-        self.places.fill(NONE);
-        for (row, place) in self.effect.chunks_exact(self.arm.len()).zip(&mut self.places) {
-            if row.iter().any(|effect| effect.value() != 0.0 || !effect.is_constant()) {
-                *place = self.active;
-                self.active += 1;
-            }
-        }
     }
 
     /// Whether friction changes the reactions by less than these change, of any number of joints and groups.
@@ -96,72 +78,71 @@ impl<T: Number> FrictionLoop<T> {
         if self.sign[j] == 0.0 { norm(r) } else { r[0] * T::constant(self.sign[j]) }
     }
 
-    /// Newton's method from the current unknowns with a part of the arms. False if it does not converge in `most`
-    /// iterations, or if a determinant is not positive.
+    /// Newton's method for s = |R(z)|, z = part B s, from the present magnitudes s. False if it does not converge in
+    /// `most` iterations, or if a determinant is not positive. Of more iterations than a few, each is to be much nearer
+    /// than the one before.
+    ///
+    /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
+    /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
     fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
-        let (n, unknowns, zero) = (self.arm.len(), self.active, T::constant(0.0));
-        let mut converged = false;
+        /// Least contraction of [`CONVERGED`]'s measure, the square of a correction: at the end of the solution the
+        /// square of a correction is a quarter of the one before, elsewhere far less.
+        const CONTRACTION: f64 = 0.2;
+        let n = self.arm.len();
+        let (mut converged, mut before) = (false, f64::INFINITY);
         for iteration in 1..=most {
             self.iterations = iteration;
+            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+                *unknown = total(row, &self.size) * part;
+            }
             let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
                 let of = 1 + 2 * balance.groups[i];
                 let [first, second] = [self.unknown[of], self.unknown[of + 1]];
-                let [on_x, on_y] = balance.seconds[i].map(T::constant);
-                let passed = [first + on_x * second, on_y * second];
+                let [on_x, on_y] = balance.seconds[i];
+                let passed = [first + second * on_x, second * on_y];
                 let r = [0, 1]
                     .map(|axis| balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + passed[axis]);
-                self.size[i] = self.measure(i, r);
+                let size = self.measure(i, r);
+                self.rest[i] = size - self.size[i];
                 let unit = if self.sign[i] == 0.0 {
-                    let inverse = 1.0 / self.size[i].value().max(f64::MIN_POSITIVE);
+                    let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
                     r.map(|r| r.value() * inverse)
                 } else {
                     [self.sign[i], 0.0]
                 };
+                self.measured[i] = size.value();
+                scale = scale.max(size.value().abs());
                 let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
-                let [on_x, on_y] = balance.seconds[i];
                 self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
-                scale = scale.max(self.size[i].value().abs());
-            }
-            let (matrix, rest) = (&mut self.matrix[..unknowns * unknowns], &mut self.rest[..unknowns]);
-            matrix.fill(0.0);
-            for (k, &place) in self.places.iter().enumerate().filter(|(_, place)| **place != NONE) {
-                let row = &self.effect[k * n..(k + 1) * n];
-                rest[place] = total(row, &self.size) * T::constant(part) - self.unknown[k];
-                let out = &mut matrix[place * unknowns..(place + 1) * unknowns];
-                out[place] = 1.0;
-                for (j, effect) in row.iter().enumerate() {
-                    let of = 1 + 2 * balance.groups[j];
-                    for (k, slope) in [0, of, of + 1].into_iter().zip(self.direction[j]) {
-                        if let Some(out) = out.get_mut(self.places[k]) {
-                            *out -= part * effect.value() * slope;
-                        }
-                    }
+                let [u, x, y] = self.direction[i].map(|slope| -part * slope);
+                let row = &mut self.matrix[i * n..(i + 1) * n];
+                let effects = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
+                for (j, out) in row.iter_mut().enumerate() {
+                    *out = u * effects[0][j].value() + x * effects[1][j].value() + y * effects[2][j].value();
                 }
+                row[i] += 1.0;
             }
-            let determinant = eliminate(matrix, rest);
+            let determinant = eliminate(&mut self.matrix, &mut self.rest);
             if determinant.is_nan() || determinant <= 0.0 {
                 return false;
             }
+            for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(n)) {
+                let of = |sum: f64, (effect, rest): (&T, &T)| sum + effect.value() * rest.value();
+                *change = part * row.iter().zip(&self.rest).fold(0.0, of);
+            }
             let mut error: f64 = 0.0;
-            let change = |k: usize| rest.get(self.places[k]).copied().unwrap_or(zero);
             for i in 0..n {
                 let of = 1 + 2 * balance.groups[i];
-                let [along, x, y] = self.direction[i];
-                let more =
-                    change(0) * T::constant(along) + change(of) * T::constant(x) + change(of + 1) * T::constant(y);
-                let [on_x, on_y] = balance.seconds[i];
-                let [u, first, second] = [0, of, of + 1].map(|k| change(k).value());
-                let passed = [first + on_x * second, on_y * second];
-                let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
+                let [u, first, second] = [0, of, of + 1].map(|k| self.change[k]);
                 if self.sign[i] == 0.0 {
-                    let size = self.size[i].value().max(f64::MIN_POSITIVE);
+                    let [on_x, on_y] = balance.seconds[i];
+                    let passed = [first + on_x * second, on_y * second];
+                    let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
+                    let size = self.measured[i].max(f64::MIN_POSITIVE);
                     error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
                 }
-                self.size[i] = self.size[i] + more;
-            }
-            for (unknown, &place) in self.unknown.iter_mut().zip(&self.places).filter(|(_, place)| **place != NONE) {
-                *unknown = *unknown + rest[place];
+                self.size[i] = self.size[i] + self.rest[i];
             }
             if !error.is_finite() {
                 return false;
@@ -170,6 +151,10 @@ impl<T: Number> FrictionLoop<T> {
                 return true;
             }
             converged = error < CONVERGED;
+            if iteration > FEW && error > CONTRACTION * before && !converged {
+                return false;
+            }
+            before = error;
         }
         false
     }
@@ -198,22 +183,22 @@ fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
             b.swap(k, pivot);
             determinant = -determinant;
         }
-        let head = a[k * n + k];
+        let (above, below) = a.split_at_mut((k + 1) * n);
+        let (row, head) = (&above[k * n + k + 1..], above[k * n + k]);
         determinant *= head;
-        for i in k + 1..n {
-            let factor = a[i * n + k] / head;
-            for j in k + 1..n {
-                a[i * n + j] -= factor * a[k * n + j];
-            }
-            b[i] = b[i] - b[k] * T::constant(factor);
+        let inverse = 1.0 / head;
+        for (i, other) in (k + 1..n).zip(below.chunks_exact_mut(n)) {
+            let factor = other[k] * inverse;
+            other[k + 1..].iter_mut().zip(row).for_each(|(other, c)| *other -= factor * c);
+            b[i] = b[i] - b[k] * factor;
         }
     }
     for k in (0..n).rev() {
         let mut sum = b[k];
         for j in k + 1..n {
-            sum = sum - b[j] * T::constant(a[k * n + j]);
+            sum = sum - b[j] * a[k * n + j];
         }
-        b[k] = sum * T::constant(1.0 / a[k * n + k]);
+        b[k] = sum * (1.0 / a[k * n + k]);
     }
     determinant
 }
