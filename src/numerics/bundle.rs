@@ -139,15 +139,59 @@ impl<T: Number> Task for Evaluation<'_, T> {
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        let (x, at) = (self.x, &self.x.map(T::value));
-        let changes = T::CARRIES && !x.into_iter().all(T::is_constant);
-        for (values, row) in self.values.iter_mut().zip(self.rows) {
-            let of_x = polynomials::<A>(row, at);
-            let first = if changes { slopes::<A>(row, at) } else { [0.0; ROW] };
-            let second = if T::CARRIES_SECOND && changes { curvatures::<A>(row, at) } else { [0.0; ROW] };
-            *values = std::array::from_fn(|i| x[i].compose([of_x[i], first[i], second[i]]));
-        }
+        self.values.iter_mut().zip(self.rows).for_each(|(values, row)| *values = row_at::<A, T>(row, &self.x));
     }
+}
+
+/// Sums over terms of P rows each, of which the functions are evaluated each at its x: the values of the rows of
+/// `leading` and those of each term times its size.
+#[inline]
+pub fn sum_at<T: Number, const P: usize>(
+    leading: &[Row],
+    terms: (&[Row], usize),
+    sizes: &[T],
+    x: [T; ROW],
+) -> [[T; ROW]; P] {
+    processor::run(Terms { leading, terms, sizes, x })
+}
+
+/// Terms to sum up: rows of the leading one, rows of all others with the number of rows of each, their sizes.
+struct Terms<'a, T, const P: usize> {
+    leading: &'a [Row],
+    terms: (&'a [Row], usize),
+    sizes: &'a [T],
+    x: [T; ROW],
+}
+
+impl<T: Number, const P: usize> Task for Terms<'_, T, P> {
+    type Result = [[T; ROW]; P];
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> Self::Result {
+        let mut sums = [[T::constant(0.0); ROW]; P];
+        for (sum, row) in sums.iter_mut().zip(self.leading) {
+            *sum = row_at::<A, T>(row, &self.x);
+        }
+        let (rows, parts) = self.terms;
+        for (term, &size) in rows.chunks_exact(parts.max(1)).zip(self.sizes) {
+            for (sum, row) in sums.iter_mut().zip(term) {
+                let values = row_at::<A, T>(row, &self.x);
+                *sum = std::array::from_fn(|k| sum[k] + size * values[k]);
+            }
+        }
+        sums
+    }
+}
+
+/// Values of the functions of a row, each at its x.
+#[inline(always)]
+fn row_at<A: Arithmetic, T: Number>(row: &Row, x: &[T; ROW]) -> [T; ROW] {
+    let at = &x.map(T::value);
+    let changes = T::CARRIES && !x.iter().all(|x| x.is_constant());
+    let values = polynomials::<A>(row, at);
+    let first = if changes { slopes::<A>(row, at) } else { [0.0; ROW] };
+    let second = if T::CARRIES_SECOND && changes { curvatures::<A>(row, at) } else { [0.0; ROW] };
+    std::array::from_fn(|i| x[i].compose([values[i], first[i], second[i]]))
 }
 
 /// a x + b, number by number.

@@ -7,17 +7,22 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// New instances of which each step counts where it was fastest, steps of each, and the length of a step [s].
-const RUNS: usize = 10;
-const STEPS: usize = 3000;
+/// New instances of which each step counts where it was fastest, and steps of each: with all outputs read after each
+/// step, and over a long run without.
+const RUNS: [usize; 2] = [10, 2];
+const STEPS: [usize; 2] = [3000, 1_000_000];
+/// Length of a step [s].
 const STEP: f64 = 1e-3;
 
 /// The table in Markdown and CSV.
 pub fn table(_: &Path) -> Result<Pages, String> {
-    let [runs, steps] = [RUNS, STEPS].map(|count| count.to_string());
-    let mut page = measure::page("realtime", &[("runs", &runs), ("steps", &steps)]);
+    let [runs, long_runs, steps, long] = [RUNS[0], RUNS[1], STEPS[0], STEPS[1]].map(|count| count.to_string());
+    let mut page =
+        measure::page("realtime", &[("runs", &runs), ("steps", &steps), ("long_runs", &long_runs), ("long", &long)]);
     let columns = ["doStep, median", "largest", "at step", "all outputs, median", "largest", "at step"];
     page += &heading(&[&["mechanism", "solver.prepare", "initialisation"], &columns[..]].concat());
+    let mut whole = String::from("\n## Over a long run, prepared\n\n");
+    whole += &heading(&["mechanism", "steps", "doStep, median", "largest", "at step"]);
     let mut csv =
         String::from("mechanism,prepare,start_us,step_median_us,step_largest_us,read_median_us,read_largest_us\n");
     for folder in Workspace::locate().description_folders().map_err(|e| format!("{e:#}"))? {
@@ -27,7 +32,7 @@ pub fn table(_: &Path) -> Result<Pages, String> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let text = measure::mechanism(&folder)?;
         for prepare in [false, true] {
-            let run = least(&text, prepare).map_err(|e| format!("{name}: {e}"))?;
+            let run = least(&text, prepare, false).map_err(|e| format!("{name}: {e}"))?;
             let start = run.start * 1e6;
             let [steps, reads] = [run.steps, run.reads].map(Spread::of);
             let _ =
@@ -35,8 +40,10 @@ pub fn table(_: &Path) -> Result<Pages, String> {
             let [a, b, c, d] = [steps.median, steps.largest, reads.median, reads.largest];
             let _ = writeln!(csv, "{name},{prepare},{start:.1},{a:.3},{b:.3},{c:.3},{d:.3}");
         }
+        let long = least(&text, true, true).map_err(|e| format!("{name}: {e}"))?.steps;
+        let _ = writeln!(whole, "| {name} | {} | {} |", long.len(), Spread::of(long).cells());
     }
-    Ok(Pages { page, csv })
+    Ok(Pages { page: page + &whole, csv })
 }
 
 /// Least times [s] of one run among several, part by part.
@@ -68,10 +75,11 @@ impl Spread {
     }
 }
 
-/// All outputs are read after each step, and the run ends with the first step that cannot be made.
-fn least(text: &str, prepare: bool) -> Result<Run, ModelError> {
-    let mut least = Run { start: f64::INFINITY, steps: vec![f64::INFINITY; STEPS], reads: vec![f64::INFINITY; STEPS] };
-    for _ in 0..RUNS {
+/// All outputs are read after each step but in a long run, and the run ends with the first step that cannot be made.
+fn least(text: &str, prepare: bool, is_long: bool) -> Result<Run, ModelError> {
+    let [runs, steps] = [RUNS, STEPS].map(|counts| counts[usize::from(is_long)]);
+    let mut least = Run { start: f64::INFINITY, steps: vec![f64::INFINITY; steps], reads: vec![f64::INFINITY; steps] };
+    for _ in 0..runs {
         let mut model = Model::from_json(text)?;
         measure::set(&mut model, "solver.prepare", prepare)?;
         let list = (0..).zip(model.variables().list());
@@ -87,6 +95,9 @@ fn least(text: &str, prepare: bool) -> Result<Run, ModelError> {
                 break;
             }
             least.steps[step] = least.steps[step].min(began.elapsed().as_secs_f64());
+            if is_long {
+                continue;
+            }
             values.clear();
             measure::timed(&mut least.reads[step], || model.reals(&outputs, |value| values.push(value)))?;
         }

@@ -44,8 +44,6 @@ pub struct OutputCache<N: Differentiable> {
     pub shares: Shares<N>,
     /// Reactions that have no table.
     pub exact: ExactReactions,
-    /// Values of the polynomials of a reaction.
-    pub values: Vec<[N; ROW]>,
     /// Flows of the network, with room for them where there is one, and whether they are those of this state.
     pub network: Option<(Box<Present<N>>, bool)>,
     /// Evaluations since the start.
@@ -106,7 +104,6 @@ impl<N: Differentiable> OutputCache<N> {
             has_reactions: false,
             shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
             exact: ExactReactions::default(),
-            values: Vec::new(),
             network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),

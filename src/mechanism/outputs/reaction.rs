@@ -3,13 +3,13 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, GroupValues, OutputCache, PARTS};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, OutputCache, PARTS};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::{PanelTable, Reduced};
-use crate::numerics::bundle::{ROW, each_at};
+use crate::numerics::bundle::{ROW, sum_at};
 
 /// Force x, force y, moment.
 type Parts<N> = [N; PARTS];
@@ -185,10 +185,12 @@ impl<'a, N: Reading> View<'a, N> {
         }
         let sigma = self.sigma();
         let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
-        let OutputCache { groups, values, shares, has_reactions, .. } = &mut *self.cache;
-        let of_given = sum_terms(given, *parts, sigma, values, (1, &shares.given));
+        let OutputCache { groups, shares, has_reactions, .. } = &mut *self.cache;
+        // The first term is that of the applied loads as they are.
+        let (applied, terms) = given.rows.split_at(*parts);
+        let of_given = sum_at(applied, (terms, *parts), &shares.given, given.x(sigma));
         let of_state = if acts {
-            sum_terms(state, *parts, sigma, values, (0, &shares.state))
+            sum_at(&[], (&state.rows, *parts), &shares.state, state.x(sigma))
         } else {
             [[N::constant(0.0); ROW]; PARTS]
         };
@@ -270,34 +272,6 @@ impl<'a, N: Reading> View<'a, N> {
         }
         Ok(())
     }
-}
-
-/// For each of so many parts the sum over the terms of a group, joint by joint: of the first `leading` terms, at most
-/// one, the value, of those after it the value times its size.
-#[inline]
-fn sum_terms<N: Reading>(
-    group: &GroupRows,
-    parts: usize,
-    sigma: N,
-    values: &mut Vec<[N; ROW]>,
-    (leading, sizes): (usize, &[N]),
-) -> [[N; ROW]; PARTS] {
-    let rows = group.rows.len();
-    if values.len() < rows {
-        values.resize(rows, [N::constant(0.0); ROW]);
-    }
-    each_at(&group.rows, group.x(sigma), &mut values[..rows]);
-    let (leaders, terms) = values[..rows].split_at(leading * parts);
-    let mut sums = [[N::constant(0.0); ROW]; PARTS];
-    for (sums, leaders) in sums.iter_mut().zip(leaders) {
-        *sums = *leaders;
-    }
-    for (term, &size) in terms.chunks_exact(parts).zip(sizes) {
-        for (sums, units) in sums.iter_mut().zip(term) {
-            *sums = std::array::from_fn(|k| sums[k] + size * units[k]);
-        }
-    }
-    sums
 }
 
 /// The reactions of one joint, by columns, among those of all.

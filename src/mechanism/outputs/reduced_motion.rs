@@ -238,7 +238,6 @@ impl ReducedMotion {
             // Loads that the state sizes need not act at the start.
             let rows = PARTS * state_loads.map_or(0, |state_loads| state_loads.loads.len());
             self.loads.reactions.iter_mut().for_each(|group| group.state.rows.reserve(rows));
-            self.cache.values.reserve(rows);
         }
         // At many positions, as the memory that the exact evaluator needs depends on the order of its equations there.
         let sample = |k: i32, [first, last]: [f64; 2]| first + (last - first) * f64::from(k) / f64::from(SAMPLES);
