@@ -25,9 +25,8 @@ pub struct OutputCache<N: Differentiable> {
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
-    /// Displacement and S_sigma of a drive at the rigid stop at each end of the travel: drive, sigma of the stop,
-    /// number of the stretch, both values. They depend on nothing else.
-    pub ends: [Option<(usize, f64, i32, [f64; 2])>; 2],
+    /// The drive asked for last at the rigid stop at each end of the travel.
+    pub ends: [Option<DriveEnd>; 2],
     /// Displacement of each load, once evaluated in this state; else NaN.
     pub displacements: Vec<f64>,
     /// Whether there is one.
@@ -61,6 +60,18 @@ pub struct DriveTerms<N> {
     pub slopes: [N; 2],
     /// S_sigma, from the table of the influences, once it has been needed.
     pub influence: Option<N>,
+}
+
+/// A drive at a rigid stop at an end of the travel, whatever the state.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveEnd {
+    /// The drive.
+    pub drive: usize,
+    /// sigma of the stop, on this stretch of the curve.
+    pub position: f64,
+    pub stretch: i32,
+    /// Displacement S of the drive and S_sigma.
+    pub values: [f64; 2],
 }
 
 /// Accelerations of a state under the present inputs, and what was decided to find them.

@@ -4,7 +4,7 @@
 //! drive's kind.
 use crate::mechanism::dynamics::inverse::{Demand, NoForce, toward, with_efficiency};
 use crate::mechanism::motion::contact::outward;
-use crate::mechanism::outputs::cache::DriveTerms;
+use crate::mechanism::outputs::cache::{DriveEnd, DriveTerms};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::quantity::OneElement;
@@ -137,16 +137,16 @@ impl<N: Reading> View<'_, N> {
     /// Displacement of a drive and S_sigma at the rigid stop at one end of the travel; found once.
     fn at_end(&mut self, drive: usize, side: usize, position: f64) -> Result<[f64; 2], OutputError> {
         let reduced = self.reduced;
-        if let Some((own, at, stretch, values)) = self.cache.ends[side]
-            && (own, at.to_bits(), stretch) == (drive, position.to_bits(), reduced.stretch)
-        {
-            return Ok(values);
+        let stretch = reduced.stretch;
+        let is_it = |end: &DriveEnd| (end.drive, end.position, end.stretch) == (drive, position, stretch);
+        if let Some(end) = self.cache.ends[side].filter(is_it) {
+            return Ok(end.values);
         }
         let (sigma, revolutions) = reduced.unwound(position);
         let (table, place) = reduced.at(sigma).displacement_around(drive, sigma)?;
         let there = reduced.displacement_at(drive, sigma, place.panel) + revolutions * reduced.load_growth(drive);
         let values = [there, table.value(place, 1)];
-        self.cache.ends[side] = Some((drive, position, reduced.stretch, values));
+        self.cache.ends[side] = Some(DriveEnd { drive, position, stretch, values });
         Ok(values)
     }
 
