@@ -11,7 +11,7 @@ use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use linkage_fmu::fmi::LARGEST_DEFINITION;
 use linkage_fmu::mechanism::definition::SharedContents;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Key of the path.
 const KEY: &str = "parameters_from";
@@ -38,6 +38,11 @@ pub fn completed(definition: &Path, text: String) -> Result<String> {
     let contents = contents.trim_start_matches('\u{feff}').replace(['\r', '\n'], " ");
     let object = format!("{{ \"file\": {}, \"contents\": {} }}", serde_json::to_string(&name)?, contents.trim());
     Ok([&text[..range.0], &object, &text[range.1..]].concat())
+}
+
+/// Path of the file of shared parameters that the definition at a path names, if its text names one.
+pub fn file(definition: &Path, text: &str) -> Option<PathBuf> {
+    named(text).map(|(_, name)| definition.parent().unwrap_or(Path::new("")).join(name))
 }
 
 /// Range of bytes of the path in the text, and the path; none if the definition names no file.

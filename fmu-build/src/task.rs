@@ -31,7 +31,7 @@ fn done(workspace: &Workspace, cli: Cli, studies: Studies) -> ExitCode {
             Ok(false) => return ExitCode::FAILURE,
             Err(error) => Err(error),
         },
-        Task::View(arguments) => match view::run(workspace, &arguments) {
+        Task::View(arguments) if !arguments.live => match view::run(workspace, &arguments) {
             Ok(true) => Ok(()),
             Ok(false) => return ExitCode::FAILURE,
             Err(error) => Err(error),

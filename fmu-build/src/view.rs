@@ -15,7 +15,7 @@ use anyhow::{Context, Result, bail};
 pub use data::{Data, Status, Wanted};
 pub use fmu_cli::View as Arguments;
 use linkage_fmu::inspection::Severity;
-pub use page::{as_script, html};
+pub use page::{Live, as_script, html, live};
 use std::path::Path;
 
 /// Write the page; whether it shows the whole motion that was asked for.

@@ -41,7 +41,9 @@ Examples:
   Show the moving mechanism in the browser:
     cargo fmu view gear.json --open
   Write a page of 3 s of motion at 3 g:
-    cargo fmu view gear.json --out gear.html --stop-time 3 --start-values load_factor 3";
+    cargo fmu view gear.json --out gear.html --stop-time 3 --start-values load_factor 3
+  Edit the mechanism in the browser, and see the motion of each change:
+    cargo fmu view gear.json --live --open";
 
 /// Examples of `simulate`.
 pub const SIMULATE: &str = "\

@@ -125,6 +125,13 @@ pub struct View {
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
+    /// Edit the definition in the page, and see the motion of each change: serves the page on this machine until
+    /// Ctrl-C, and watches the file
+    #[arg(long, conflicts_with_all = ["out", "start_values"])]
+    pub live: bool,
+    /// Port of the live page on 127.0.0.1 [default: a free port]
+    #[arg(long, value_name = "PORT", requires = "live")]
+    pub port: Option<u16>,
     /// End time of the motion [s] [default: stop_time of the definition]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub stop_time: Option<f64>,

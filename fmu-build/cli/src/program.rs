@@ -40,6 +40,7 @@ impl Task {
                 Program::Studies
             }
             Self::Demo(demo) if demo.gallery => Program::Studies,
+            Self::View(view) if view.live => Program::Studies,
             _ => Program::Packer,
         }
     }

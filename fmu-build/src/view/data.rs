@@ -80,6 +80,15 @@ impl Data {
     /// # Errors
     /// A start value that no variable takes, or a stop time that is no time.
     pub fn collect(checked: &Checked, wanted: &Wanted) -> Result<Self> {
+        let mut opened = Simulation::open(&checked.text).map_err(|error| error.to_string());
+        if let Ok(simulation) = &mut opened {
+            wanted.set(simulation)?;
+        }
+        Ok(Self::played(checked, &mut opened, wanted))
+    }
+
+    /// The same from a simulation that has its start values, or the reason why there is none.
+    pub fn played(checked: &Checked, opened: &mut Result<Simulation, String>, wanted: &Wanted) -> Self {
         let told = checked.findings.iter().map(|located| Told {
             is_error: located.finding.severity == Severity::Error,
             path: located.finding.path.clone(),
@@ -102,19 +111,16 @@ impl Data {
             label: String::new(),
             compare: None,
         };
-        let refused = match Simulation::open(&checked.text) {
-            Ok(mut simulation) => {
-                wanted.set(&mut simulation)?;
-                match data.play(&mut simulation, wanted, &checked.units) {
-                    Ok(()) => return Ok(data),
-                    Err(refused) => refused,
-                }
-            }
-            Err(error) => error.to_string(),
+        let refused = match opened {
+            Ok(simulation) => match data.play(simulation, wanted, &checked.units) {
+                Ok(()) => return data,
+                Err(refused) => refused,
+            },
+            Err(error) => error.clone(),
         };
         data.error = Some(refused);
         data.stand(&checked.text);
-        Ok(data)
+        data
     }
 
     /// The motion and the travel; why there is no start, if there is none.

@@ -60,11 +60,38 @@ fn slim(text: &str) -> String {
     lines.filter(|line| !line.is_empty() && !is_comment(line)).flat_map(|line| [line, "\n"]).collect()
 }
 
-/// The whole page.
+/// What a page has besides, which talks to a server.
+#[derive(Clone, Copy, Debug)]
+pub struct Live<'a> {
+    /// Style, after that of the page.
+    pub style: &'a str,
+    /// Elements before those of the page.
+    pub body: &'a str,
+    /// A library, which stands by itself.
+    pub library: &'a str,
+    /// Script, after the page's in its scope.
+    pub script: &'a str,
+    /// JSON in the elements of these names.
+    pub data: &'a [(&'a str, &'a str)],
+}
+
+/// The whole page, which loads nothing.
 ///
 /// # Errors
 /// The template is wrong.
 pub fn html(data: &Data) -> Result<String> {
+    page(data, None)
+}
+
+/// The page of a server.
+///
+/// # Errors
+/// The template is wrong.
+pub fn live(data: &Data, live: &Live) -> Result<String> {
+    page(data, Some(live))
+}
+
+fn page(data: &Data, live: Option<&Live>) -> Result<String> {
     let mut environment = Environment::new();
     environment.add_template("page.html", TEMPLATE).context("template of the page")?;
     let template = environment.get_template("page.html").context("template of the page")?;
@@ -73,10 +100,15 @@ pub fn html(data: &Data) -> Result<String> {
         name => data.title(),
         description => &data.description,
         error => &data.error,
-        style => Value::from_safe_string(slim(STYLE)),
+        style => Value::from_safe_string(slim(STYLE) + live.map_or("", |live| live.style)),
         plot_style => Value::from_safe_string(PLOTS[1].into()),
         plot_script => Value::from_safe_string(format!("/*! uPlot\n{LICENCE}*/\n{}", PLOTS[0])),
-        script => Value::from_safe_string(slim(&SCRIPTS.concat())),
+        script => Value::from_safe_string(slim(&SCRIPTS.concat()) + live.map_or("", |live| live.script)),
+        live => live.map(|live| context! {
+            body => Value::from_safe_string(live.body.into()),
+            library => Value::from_safe_string(live.library.into()),
+            data => live.data.iter().map(|(name, json)| ((*name).to_owned(), Value::from_safe_string(as_script(json)))).collect::<Vec<_>>(),
+        }),
         data => Value::from_safe_string(as_script(&json)),
     });
     page.context("template of the page")

@@ -11,6 +11,7 @@ mod definition_values;
 pub mod gallery;
 pub mod import;
 pub mod linearise;
+pub mod live;
 mod parquet_file;
 mod plot;
 pub mod progress;

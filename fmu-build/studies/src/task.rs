@@ -1,7 +1,7 @@
 //! The tasks of this crate. Exit codes as those of the packer's tasks.
 
 use crate::simulate::Outcome;
-use crate::{gallery, import, linearise, simulate, sweep};
+use crate::{gallery, import, linearise, live, simulate, sweep};
 use anyhow::anyhow;
 use fmu_build::task::refused;
 use fmu_build::workspace::Workspace;
@@ -21,6 +21,7 @@ pub fn run(workspace: &Workspace, task: Task) -> ExitCode {
         Task::Sweep(arguments) => sweep::run(workspace, &arguments, None),
         Task::Optimise(arguments) => sweep::optimise::run(workspace, &arguments, None),
         Task::Demo(arguments) => gallery::run(workspace, arguments.out.as_deref()).map(complete),
+        Task::View(arguments) => live::run(workspace, &arguments).map(complete),
         packing => Err(anyhow!("{} does this task", packing.program().name())),
     };
     match result {

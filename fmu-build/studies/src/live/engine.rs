@@ -1,0 +1,241 @@
+//! Runs for the page: a text and values of variables, to what the page shows of them.
+//!
+//! In: the text of a definition, values of parameters and inputs. Out: data of the page, places of findings, variables
+//! that can be set. It must not know who asks.
+
+use anyhow::Result;
+use fmu_build::check::{self, Checked};
+use fmu_build::shared;
+use fmu_build::view::{Data, Wanted};
+use fmu_build::workspace::MECHANISM;
+use linkage_fmu::inspection::{Finding, Severity};
+use linkage_fmu::simulation::Simulation;
+use linkage_fmu::variables::{Causality, Kind, Value, Variable};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Texts whose models are kept: those of two pages, and of one edit back.
+const KEPT: usize = 3;
+
+/// The models of the newest texts.
+pub struct Engine {
+    shown: String,
+    path: PathBuf,
+    wanted: Wanted,
+    kept: Mutex<Vec<Model>>,
+}
+
+/// What is asked for.
+#[derive(Debug, Default, Deserialize)]
+pub struct Asked {
+    /// Text of the definition.
+    pub text: String,
+    /// Values of parameters and inputs, by name.
+    #[serde(default)]
+    pub values: Vec<(String, Number)>,
+}
+
+/// A value of a variable.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Number {
+    /// Of a Boolean.
+    Boolean(bool),
+    /// Of a Real.
+    Real(f64),
+}
+
+/// What the page gets.
+#[derive(Debug, Serialize)]
+pub struct Told {
+    /// What the page of `view` shows.
+    pub data: Data,
+    /// What the page shows besides.
+    pub notes: Notes,
+}
+
+/// What is told of a text besides its motion.
+#[derive(Debug, Serialize)]
+pub struct Notes {
+    marks: Vec<Mark>,
+    knobs: Vec<Knob>,
+    /// Values that could not be set, in words.
+    problems: Vec<String>,
+    /// Time of the computation [ms].
+    milliseconds: f64,
+}
+
+/// A finding in the text.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Mark {
+    /// Range of the text, in units of UTF-16; empty at 0 for the whole text.
+    from: usize,
+    to: usize,
+    is_error: bool,
+    message: String,
+}
+
+/// A variable that can be set.
+#[derive(Clone, Debug, Serialize)]
+struct Knob {
+    name: String,
+    description: String,
+    unit: Option<&'static str>,
+    display: Option<(&'static str, f64)>,
+    is_input: bool,
+    start: Number,
+    bounds: [Option<f64>; 2],
+}
+
+/// A text with its model.
+struct Model {
+    /// The text with the contents of the file of shared parameters.
+    text: String,
+    checked: Checked,
+    opened: Result<Simulation, String>,
+    /// What was set, with the values before.
+    set: Vec<(String, Number)>,
+}
+
+impl Engine {
+    /// For texts of the file at this path, which messages name so.
+    pub fn new(shown: String, path: PathBuf, wanted: Wanted) -> Self {
+        Self { shown, path, wanted, kept: Mutex::new(Vec::new()) }
+    }
+
+    /// Name of the file.
+    pub fn shown(&self) -> &str {
+        &self.shown
+    }
+
+    /// Check a text and run it under these values.
+    ///
+    /// # Errors
+    /// There is no such kind of definition.
+    pub fn run(&self, asked: &Asked) -> Result<Told> {
+        let began = Instant::now();
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let (text, fault) = match shared::completed(&self.path, asked.text.clone()) {
+            Ok(text) => (text, None),
+            Err(error) => (asked.text.clone(), Some(format!("{error:#}"))),
+        };
+        // A model is taken out, so that one that panics is gone.
+        let found = kept.iter().position(|model| model.text == text);
+        let mut model = match found {
+            Some(index) => kept.remove(index),
+            None => self.open(text)?,
+        };
+        let problems = model.set(&asked.values);
+        let mut data = Data::played(&model.checked, &mut model.opened, &self.wanted);
+        if let Some(fault) = fault {
+            data.error = Some(fault);
+        }
+        let (marks, knobs) = (model.marks(&asked.text), model.knobs());
+        kept.insert(0, model);
+        kept.truncate(KEPT);
+        let milliseconds = 1e3 * began.elapsed().as_secs_f64();
+        Ok(Told { data, notes: Notes { marks, knobs, problems, milliseconds } })
+    }
+
+    fn open(&self, text: String) -> Result<Model> {
+        let opened = Simulation::open(&text).map_err(|error| error.to_string());
+        let checked = check::check(self.shown.clone(), MECHANISM, text.clone())?;
+        Ok(Model { text, checked, opened, set: Vec::new() })
+    }
+}
+
+impl Model {
+    /// Set these values, and those that were set before as they were; what could not be set, in words.
+    fn set(&mut self, values: &[(String, Number)]) -> Vec<String> {
+        let Ok(simulation) = &mut self.opened else { return Vec::new() };
+        let mut all: Vec<(String, Number)> = std::mem::take(&mut self.set);
+        all.retain(|(name, _)| values.iter().all(|(other, _)| other != name));
+        all.extend_from_slice(values);
+        let mut problems = Vec::new();
+        for (name, value) in all {
+            let variables = simulation.model().variables();
+            // The text may have lost it.
+            let Some(start) = variables.find(&name).and_then(|r| start(&variables.list()[r as usize])) else {
+                continue;
+            };
+            let set = match value {
+                Number::Boolean(value) => simulation.set(&name, value),
+                Number::Real(value) => simulation.set(&name, value),
+            };
+            match set {
+                Ok(()) if value != start => self.set.push((name, start)),
+                Ok(()) => {}
+                Err(error) => problems.push(error.to_string()),
+            }
+        }
+        problems
+    }
+
+    /// The findings at their places in the text as it was sent.
+    fn marks(&self, sent: &str) -> Vec<Mark> {
+        let place = |byte: usize| units(sent, own(sent, &self.text, byte));
+        let mark = |located: &check::Located| Mark {
+            from: place(located.span.start),
+            to: place(located.span.end),
+            is_error: located.finding.severity == Severity::Error,
+            message: words(&located.finding),
+        };
+        self.checked.findings.iter().map(mark).collect()
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        let Ok(simulation) = &self.opened else { return Vec::new() };
+        let knob = |variable: &Variable| {
+            Some(Knob {
+                name: variable.name.clone(),
+                description: variable.description.clone(),
+                unit: variable.unit.map(|unit| unit.name()),
+                display: variable.unit.and_then(|unit| unit.display()),
+                is_input: variable.causality == Causality::Input,
+                start: start(variable)?,
+                bounds: variable.details.bounds,
+            })
+        };
+        simulation.model().variables().list().iter().filter_map(knob).collect()
+    }
+}
+
+/// Start value of a parameter or an input that the page can set.
+fn start(variable: &Variable) -> Option<Number> {
+    if !matches!(variable.causality, Causality::Parameter | Causality::Input) {
+        return None;
+    }
+    match (variable.kind, variable.start.as_ref()?) {
+        (Kind::Real, Value::Real(value)) => Some(Number::Real(*value)),
+        (Kind::Boolean, Value::Boolean(value)) => Some(Number::Boolean(*value)),
+        _ => None,
+    }
+}
+
+fn words(finding: &Finding) -> String {
+    let Finding { message, remedy, .. } = finding;
+    if remedy.is_empty() { message.clone() } else { format!("{message}; {remedy}") }
+}
+
+/// Place in a text of a byte in another one, in which one part may stand in the place of another.
+fn own(sent: &str, completed: &str, byte: usize) -> usize {
+    let same = |(a, b): &(u8, u8)| a == b;
+    let before = sent.bytes().zip(completed.bytes()).take_while(same).count();
+    if byte <= before {
+        return byte;
+    }
+    let after = sent.bytes().rev().zip(completed.bytes().rev()).take_while(same).count();
+    let (rest, most) = (completed.len().saturating_sub(byte), sent.len());
+    if rest <= after { most - rest } else { before.min(most) }
+}
+
+/// Number of units of UTF-16 before a byte of a text.
+fn units(text: &str, byte: usize) -> usize {
+    let mut end = byte.min(text.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    text[..end].encode_utf16().count()
+}

@@ -1,0 +1,120 @@
+//! `cargo fmu view --live`: the page of `view` from a server on this machine, with the definition beside the drawing.
+//!
+//! In: a definition file, watched; texts and values from the page. Out: the page, and its data for each text. The file
+//! is written when the page asks for it, and at no other time.
+
+mod engine;
+mod file;
+mod page;
+mod server;
+
+use anyhow::{Context, Result, bail};
+use engine::Engine;
+use file::{File, Saved};
+use fmu_build::fmu::is_fmu;
+use fmu_build::source::Source;
+use fmu_build::view::Wanted;
+use fmu_build::workspace::{MECHANISM, Workspace};
+use fmu_cli::View as Arguments;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use server::{Answer, Request, Site};
+use std::io::{Write, stdout};
+use std::net::{Ipv4Addr, TcpListener};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Longest time for which a page waits for news of the file in one request.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// What the server knows.
+struct Live {
+    file: Arc<File>,
+    engine: Engine,
+}
+
+/// A text that is to become the file's.
+#[derive(Deserialize)]
+struct Saving {
+    text: String,
+    /// Version of the file that the text is made from.
+    version: u64,
+}
+
+/// Serve the page until the program is ended.
+///
+/// # Errors
+/// The path leads to no mechanism that can be written; the port is taken; no browser can be opened.
+pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
+    if is_fmu(&arguments.path) {
+        bail!("{}: --live edits a definition; give the path of a {MECHANISM}, not of an FMU", arguments.path.display());
+    }
+    let source = Source::find(workspace, &arguments.path)?;
+    let (kind, shown) = (source.kind(), source.definition.display().to_string());
+    if kind != MECHANISM {
+        bail!("{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}");
+    }
+    // What cannot be read is said here, and not in a page.
+    source.text()?;
+    let wanted = Wanted::new(arguments.stop_time, &[])?;
+    let port = arguments.port.unwrap_or(0);
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
+        .with_context(|| format!("--port {port}: this port of 127.0.0.1 is not free; give another one"))?;
+    let site = Site::new(listener.local_addr()?.port())?;
+    let live = Arc::new(Live {
+        file: File::watch(source.definition.clone()),
+        engine: Engine::new(shown.clone(), source.definition, wanted),
+    });
+    let address = site.address();
+    println!("{address} (shows {shown}; press Ctrl-C to end)");
+    stdout().flush().ok();
+    if arguments.open {
+        open::that_detached(&address).with_context(|| format!("{address}: no browser could open the page"))?;
+    }
+    server::serve(&listener, &Arc::new(site), move |request| live.answer(request));
+    Ok(())
+}
+
+impl Live {
+    /// The answer to a request of the page.
+    fn answer(&self, request: &Request) -> Answer {
+        let answered = match (request.method.as_str(), request.path.as_str()) {
+            ("GET", "") => self.page().map(Answer::page),
+            ("GET", "file") => Ok(self.news(&request.query)),
+            ("POST", "run") => request.json().and_then(|asked| Ok(Answer::json(&self.engine.run(&asked)?))),
+            ("POST", "save") => request.json().and_then(|saving| self.save(&saving)),
+            (_, "" | "file" | "run" | "save") => return Answer::refused(405, "this method is not allowed here"),
+            _ => return Answer::refused(404, "there is nothing here"),
+        };
+        answered.unwrap_or_else(|error| Answer::refused(400, &format!("{error:#}")))
+    }
+
+    fn page(&self) -> Result<String> {
+        let (version, text) = self.file.now();
+        page::html(&self.engine, version, text)
+    }
+
+    /// The file once it has another version than the one that the page has, or nothing new.
+    fn news(&self, known: &str) -> Answer {
+        let known = known.strip_prefix("after=").and_then(|known| known.parse().ok()).unwrap_or(0);
+        match self.file.after(known, PATIENCE) {
+            Some((version, text)) => Answer::json(&of_file(version, &text)),
+            None => Answer::json(&json!({ "version": known })),
+        }
+    }
+
+    fn save(&self, saving: &Saving) -> Result<Answer> {
+        Ok(match self.file.save(saving.version, &saving.text)? {
+            Saved::As(version) => Answer::json(&json!({ "version": version })),
+            Saved::Not(version, text) => Answer::json(&of_file(version, &text)).with_status(409),
+        })
+    }
+}
+
+/// A version of the file for the page: its text, or why there is none.
+fn of_file(version: u64, text: &Result<String, String>) -> Value {
+    match text {
+        Ok(text) => json!({ "version": version, "text": text }),
+        Err(error) => json!({ "version": version, "error": error }),
+    }
+}

@@ -1,0 +1,79 @@
+// The editor: CodeMirror with the schema's help, and the marks of the check.
+
+const { Annotation, EditorState, EditorView, Transaction } = CodeMirror;
+/** Of a change that the page makes by itself. */
+const byPage = Annotation.define();
+
+class Editor {
+  /** `edited` is called after each change of the text, `save` when the keys for it are pressed. */
+  constructor(parent, text, edited, save) {
+    // The ends of lines of the file, which a text of the editor does not have.
+    this.end = text.includes("\r\n") ? "\r\n" : "\n";
+    const c = CodeMirror;
+    const keys = [
+      { key: "Mod-s", run: () => (save(), true), preventDefault: true },
+      ...c.closeBracketsKeymap, ...c.defaultKeymap, ...c.searchKeymap, ...c.historyKeymap, ...c.foldKeymap, ...c.completionKeymap, ...c.lintKeymap,
+    ];
+    const styles = c.HighlightStyle.define([
+      { tag: c.tags.propertyName, color: "var(--key)" }, { tag: c.tags.string, color: "var(--text)" },
+      { tag: [c.tags.number, c.tags.bool, c.tags.null], color: "var(--number)" },
+    ]);
+    const extensions = [
+      c.lineNumbers(), c.foldGutter(), c.lintGutter(), c.highlightSpecialChars(), c.history(), c.drawSelection(), c.indentOnInput(), c.indentUnit.of("  "),
+      c.bracketMatching(), c.closeBrackets(), c.highlightActiveLine(), c.highlightSelectionMatches(), c.syntaxHighlighting(styles), c.json(),
+      c.autocompletion({ override: [complete] }), explainedOnHover, c.keymap.of(keys), EditorView.lineWrapping,
+      EditorView.contentAttributes.of({ "aria-label": "Text of the definition" }),
+      EditorView.updateListener.of((update) => update.docChanged && edited(update)),
+    ];
+    this.view = new EditorView({ parent, state: EditorState.create({ doc: text, extensions }) });
+  }
+
+  get state() {
+    return this.view.state;
+  }
+
+  /** The text with one character at the end of each line. */
+  get text() {
+    return this.state.doc.toString();
+  }
+
+  /** The text as the file has it. */
+  get written() {
+    return this.end === "\n" ? this.text : this.text.replaceAll("\n", this.end);
+  }
+
+  /** Put another text in the place of the part that differs, so that cursor and history stay. */
+  replace(text) {
+    if (text.includes("\r\n")) this.end = "\r\n";
+    const [before, after] = [this.text, plain(text)];
+    const most = Math.min(before.length, after.length);
+    let [from, end] = [0, 0];
+    while (from < most && before[from] === after[from]) from++;
+    while (end < most - from && before[before.length - 1 - end] === after[after.length - 1 - end]) end++;
+    if (before !== after) this.change([{ from, to: before.length - end, insert: after.slice(from, after.length - end) }]);
+  }
+
+  /** One step of the history, or none of it. */
+  change(changes, isStep = true) {
+    const step = isStep ? CodeMirror.isolateHistory.of("full") : Transaction.addToHistory.of(false);
+    this.view.dispatch({ changes, annotations: [step, byPage.of(true)] });
+  }
+
+  /** Underline what the check has found. */
+  mark(marks) {
+    const { length } = this.state.doc;
+    const diagnostics = marks.map(({ from, to, is_error, message }) => ({
+      from: Math.min(from, length), to: Math.min(to, length), severity: is_error ? "error" : "warning", message,
+    }));
+    this.view.dispatch(CodeMirror.setDiagnostics(this.state, diagnostics));
+  }
+
+  /** Show a place of the text. */
+  goTo(from, to) {
+    this.view.dispatch({ selection: { anchor: from, head: to }, scrollIntoView: true });
+    this.view.focus();
+  }
+}
+
+/** A text as the editor has it. */
+const plain = (text) => text.replace(/\r\n?/g, "\n");

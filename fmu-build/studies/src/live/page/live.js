@@ -1,0 +1,199 @@
+// The page and its server: text and values go there, data come back.
+
+const first = JSON.parse(byId("live-first").textContent);
+/** Time after which the news of the file are asked for again when the server has not answered [ms]. */
+const AGAIN = 1000;
+/** The last text that gave a motion: its data, and the text as an object. */
+const good = {};
+const file = { version: first.version, text: plain(first.text) };
+/** Runs: whether one is on its way, whether another is wanted, how many were shown. */
+const runs = { isOut: false, isWanted: false, shown: 0, last: undefined };
+
+const editor = new Editor(byId("editor"), first.text, onEdit, save);
+const knobs = new Knobs(byId("knobs"), run);
+const handles = new Handles({ begin: beginDrag, change: (handle, numbers) => editor.change(changesOf(handle, numbers), false), end: endDrag });
+
+const isDirty = () => editor.text !== file.text;
+
+async function ask(path, body) {
+  const options = body && { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(path, { cache: "no-store", ...options });
+  if (!answer.ok && answer.status !== 409) throw new Error((await answer.text()).slice(0, 500) || `status ${answer.status}`);
+  return { ...(await answer.json()), status: answer.status };
+}
+
+/** Run the text under the values of the sliders; while one run is out, the newest text waits. */
+async function run() {
+  if (runs.isOut) return void (runs.isWanted = true);
+  runs.isOut = true;
+  do {
+    runs.isWanted = false;
+    const { text } = editor;
+    try {
+      const told = await ask("run", { text, values: [...knobs.values] });
+      tellConnection();
+      apply(told.data, told.notes, text);
+    } catch (error) {
+      tellConnection(error);
+    }
+  } while (runs.isWanted);
+  runs.isOut = false;
+}
+
+/** Show what a text gives. */
+function apply(data, notes, text) {
+  const isGood = Boolean(data.motion);
+  let root;
+  try {
+    root = JSON.parse(text);
+  } catch {
+    root = undefined;
+  }
+  if (isGood) Object.assign(good, { data, root });
+  else if (root) good.root = root;
+  const isStale = !isGood && Boolean(good.data);
+  const playing = mechanism.clock?.isPlaying;
+  const what = isStale ? overGood(data, good.data) : data;
+  handles.set(root, what);
+  document.body.classList.toggle("stale", isStale);
+  mechanism.show(what);
+  if (playing) mechanism.clock?.play(true);
+  knobs.update(notes.knobs);
+  byId("knobs-problem").textContent = notes.problems.join("; ");
+  // Of an older text the places are others.
+  if (text === editor.text) editor.mark(notes.marks);
+  tellFindings(notes.marks);
+  runs.shown += 1;
+  runs.last = { text, milliseconds: notes.milliseconds, at: performance.now() };
+}
+
+function tellFindings(marks) {
+  const count = (is) => marks.filter((mark) => mark.is_error === is).length;
+  const words = (n, word) => (n ? `${n} ${word}${n === 1 ? "" : "s"}` : "");
+  const button = byId("live-findings");
+  button.textContent = [words(count(true), "error"), words(count(false), "warning")].filter(Boolean).join(", ") || "No findings";
+  button.disabled = !marks.length;
+  button.classList.toggle("error", count(true) > 0);
+  button.onclick = () => editor.goTo(marks[0].from, marks[0].to);
+}
+
+function tellConnection(error) {
+  byId("live-lost").hidden = !error;
+  if (error) byId("live-lost").textContent = error instanceof TypeError ? "The server has ended. Your text is still here; start the command again, and copy the text into its page." : error.message;
+}
+
+function tellState() {
+  byId("live-state").textContent = isDirty() ? "Not saved" : "Saved";
+  byId("save").disabled = !isDirty();
+  byId("undo").disabled = !CodeMirror.undoDepth(editor.state);
+  byId("redo").disabled = !CodeMirror.redoDepth(editor.state);
+}
+
+function onEdit() {
+  tellState();
+  run();
+}
+
+async function save() {
+  if (!isDirty()) return;
+  const [text, written] = [editor.text, editor.written];
+  try {
+    file.saving = text;
+    const told = await ask("save", { text: written, version: file.version });
+    if (told.status === 409) onNews(told);
+    else Object.assign(file, { version: told.version, text });
+    tellConnection();
+  } catch (error) {
+    tellConnection(error);
+  }
+  file.saving = undefined;
+  tellState();
+}
+
+/** The file has another version than the page has. */
+function onNews({ version, text, error }) {
+  if (version === file.version) return;
+  byId("live-conflict").hidden = true;
+  if (error !== undefined) {
+    file.version = version;
+    return tellConnection(new Error(error));
+  }
+  const other = plain(text);
+  const wasDirty = isDirty();
+  const isOwn = other === file.saving || other === file.text;
+  file.version = version;
+  // What the file has now; the page may have gone on.
+  file.text = other;
+  if (!wasDirty) editor.replace(text);
+  else if (!isOwn && isDirty()) {
+    file.news = text;
+    byId("live-conflict").hidden = false;
+  }
+  tellState();
+  // A file of parameters may have changed with the same text.
+  if (!wasDirty || isOwn) run();
+}
+
+async function listen() {
+  for (;;) {
+    try {
+      const told = await ask(`file?after=${file.version}`);
+      tellConnection(file.error);
+      onNews(told);
+    } catch (error) {
+      tellConnection(error);
+      await new Promise((resolve) => setTimeout(resolve, AGAIN));
+    }
+  }
+}
+
+/** What puts these numbers at the path of a handle, and of those that are held together with it. */
+function changesOf(handle, numbers) {
+  return [handle, ...(handle.others ?? [])].flatMap(({ path }) => {
+    const node = nodeAt(editor.state, path);
+    const nodes = numbers.length === 1 ? [node] : elements(node);
+    return nodes.map((one, k) => ({ from: one.from, to: one.to, insert: String(numbers[k]) })).filter(({ from, to, insert }) => editor.state.sliceDoc(from, to) !== insert);
+  });
+}
+
+function beginDrag() {
+  file.beforeDrag = editor.text;
+}
+
+/** A drag is one step of the history: what was shown on the way is taken back first. */
+function endDrag(handle, numbers) {
+  const node = nodeAt(editor.state, handle.path);
+  if (node) editor.change(backTo(file.beforeDrag), false);
+  if (numbers) editor.change(changesOf(handle, numbers));
+  run();
+}
+
+/** The change from the present text to another one. */
+function backTo(text) {
+  const { length } = editor.state.doc;
+  return editor.text === text ? [] : [{ from: 0, to: length, insert: text }];
+}
+
+document.body.classList.add("with-text");
+byId("live-file").textContent = first.shown.split(/[\\/]/).pop();
+byId("live-file").title = first.shown;
+byId("save").addEventListener("click", save);
+for (const [id, command] of [["undo", CodeMirror.undo], ["redo", CodeMirror.redo]]) {
+  byId(id).addEventListener("click", () => {
+    command(editor.view);
+    editor.view.focus();
+  });
+}
+byId("take-theirs").addEventListener("click", () => {
+  byId("live-conflict").hidden = true;
+  editor.replace(file.news);
+});
+byId("keep-mine").addEventListener("click", () => (byId("live-conflict").hidden = true));
+// Keys in the text and on the sliders are not those of the drawing.
+byId("live").addEventListener("keydown", (event) => event.stopPropagation());
+addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
+if (first.error) tellConnection(new Error(first.error));
+apply(mechanism.data, first.notes, editor.text);
+tellState();
+listen();
+mechanism.live = { editor, knobs, handles, runs, file, run };
