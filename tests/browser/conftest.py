@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -80,6 +81,14 @@ class Shown:
         """Number in the row of a variable: 0 in SI units, 1 in display units."""
         cells = self.page.locator(f'#values tr[data-variable="{name}"] td.number')
         return cells.nth(column).locator("span").inner_text()
+
+
+def until(shown: Shown, condition: str, seconds: float = 20.0) -> None:
+    """Wait until a condition holds; the page's own policy forbids to have it evaluated there."""
+    end = time.monotonic() + seconds
+    while not shown.page.evaluate(condition):
+        assert time.monotonic() < end, f"not within {seconds} s: {condition}"
+        time.sleep(0.02)
 
 
 @pytest.fixture(scope="session")

@@ -8,7 +8,7 @@ import time
 from copy import deepcopy
 
 import pytest
-from conftest import Make, Mechanism, Show, Shown, definition
+from conftest import Make, Mechanism, Show, Shown, definition, until
 
 GEAR = definition("LandingGearRetraction")
 #: Distance of the gear's ground pins [m].
@@ -24,14 +24,6 @@ def broken() -> Mechanism:
 
 def seek(shown: Shown, index: float) -> None:
     shown.page.evaluate("(index) => mechanism.seek(index)", index)
-
-
-def until(shown: Shown, condition: str, seconds: float = 20.0) -> None:
-    """Wait until a condition holds; the page's own policy forbids to have it evaluated there."""
-    end = time.monotonic() + seconds
-    while not shown.page.evaluate(condition):
-        assert time.monotonic() < end, f"not within {seconds} s: {condition}"
-        time.sleep(0.02)
 
 
 def number(text: str) -> float:

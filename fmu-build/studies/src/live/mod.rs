@@ -106,7 +106,7 @@ impl Live {
     fn save(&self, saving: &Saving) -> Result<Answer> {
         Ok(match self.file.save(saving.version, &saving.text)? {
             Saved::As(version) => Answer::json(&json!({ "version": version })),
-            Saved::Not(version, text) => Answer::json(&of_file(version, &text)).with_status(409),
+            Saved::Not(version, text) => Answer::json(&of_file(version, &text)),
         })
     }
 }

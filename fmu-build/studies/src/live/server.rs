@@ -148,12 +148,6 @@ impl Answer {
         Self { status, kind: "text/plain; charset=utf-8", body: why.into() }
     }
 
-    /// The same with another status.
-    pub fn with_status(mut self, status: u16) -> Self {
-        self.status = status;
-        self
-    }
-
     fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
         let Self { status, kind, body } = self;
         let word = if *status < 300 { "OK" } else { "Refused" };

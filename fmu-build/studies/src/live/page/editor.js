@@ -63,9 +63,14 @@ class Editor {
   mark(marks) {
     const { length } = this.state.doc;
     const diagnostics = marks.map(({ from, to, is_error, message }) => ({
-      from: Math.min(from, length), to: Math.min(to, length), severity: is_error ? "error" : "warning", message,
+      from: Math.min(from, length), to: Math.min(Math.max(to, from + 1), length), severity: is_error ? "error" : "warning", message,
     }));
     this.view.dispatch(CodeMirror.setDiagnostics(this.state, diagnostics));
+  }
+
+  /** The cursor stays in sight when the editor gets smaller while a text is typed. */
+  keepInSight() {
+    if (this.view.hasFocus) this.view.dispatch({ effects: EditorView.scrollIntoView(this.state.selection.main.head) });
   }
 
   /** Show a place of the text. */

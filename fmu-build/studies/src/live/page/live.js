@@ -18,8 +18,8 @@ const isDirty = () => editor.text !== file.text;
 async function ask(path, body) {
   const options = body && { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
   const answer = await fetch(path, { cache: "no-store", ...options });
-  if (!answer.ok && answer.status !== 409) throw new Error((await answer.text()).slice(0, 500) || `status ${answer.status}`);
-  return { ...(await answer.json()), status: answer.status };
+  if (!answer.ok) throw new Error((await answer.text()).slice(0, 500));
+  return answer.json();
 }
 
 /** Run the text under the values of the sliders; while one run is out, the newest text waits. */
@@ -55,8 +55,11 @@ function apply(data, notes, text) {
   const playing = mechanism.clock?.isPlaying;
   const what = isStale ? overGood(data, good.data) : data;
   handles.set(root, what);
+  const hadError = !byId("error").hidden;
   document.body.classList.toggle("stale", isStale);
   mechanism.show(what);
+  if (isStale) byId("error-title").textContent = `${what.wrong && !data.still.is_assembled ? "The loops do not close" : "No motion"}; the drawing shows the last motion in grey`;
+  if (hadError === byId("error").hidden) editor.keepInSight();
   if (playing) mechanism.clock?.play(true);
   knobs.update(notes.knobs);
   byId("knobs-problem").textContent = notes.problems.join("; ");
@@ -100,9 +103,9 @@ async function save() {
   try {
     file.saving = text;
     const told = await ask("save", { text: written, version: file.version });
-    if (told.status === 409) onNews(told);
-    else Object.assign(file, { version: told.version, text });
     tellConnection();
+    if ("text" in told || "error" in told) onNews(told);
+    else Object.assign(file, { version: told.version, text });
   } catch (error) {
     tellConnection(error);
   }
@@ -175,6 +178,8 @@ function backTo(text) {
 }
 
 document.body.classList.add("with-text");
+// Below the text, so that text and drawing stay in their places.
+byId("editor").after(byId("error"));
 byId("live-file").textContent = first.shown.split(/[\\/]/).pop();
 byId("live-file").title = first.shown;
 byId("save").addEventListener("click", save);
@@ -196,4 +201,4 @@ if (first.error) tellConnection(new Error(first.error));
 apply(mechanism.data, first.notes, editor.text);
 tellState();
 listen();
-mechanism.live = { editor, knobs, handles, runs, file, run };
+mechanism.live = { editor, knobs, handles, runs, file };
