@@ -22,16 +22,17 @@ const TARGETS: [&str; 5] = [
 /// Package of Cargo with what it becomes, the file of its notices, and how many of [`EMBEDDED`] are in it.
 const LINKED: [(&str, &str, &str, usize); 2] = [
     ("linkage-fmu-exports", "the library and the animation of an FMU", "fmu-build/src/licenses/library.txt", 1),
-    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 2),
+    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 3),
 ];
 /// Of a package that gives a choice, the first of these applies.
 const CHOICE: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "BSD"];
 /// Licences of parts that stand elsewhere in the sources: the font of the plots.
 const PARTS: [(&str, &str); 1] = [("epaint_default_fonts", "fonts/UFL.txt")];
 /// Files of others that pages and programs contain, each with its licence.
-const EMBEDDED: [(&str, &str); 2] = [
+const EMBEDDED: [(&str, &str); 3] = [
     ("uPlot, in the pages with plots (MIT)", "fmu-build/src/view/page/uplot/LICENSE"),
     ("samples by Sobol's sequence (BSD-3-Clause)", "fmu-build/studies/src/sweep/joe_kuo/LICENSE"),
+    ("CodeMirror, in the live page (MIT)", "fmu-build/studies/src/live/page/editor/LICENSE"),
 ];
 const RUST: &str = include_str!("rust.txt");
 const MIT: &str = include_str!("../../../LICENSE-MIT");

@@ -233,7 +233,7 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
             }
             Ok(httparse::Status::Partial) if count > 0 && bytes.len() < LARGEST_HEAD => {}
             Ok(httparse::Status::Partial) => return Err(Answer::refused(431, "the head is too long or not complete")),
-            Err(_) => return Err(Answer::refused(400, "this is no request of HTTP 1.1")),
+            Err(_) => return Err(Answer::refused(400, "this is not a request of HTTP 1.1")),
         }
     }
 }
