@@ -230,7 +230,7 @@ def test_sliders_change_the_run_and_not_the_text(serve: Serve) -> None:
     until(shown, "mechanism.data.motion.variables.find((v) => v.name === 'crank.angle').samples[0] < 0.53")
     number.fill("9000")
     number.press("Enter")
-    until(shown, "document.getElementById('knobs-problem').textContent !== '' || document.body.matches('.stale')")
+    until(shown, "document.getElementById('live-knobs-problem').textContent !== '' || document.body.matches('.stale')")
     page.get_by_role("button", name="Values of the text").click()
     until(shown, "mechanism.data.motion.variables.find((v) => v.name === 'actuator.force').samples[0] === 30000")
     assert shown.page.locator("body.stale").count() == 0
@@ -282,7 +282,10 @@ def test_only_the_page_itself_is_served(serve: Serve) -> None:
     def status(method: str, path: str, **headers: str) -> int:
         connection = http.client.HTTPConnection("127.0.0.1", address.port, timeout=10)
         body = json.dumps({"text": "lost", "version": 1}) if method == "POST" else None
-        names = {"Content-Type": "application/json", **{name.replace("_", "-"): value for name, value in headers.items()}}
+        names = {
+            "Content-Type": "application/json",
+            **{name.replace("_", "-"): value for name, value in headers.items()},
+        }
         connection.request(method, path, body=body, headers=names)
         answer = connection.getresponse()
         answer.read()
@@ -291,7 +294,12 @@ def test_only_the_page_itself_is_served(serve: Serve) -> None:
 
     own = f"http://127.0.0.1:{address.port}"
     assert status("GET", address.path) == 200
-    for path in ("/", "/" + "0" * 32 + "/", address.path + "../../etc/passwd", address.path + "a gear.json".replace(" ", "%20")):
+    for path in (
+        "/",
+        "/" + "0" * 32 + "/",
+        address.path + "../../etc/passwd",
+        address.path + "a gear.json".replace(" ", "%20"),
+    ):
         assert status("GET", path) == 404, path
     assert status("GET", address.path, Host=f"evil.example:{address.port}") == 403
     assert status("GET", address.path, Origin="http://evil.example") == 403

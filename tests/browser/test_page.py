@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import time
 from copy import deepcopy
 
 import pytest

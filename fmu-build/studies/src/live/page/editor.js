@@ -43,14 +43,14 @@ class Editor {
   }
 
   /** Put another text in the place of the part that differs, so that cursor and history stay. */
-  replace(text) {
+  replace(text, isStep = true) {
     if (text.includes("\r\n")) this.end = "\r\n";
     const [before, after] = [this.text, plain(text)];
     const most = Math.min(before.length, after.length);
     let [from, end] = [0, 0];
     while (from < most && before[from] === after[from]) from++;
     while (end < most - from && before[before.length - 1 - end] === after[after.length - 1 - end]) end++;
-    if (before !== after) this.change([{ from, to: before.length - end, insert: after.slice(from, after.length - end) }]);
+    if (before !== after) this.change([{ from, to: before.length - end, insert: after.slice(from, after.length - end) }], isStep);
   }
 
   /** One step of the history, or none of it. */

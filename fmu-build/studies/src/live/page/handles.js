@@ -126,8 +126,8 @@ class Handles {
     const { extents, layout } = Drawing.prototype;
     const own = this;
     // While a point is dragged, the drawing stays where it is.
-    Drawing.prototype.extents = function () {
-      return own.drag?.box ?? extents.call(this);
+    Drawing.prototype.extents = function (...sources) {
+      return own.drag?.box ?? extents.apply(this, sources);
     };
     Drawing.prototype.layout = function () {
       layout.call(this);
@@ -141,7 +141,10 @@ class Handles {
 
   /** The handles for the next data; none where the text gives no motion. */
   set(root, { scene, travel, wrong }) {
-    this.list = root && scene && !wrong ? collectHandles(root, scene, travel) : [];
+    const own = wrong?.scene ?? scene;
+    this.list = root && own ? collectHandles(root, own, wrong ? undefined : travel) : [];
+    // Where the text puts the points, and not where the last motion has them.
+    if (wrong) this.list.forEach((handle) => (handle.poses = wrong.poses));
   }
 
   layout(drawing) {
@@ -149,15 +152,22 @@ class Handles {
     this.layer?.remove();
     this.layer = element("g", { class: "layer handles" }, drawing.svg);
     for (const handle of this.list) {
-      const group = element("g", { class: `handle ${handle.poses ? "stop" : "point"}`, "data-handle": handle.path.join(".") }, this.layer);
+      const group = element("g", { class: `handle ${handle.path[0] === "stops" ? "stop" : "point"}`, "data-handle": handle.path.join(".") }, this.layer);
       element("circle", { class: "reach", r: 13 }, group);
       element("circle", { class: "ring", r: 7 }, group);
-      element("title", {}, group, `Drag: ${handle.path.join(".")}`);
+      element("title", {}, group, `Drag: ${handle.path.join(".")} (with Shift: another number at this place)`);
       const put = (poses) => moveTo(group, ...drawing.at(place(poses, handle.point)));
       if (handle.poses) put(handle.poses);
       else drawing.moving.push(put);
-      group.addEventListener("pointerdown", (event) => this.start(event, handle, drawing));
+      group.addEventListener("pointerdown", (event) => this.start(event, event.shiftKey ? this.below(handle, drawing) : handle, drawing));
     }
+  }
+
+  /** The next handle at the same place. */
+  below(handle, drawing) {
+    const at = (one) => place(one.poses ?? drawing.poses, one.point);
+    const here = this.list.filter((one) => Math.hypot(...minus(at(one), at(handle))) * drawing.scale < 3);
+    return here[(here.indexOf(handle) + 1) % here.length];
   }
 
   /** Place of a pointer in the mechanism frame [m]. */

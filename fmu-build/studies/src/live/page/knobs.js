@@ -10,14 +10,14 @@ class Knobs {
   constructor(parent, turned) {
     Object.assign(this, { parent, turned, values: new Map(), rows: new Map(), all: [] });
     this.list = parent.querySelector(".rows");
-    this.choice = byId("knob-choice");
+    this.choice = byId("live-knob-choice");
     this.choice.addEventListener("change", () => {
       const knob = this.all.find(({ name }) => name === this.choice.value);
       if (!knob) return;
       this.choice.value = "";
       this.add(knob).querySelector("input").focus();
     });
-    byId("knobs-reset").addEventListener("click", () => {
+    byId("live-knobs-reset").addEventListener("click", () => {
       this.values.clear();
       this.rows.forEach((row) => row.reset());
       this.turned();
@@ -40,7 +40,7 @@ class Knobs {
       [...all.filter((knob) => knob.is_input).slice(0, FIRST), ...named.slice(0, FIRST)].forEach((knob) => this.add(knob));
       this.isFilled = true;
     }
-    byId("knob-names").replaceChildren(...all.map(({ name }) => Object.assign(document.createElement("option"), { value: name })));
+    byId("live-knob-names").replaceChildren(...all.map(({ name }) => Object.assign(document.createElement("option"), { value: name })));
     this.parent.hidden = false;
   }
 
@@ -53,7 +53,7 @@ class Knobs {
   set(name, value, start) {
     if (value === start) this.values.delete(name);
     else this.values.set(name, value);
-    byId("knobs-reset").disabled = !this.values.size;
+    byId("live-knobs-reset").disabled = !this.values.size;
     this.turned();
   }
 

@@ -9,7 +9,7 @@ const file = { version: first.version, text: plain(first.text) };
 /** Runs: whether one is on its way, whether another is wanted, how many were shown. */
 const runs = { isOut: false, isWanted: false, shown: 0, last: undefined };
 
-const editor = new Editor(byId("editor"), first.text, onEdit, save);
+const editor = new Editor(byId("live-text"), first.text, onEdit, save);
 const knobs = new Knobs(byId("knobs"), run);
 const handles = new Handles({ begin: beginDrag, change: (handle, numbers) => editor.change(changesOf(handle, numbers), false), end: endDrag });
 
@@ -57,12 +57,12 @@ function apply(data, notes, text) {
   handles.set(root, what);
   const hadError = !byId("error").hidden;
   document.body.classList.toggle("stale", isStale);
-  mechanism.show(what);
+  if (runs.shown) mechanism.show(what);
   if (isStale) byId("error-title").textContent = `${what.wrong && !data.still.is_assembled ? "The loops do not close" : "No motion"}; the drawing shows the last motion in grey`;
   if (hadError === byId("error").hidden) editor.keepInSight();
   if (playing) mechanism.clock?.play(true);
   knobs.update(notes.knobs);
-  byId("knobs-problem").textContent = notes.problems.join("; ");
+  byId("live-knobs-problem").textContent = notes.problems.join("; ");
   // Of an older text the places are others.
   if (text === editor.text) editor.mark(notes.marks);
   tellFindings(notes.marks);
@@ -80,16 +80,16 @@ function tellFindings(marks) {
   button.onclick = () => editor.goTo(marks[0].from, marks[0].to);
 }
 
-function tellConnection(error) {
+function tellConnection(error = file.error) {
   byId("live-lost").hidden = !error;
   if (error) byId("live-lost").textContent = error instanceof TypeError ? "The server has ended. Your text is still here; start the command again, and copy the text into its page." : error.message;
 }
 
 function tellState() {
   byId("live-state").textContent = isDirty() ? "Not saved" : "Saved";
-  byId("save").disabled = !isDirty();
-  byId("undo").disabled = !CodeMirror.undoDepth(editor.state);
-  byId("redo").disabled = !CodeMirror.redoDepth(editor.state);
+  byId("live-save").disabled = !isDirty();
+  byId("live-undo").disabled = !CodeMirror.undoDepth(editor.state);
+  byId("live-redo").disabled = !CodeMirror.redoDepth(editor.state);
 }
 
 function onEdit() {
@@ -105,7 +105,7 @@ async function save() {
     const told = await ask("save", { text: written, version: file.version });
     tellConnection();
     if ("text" in told || "error" in told) onNews(told);
-    else Object.assign(file, { version: told.version, text });
+    else if (told.version > file.version) Object.assign(file, { version: told.version, text });
   } catch (error) {
     tellConnection(error);
   }
@@ -117,10 +117,9 @@ async function save() {
 function onNews({ version, text, error }) {
   if (version === file.version) return;
   byId("live-conflict").hidden = true;
-  if (error !== undefined) {
-    file.version = version;
-    return tellConnection(new Error(error));
-  }
+  file.error = error && new Error(error);
+  tellConnection();
+  if (error !== undefined) return void (file.version = version);
   const other = plain(text);
   const wasDirty = isDirty();
   const isOwn = other === file.saving || other === file.text;
@@ -141,7 +140,7 @@ async function listen() {
   for (;;) {
     try {
       const told = await ask(`file?after=${file.version}`);
-      tellConnection(file.error);
+      tellConnection();
       onNews(told);
     } catch (error) {
       tellConnection(error);
@@ -154,7 +153,7 @@ async function listen() {
 function changesOf(handle, numbers) {
   return [handle, ...(handle.others ?? [])].flatMap(({ path }) => {
     const node = nodeAt(editor.state, path);
-    const nodes = numbers.length === 1 ? [node] : elements(node);
+    const nodes = numbers.length === 1 ? [node].filter(Boolean) : elements(node);
     return nodes.map((one, k) => ({ from: one.from, to: one.to, insert: String(numbers[k]) })).filter(({ from, to, insert }) => editor.state.sliceDoc(from, to) !== insert);
   });
 }
@@ -165,39 +164,32 @@ function beginDrag() {
 
 /** A drag is one step of the history: what was shown on the way is taken back first. */
 function endDrag(handle, numbers) {
-  const node = nodeAt(editor.state, handle.path);
-  if (node) editor.change(backTo(file.beforeDrag), false);
+  editor.replace(file.beforeDrag, false);
   if (numbers) editor.change(changesOf(handle, numbers));
-  run();
-}
-
-/** The change from the present text to another one. */
-function backTo(text) {
-  const { length } = editor.state.doc;
-  return editor.text === text ? [] : [{ from: 0, to: length, insert: text }];
 }
 
 document.body.classList.add("with-text");
 // Below the text, so that text and drawing stay in their places.
-byId("editor").after(byId("error"));
+byId("live-text").after(byId("error"));
 byId("live-file").textContent = first.shown.split(/[\\/]/).pop();
 byId("live-file").title = first.shown;
-byId("save").addEventListener("click", save);
-for (const [id, command] of [["undo", CodeMirror.undo], ["redo", CodeMirror.redo]]) {
+byId("live-save").addEventListener("click", save);
+for (const [id, command] of [["live-undo", CodeMirror.undo], ["live-redo", CodeMirror.redo]]) {
   byId(id).addEventListener("click", () => {
     command(editor.view);
     editor.view.focus();
   });
 }
-byId("take-theirs").addEventListener("click", () => {
+byId("live-take-theirs").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
   editor.replace(file.news);
 });
-byId("keep-mine").addEventListener("click", () => (byId("live-conflict").hidden = true));
+byId("live-keep-mine").addEventListener("click", () => (byId("live-conflict").hidden = true));
 // Keys in the text and on the sliders are not those of the drawing.
 byId("live").addEventListener("keydown", (event) => event.stopPropagation());
 addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
-if (first.error) tellConnection(new Error(first.error));
+file.error = first.error && new Error(first.error);
+tellConnection();
 apply(mechanism.data, first.notes, editor.text);
 tellState();
 listen();
