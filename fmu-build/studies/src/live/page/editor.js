@@ -22,7 +22,7 @@ class Editor {
       c.lineNumbers(), c.foldGutter(), c.lintGutter(), c.highlightSpecialChars(), c.history(), c.drawSelection(), c.indentOnInput(), c.indentUnit.of("  "),
       c.bracketMatching(), c.closeBrackets(), c.highlightActiveLine(), c.highlightSelectionMatches(), c.syntaxHighlighting(styles), c.json(),
       c.autocompletion({ override: [complete] }), explainedOnHover, c.keymap.of(keys), EditorView.lineWrapping,
-      EditorView.contentAttributes.of({ "aria-label": "Text of the definition" }),
+      EditorView.contentAttributes.of({ "aria-label": "Text of the definition", tabindex: "0" }),
       EditorView.updateListener.of((update) => update.docChanged && edited(update)),
     ];
     this.view = new EditorView({ parent, state: EditorState.create({ doc: text, extensions }) });
