@@ -61,8 +61,14 @@ impl File {
 
     fn look_for_ever(&self) {
         let (mut seen, mut since) = (None, Instant::now());
+        let (mut version, mut parameters) = (0, None);
         loop {
-            let parameters = self.state().text.as_ref().ok().and_then(|text| shared::file(&self.path, text));
+            let state = self.state();
+            if state.version != version {
+                version = state.version;
+                parameters = state.text.as_ref().ok().and_then(|text| shared::file(&self.path, text));
+            }
+            drop(state);
             let stamps = Some([Some(&self.path), parameters.as_ref()].map(|path| path.and_then(|path| stamp(path))));
             if stamps != seen {
                 (seen, since) = (stamps, Instant::now());

@@ -28,9 +28,9 @@ function collectHandles(root, scene, travel) {
       const place = ["origin", "end", "center"].includes(name) && !(own.points && name in own.points) ? [name] : ["points", name];
       all.push({ kind: "pair", name: `${body.name}.${name}`, path: ["bodies", body.name, ...inner, ...place], point, raw, unit: metre, isPlane, body: body.name });
     }
-    if (isPlane) planes.set(frame, [...(planes.get(frame) ?? []), { angle: body.name === "ground" ? 0 : (drawn.angle ?? 0) * radian, isTurned: Boolean(drawn.end) }]);
+    if (isPlane && !planes.has(frame)) planes.set(frame, -(drawn.angle ?? 0) * radian);
     const end = at.get("end");
-    if (typeof own.length === "number" && end) all.push({ kind: "length", name: `${body.name}.end`, path: ["bodies", body.name, "length"], point: end, raw: own.length, unit: metre, body: body.name });
+    if (typeof own.length === "number" && end && !own.drawn) all.push({ kind: "length", name: `${body.name}.end`, path: ["bodies", body.name, "length"], point: end, raw: own.length, unit: metre, body: body.name });
   }
   for (const handle of all) handle.turn = turnOf(handle, all, scene, planes);
   return [...join(all, root), ...stopHandles(root, scene, travel, metre, radian)].filter((handle) => handle.turn !== undefined);
@@ -51,7 +51,7 @@ function turnOf(handle, all, scene, planes) {
       if (Math.hypot(...d) > far) [far, turn] = [Math.hypot(...d), Math.atan2(e[1], e[0]) - Math.atan2(d[1], d[0])];
     }
   }
-  return turn ?? (handle.isPlane && planes.get(frame)?.length ? -planes.get(frame)[0].angle : undefined);
+  return turn ?? (handle.isPlane ? planes.get(frame) : undefined);
 }
 
 /** Drawn points that a joint holds together are one handle; one that is joined to a point that cannot move is none. */

@@ -15,9 +15,9 @@ const handles = new Handles({ begin: beginDrag, change: (handle, numbers) => edi
 
 const isDirty = () => editor.text !== file.text;
 
-async function ask(path, body) {
+async function ask(path, body, signal) {
   const options = body && { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  const answer = await fetch(path, { cache: "no-store", ...options });
+  const answer = await fetch(path, { cache: "no-store", signal, ...options });
   if (!answer.ok) throw new Error((await answer.text()).slice(0, 500));
   return answer.json();
 }
@@ -137,12 +137,18 @@ function onNews({ version, text, error }) {
 }
 
 async function listen() {
+  let seen;
+  document.addEventListener("visibilitychange", () => seen?.abort());
   for (;;) {
+    // A browser has few connections to one server: a page that nobody sees keeps none.
+    while (document.hidden) await new Promise((resolve) => document.addEventListener("visibilitychange", resolve, { once: true }));
+    seen = new AbortController();
     try {
-      const told = await ask(`file?after=${file.version}`);
+      const told = await ask(`file?after=${file.version}`, undefined, seen.signal);
       tellConnection();
       onNews(told);
     } catch (error) {
+      if (seen.signal.aborted) continue;
       tellConnection(error);
       await new Promise((resolve) => setTimeout(resolve, AGAIN));
     }
