@@ -127,7 +127,7 @@ pub struct View {
     pub open: bool,
     /// Edit the definition in the page, and see the motion of each change: serves the page on this machine until
     /// Ctrl-C, and watches the file
-    #[arg(long, conflicts_with_all = ["out", "start_values"])]
+    #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Port of the live page on 127.0.0.1 [default: a free port]
     #[arg(long, value_name = "PORT", requires = "live")]
