@@ -6,50 +6,66 @@ use crate::hydraulics::any::AnySnapshot;
 use crate::mechanism;
 
 /// All that decides how a component goes on.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// [`Component::identity`] of the component.
+    identity: [u64; 2],
+    of: Kind,
+}
+
 #[expect(clippy::large_enum_variant, reason = "the calls of a mechanism pay for no indirection")]
 #[derive(Clone, Debug)]
-pub enum Snapshot {
-    /// Of a mechanism.
+enum Kind {
     Mechanism(mechanism::Snapshot),
-    /// Of a hydraulic model.
     Hydraulic(Box<dyn AnySnapshot>),
+}
+
+#[cold]
+fn of_another() -> Refused {
+    Refused(
+        "the saved state belongs to another model; restore a state of a model with the same definition, in which only \
+         values of parameters and inputs may differ"
+            .to_owned(),
+    )
 }
 
 impl Component {
     /// All that decides how the component goes on.
     pub fn snapshot(&self) -> Snapshot {
-        match self {
-            Self::Mechanism(model) => Snapshot::Mechanism(model.snapshot()),
-            Self::Hydraulic(model) => Snapshot::Hydraulic(model.snapshot()),
-        }
+        let of = match self {
+            Self::Mechanism(model) => Kind::Mechanism(model.snapshot()),
+            Self::Hydraulic(model) => Kind::Hydraulic(model.snapshot()),
+        };
+        Snapshot { identity: self.identity(), of }
     }
 
-    /// [`Self::snapshot`] into an existing snapshot of this identity, without allocation if both are in motion by the
-    /// same method.
+    /// [`Self::snapshot`] into an existing snapshot, without allocation if it is of this identity and both are in
+    /// motion by the same method.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
-        match (self, snapshot) {
-            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.snapshot_into(snapshot),
-            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
-            (component, snapshot) => *snapshot = component.snapshot(),
+        match (self, &mut snapshot.of) {
+            _ if snapshot.identity != self.identity() => *snapshot = self.snapshot(),
+            (Self::Mechanism(model), Kind::Mechanism(snapshot)) => model.snapshot_into(snapshot),
+            (Self::Hydraulic(model), Kind::Hydraulic(snapshot)) => model.snapshot_into(snapshot),
+            _ => *snapshot = self.snapshot(),
         }
     }
 
     /// Go on from a snapshot of a component of this identity.
     ///
     /// # Errors
-    /// The state cannot be taken; nothing has changed.
+    /// The snapshot is of another identity, or the state cannot be taken; nothing has changed.
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
-        let is_own = match (self, snapshot) {
-            (Self::Mechanism(model), Snapshot::Mechanism(snapshot)) => model.restore(snapshot).map(|()| true)?,
-            (Self::Hydraulic(model), Snapshot::Hydraulic(snapshot)) => model.restore(snapshot.as_ref())?,
+        if snapshot.identity != self.identity() {
+            return Err(of_another());
+        }
+        let is_own = match (self, &snapshot.of) {
+            (Self::Mechanism(model), Kind::Mechanism(snapshot)) => model.restore(snapshot).map(|()| true)?,
+            (Self::Hydraulic(model), Kind::Hydraulic(snapshot)) => model.restore(snapshot.as_ref())?,
             _ => false,
         };
-        match is_own {
-            true => Ok(()),
-            false => Err(Refused("the saved state belongs to another type of model".to_owned())),
-        }
+        if is_own { Ok(()) } else { Err(of_another()) }
     }
 
     /// Read a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
@@ -57,19 +73,25 @@ impl Component {
     /// # Errors
     /// The bytes are no snapshot, or a value is out of range.
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
-        match self {
-            Self::Mechanism(model) => Ok(Snapshot::Mechanism(model.read_snapshot(bytes)?)),
-            Self::Hydraulic(model) => Ok(Snapshot::Hydraulic(model.read_snapshot(bytes)?)),
-        }
+        let of = match self {
+            Self::Mechanism(model) => Kind::Mechanism(model.read_snapshot(bytes)?),
+            Self::Hydraulic(model) => Kind::Hydraulic(model.read_snapshot(bytes)?),
+        };
+        Ok(Snapshot { identity: self.identity(), of })
     }
 }
 
 impl Snapshot {
+    /// [`Component::identity`] of the components that take it.
+    pub fn identity(&self) -> [u64; 2] {
+        self.identity
+    }
+
     /// Whether the component was initialised.
     pub fn is_initialized(&self) -> bool {
-        match self {
-            Self::Mechanism(snapshot) => snapshot.has_motion(),
-            Self::Hydraulic(snapshot) => snapshot.has_motion(),
+        match &self.of {
+            Kind::Mechanism(snapshot) => snapshot.has_motion(),
+            Kind::Hydraulic(snapshot) => snapshot.has_motion(),
         }
     }
 
@@ -78,9 +100,9 @@ impl Snapshot {
     /// # Errors
     /// A count of work done is near overflow.
     pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), Refused> {
-        match self {
-            Self::Mechanism(snapshot) => Ok(snapshot.write(out)?),
-            Self::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
+        match &mut self.of {
+            Kind::Mechanism(snapshot) => Ok(snapshot.write(out)?),
+            Kind::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
         }
     }
 }

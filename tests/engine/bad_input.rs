@@ -1,6 +1,7 @@
 //! Bad input as a user sees it: each message names the key or variable, the value, what is allowed or what to do.
 
 use crate::support::{self, GEAR, Run, TWO_DRIVES, assert_says};
+use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
@@ -462,4 +463,36 @@ fn names_have_a_length_that_files_can_have() {
         &changed("\"LandingGearRetraction\"", &format!("\"{name}\"")),
         &["name", "300 letters", "at most 200", "shorten"],
     );
+}
+
+/// A saved state of another mechanism, or of another kind of model, changes nothing.
+#[test]
+fn a_state_of_another_model_is_refused() {
+    const FOUR_BAR: &str = include_str!("../../modelDescription/FourBar/resources/mechanism.json");
+    const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
+    let model = |file: &str, text: &str| {
+        let mut model = Component::from_definition(file, text).unwrap();
+        model.initialize().unwrap();
+        model
+    };
+    let models = || [("mechanism.json", GEAR), ("mechanism.json", FOUR_BAR), ("hydraulics.json", ACTUATOR)];
+    for (own, (file, text)) in models().into_iter().enumerate() {
+        let mut one = model(file, text);
+        for (other, (file, text)) in models().into_iter().enumerate() {
+            let mut before = Vec::new();
+            one.snapshot().write(&mut before).unwrap();
+            let mut state = model(file, text).snapshot();
+            let restored = one.restore(&state);
+            if own == other {
+                restored.unwrap();
+                continue;
+            }
+            assert_says(restored.unwrap_err(), &["belongs to another model", "restore a state of a model with"]);
+            let mut after = Vec::new();
+            one.snapshot().write(&mut after).unwrap();
+            assert_eq!(before, after);
+            one.snapshot_into(&mut state);
+            one.restore(&state).unwrap();
+        }
+    }
 }
