@@ -21,10 +21,16 @@ use linkage_fmu::format::Experiment;
 use linkage_fmu::numerics::decimal::Decimal;
 use signals::{Signals, is_close};
 use std::path::Path;
+use std::time::{Duration, Instant};
 use table::Table;
 
-/// Steps between two looks of who watches.
-const STEPS_PER_LOOK: u64 = 1024;
+/// Time between two looks of who watches, about.
+const LOOK: Duration = Duration::from_millis(10);
+/// Difference below which two times of a run are one, relative to the interval; those of FMPy are one below 1e-9 of the
+/// time, which is more than an interval far from 0 s.
+const CLOSE_TO_INTERVAL: f64 = 1e-3;
+/// Least interval, relative to the times of a run: some roundings of a double are still no step.
+const LEAST_INTERVAL: f64 = 1e-12;
 /// Most rows that a run has unless its interval is given.
 const DEFAULT_ROWS: f64 = 1000.0;
 /// Most steps of a default run.
@@ -39,6 +45,71 @@ pub struct Span {
     pub stop: f64,
     /// From one communication point to the next, > 0.
     pub interval: f64,
+}
+
+impl Span {
+    /// The times of a run with these options [s]; without a stop time or an interval those of the experiment.
+    ///
+    /// # Errors
+    /// A time that is not finite; a stop time before the start; an interval that is not above 0, or so short that the
+    /// times of the run cannot be told apart.
+    pub fn new(experiment: Experiment, start: f64, stop: Option<f64>, interval: Option<f64>) -> Result<Self> {
+        let stop = stop.unwrap_or(start + experiment.stop_time);
+        if !(start.is_finite() && stop.is_finite() && stop >= start) {
+            bail!(
+                "--stop-time: the run from {start:?} s to {stop:?} s is not possible: the stop time must be finite \
+                 and not before the start time"
+            );
+        }
+        let interval = match interval {
+            Some(interval) if interval > 0.0 && interval.is_finite() => interval,
+            Some(interval) => bail!("--output-interval: {interval:?} s must be finite and > 0"),
+            None => default_interval(experiment, stop - start),
+        };
+        let least = LEAST_INTERVAL * start.abs().max(stop.abs());
+        if interval < least {
+            bail!(
+                "--output-interval: {interval:?} s is less than {least:?} s, which is {LEAST_INTERVAL:e} of the times \
+                 of the run; use a larger interval, or times nearer to 0 s"
+            );
+        }
+        Ok(Self { start, stop, interval })
+    }
+
+    /// Largest difference of two times that are one [s].
+    pub fn resolution(&self) -> f64 {
+        CLOSE_TO_INTERVAL * self.interval
+    }
+}
+
+/// When who watches is to look.
+struct Looks {
+    /// Number of steps at which the time is read again.
+    at: u64,
+    stride: u64,
+    last: Instant,
+}
+
+impl Looks {
+    fn new() -> Self {
+        Self { at: 1, stride: 1, last: Instant::now() }
+    }
+
+    /// Whether the last look is long ago. The time is read rarely where steps are short.
+    #[inline]
+    fn is_due(&mut self, steps: u64) -> bool {
+        if steps < self.at {
+            return false;
+        }
+        let passed = self.last.elapsed();
+        self.stride = if passed < LOOK / 2 { 2 * self.stride } else { (self.stride / 2).max(1) };
+        self.at = steps + self.stride;
+        let is_due = passed >= LOOK / 2;
+        if is_due {
+            self.last = Instant::now();
+        }
+        is_due
+    }
 }
 
 /// How a run ended.
@@ -94,12 +165,12 @@ pub fn run(
     }
     record(model, span.start)?;
     let mut ended = Ended { time: span.start, steps: 0, is_interrupted: false };
+    let is_close = |a: f64, b: f64| is_close(a, b) && (a - b).abs() <= span.resolution();
+    let mut looks = Looks::new();
     // Points of the grid that are behind.
     let mut points = 0_u64;
     while ended.time <= span.stop && !is_close(ended.time, span.stop) {
-        if ended.steps.is_multiple_of(STEPS_PER_LOOK)
-            && watch.look((ended.time - span.start) / (span.stop - span.start))
-        {
+        if looks.is_due(ended.steps) && watch.look((ended.time - span.start) / (span.stop - span.start)) {
             ended.is_interrupted = true;
             break;
         }
@@ -174,7 +245,7 @@ pub fn default_run(model: &mut Component, path: &Path, most_rows: u64) -> Result
 }
 
 /// The experiment's step, doubled until a run of this length has few rows [s].
-pub fn default_interval(experiment: Experiment, length: f64) -> f64 {
+fn default_interval(experiment: Experiment, length: f64) -> f64 {
     interval(experiment, length, DEFAULT_ROWS)
 }
 
@@ -202,6 +273,28 @@ mod tests {
             "experiment": {{ "stop_time": {stop_time}, "step_size": {step_size} }} }}"#
         );
         Component::from_definition("mechanism.json", &text).unwrap()
+    }
+
+    /// Far from 0 s, 1e-9 of the time is longer than the run.
+    #[test]
+    fn a_run_is_as_long_wherever_it_starts() {
+        let run = |start: f64, length: f64, interval: f64| {
+            let mut model = slider(1.0, 0.25);
+            let span = Span::new(model.experiment(), start, Some(start + length), Some(interval)).unwrap();
+            let mut rows = Vec::new();
+            let mut record = |_: &mut Component, time: f64| {
+                rows.push(time);
+                Ok(())
+            };
+            let ended = super::run(&mut model, &span, &Signals::none(), &mut record, &mut Nobody).unwrap();
+            (rows.len(), ended.time)
+        };
+        for start in [0.0, -1e5, 1e5, 1e7, 1e9] {
+            let (rows, end) = run(start, 0.131_25, 1e-3);
+            assert_eq!((rows, (end - start - 0.131_25).abs() < 1e-6), (133, true), "from {start} s");
+        }
+        let refused = Span::new(slider(1.0, 1.0).experiment(), 1e16, None, Some(1e-3)).unwrap_err().to_string();
+        assert!(refused.contains("nearer to 0 s"), "{refused}");
     }
 
     #[test]

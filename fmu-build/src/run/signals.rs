@@ -3,6 +3,7 @@
 //! In: the file. Out: at any time the values of the inputs and their slopes for the next step; times at which a step
 //! must end.
 
+use super::Span;
 use crate::csv_file;
 use crate::start_values::{decimal_comma, find, truth};
 use anyhow::{Context, Result, bail};
@@ -61,12 +62,30 @@ pub struct Signals {
     events: Vec<f64>,
     /// Whether slopes are set as derivatives of the inputs.
     with_slopes: bool,
+    /// Largest difference of two times that are one [s].
+    resolution: f64,
 }
 
 impl Signals {
     /// No signal: the inputs stay as they are.
     pub fn none() -> Self {
-        Self { times: Vec::new(), continuous: Vec::new(), discrete: Vec::new(), events: Vec::new(), with_slopes: false }
+        Self {
+            times: Vec::new(),
+            continuous: Vec::new(),
+            discrete: Vec::new(),
+            events: Vec::new(),
+            with_slopes: false,
+            resolution: f64::INFINITY,
+        }
+    }
+
+    /// The same for a run with these times, whose steps may be shorter than the rounding of times far from 0 s.
+    pub fn within(self, span: &Span) -> Self {
+        Self { resolution: span.resolution(), ..self }
+    }
+
+    fn is_close(&self, a: f64, b: f64) -> bool {
+        is_close(a, b) && (a - b).abs() <= self.resolution
     }
 
     /// Read a file whose first column is the time.
@@ -188,7 +207,7 @@ impl Signals {
             return f64::INFINITY;
         }
         let after = self.events.partition_point(|event| *event <= time);
-        self.events[after..].iter().copied().find(|event| !is_close(*event, time)).unwrap_or(f64::INFINITY)
+        self.events[after..].iter().copied().find(|event| !self.is_close(*event, time)).unwrap_or(f64::INFINITY)
     }
 
     /// One input whose value runs from point to point, each a time [s] and a value; a time that stands twice is a jump.
@@ -253,7 +272,7 @@ impl Signals {
             next if next > last => return last,
             next => next - 1,
         };
-        while after_event && row < last && (times[row + 1] < time || is_close(time, times[row + 1])) {
+        while after_event && row < last && (times[row + 1] < time || self.is_close(time, times[row + 1])) {
             row += 1;
         }
         row
@@ -266,8 +285,8 @@ impl Signals {
         if last == 0 || row == 0 || row > last {
             return Place::At { row: row.min(last), slope: None };
         }
-        let is_jump = |row: usize| row < last && is_close(times[row], times[row + 1]);
-        if !(is_close(time, times[row]) && is_jump(row)) {
+        let is_jump = |row: usize| row < last && self.is_close(times[row], times[row + 1]);
+        if !(self.is_close(time, times[row]) && is_jump(row)) {
             return Place::Between(row - 1);
         }
         while after_event && is_jump(row) {
@@ -278,11 +297,11 @@ impl Signals {
 
     /// Where the continuous inputs are at the beginning of a step from `time` on.
     fn place_from(&self, time: f64) -> Place {
-        let behind = self.times.partition_point(|t| *t <= time || is_close(*t, time));
+        let behind = self.times.partition_point(|t| *t <= time || self.is_close(*t, time));
         match behind.checked_sub(1) {
             None => Place::At { row: 0, slope: None },
             Some(row) if row + 1 == self.times.len() => Place::At { row, slope: None },
-            Some(row) if is_close(self.times[row], time) => Place::At { row, slope: Some(row) },
+            Some(row) if self.is_close(self.times[row], time) => Place::At { row, slope: Some(row) },
             Some(row) => Place::Between(row),
         }
     }

@@ -17,7 +17,7 @@ use fmu_build::run::csv::Csv;
 use fmu_build::run::file::Writer;
 use fmu_build::run::signals::Signals;
 use fmu_build::run::table::{Recorded, Table};
-use fmu_build::run::{self, Ended, Span, default_interval};
+use fmu_build::run::{self, Ended, Span};
 use fmu_build::start_values;
 use fmu_build::workspace::Workspace;
 pub use fmu_cli::Simulate as Arguments;
@@ -54,13 +54,15 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;
     }
     start_values::apply(&mut model, &arguments.start_values)?;
-    let span = span(&model, arguments)?;
+    let Arguments { start_time, stop_time, output_interval, .. } = *arguments;
+    let span = Span::new(model.experiment(), start_time, stop_time, output_interval)?;
     let signals = match &arguments.input_file {
         Some(path) => {
             Signals::read(path, model.interface(), arguments.set_input_derivatives).context("--input-file")?
         }
         None => Signals::none(),
     };
+    let signals = signals.within(&span);
     if arguments.set_input_derivatives && model.input_order() == 0 {
         bail!("--set-input-derivatives: this model has no derivatives of inputs; remove this option");
     }
@@ -154,35 +156,6 @@ fn writer(path: &Path, columns: &[Column]) -> Result<Writer> {
 fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
-
-/// The times of the run.
-fn span(model: &Component, arguments: &Arguments) -> Result<Span> {
-    let experiment = model.experiment();
-    let start = arguments.start_time;
-    let stop = arguments.stop_time.unwrap_or(start + experiment.stop_time);
-    if !(start.is_finite() && stop.is_finite() && stop >= start) {
-        bail!(
-            "the run from {start:?} s to {stop:?} s is not possible: the stop time must be finite and not before the \
-             start time"
-        );
-    }
-    let interval = match arguments.output_interval {
-        Some(interval) if interval > 0.0 && interval.is_finite() => interval,
-        Some(interval) => bail!("--output-interval: {interval:?} s must be finite and > 0"),
-        None => default_interval(experiment, stop - start),
-    };
-    if (stop - start) / interval > MOST_STEPS {
-        bail!(
-            "--output-interval: {interval:?} s over {:?} s would be more than {MOST_STEPS:e} steps; use a larger \
-             interval",
-            stop - start
-        );
-    }
-    Ok(Span { start, stop, interval })
-}
-
-/// Most steps of a run.
-const MOST_STEPS: f64 = 1e12;
 
 /// What the run gave, in some lines.
 fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
