@@ -1,4 +1,4 @@
-"""What runs and steps of the landing gear cost from Python: by the module, and by FMPy with the FMU.
+"""What runs and steps of the landing gear cost from Python: by the module, by FMPy with the FMU, by MuJoCo and EXUDYN.
 
 usage: module.py --fmu FMU --out PAGE
 
@@ -17,9 +17,18 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 
+import exudyn
 import fmpy
+import mujoco
 import numpy as np
+from exudyn import itemInterface as items
 from fmpy.fmi2 import FMU2Slave
+from mujoco import rollout
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "peers"))
+import exudyn_peer
+from mujoco_peer import definition
+from scenes import landing_gear
 
 STOP, INTERVAL = 0.13, 1e-3
 OUTPUTS = [
@@ -28,6 +37,9 @@ OUTPUTS = [
 ]
 INPUTS = ["actuator.force", "load_factor", "airspeed", "wheel.force_x"]
 VALUES = [30000.0, 3.0, 0.0, 0.0]
+ROWS_OF_RUN = round(STOP / INTERVAL)
+SCENE = landing_gear()
+"""The same gear without its stop, which it does not reach in a run."""
 
 
 def least(call: Callable[[], object], seconds: float = 2.0) -> float:
@@ -125,6 +137,87 @@ def by_fmpy(fmu: Path) -> dict[str, float]:
     return times
 
 
+def by_mujoco() -> dict[str, float]:
+    """Steps of 1 ms by RK4; a run by rollout, which loops in C. Six outputs are the state, two those of a tendon."""
+    text = definition(SCENE, "RK4", INTERVAL, (2.0 * INTERVAL, 1.0))
+    sensors = '<sensor><tendonpos tendon="t0"/><tendonvel tendon="t0"/></sensor></mujoco>'
+    model = mujoco.MjModel.from_xml_string(text.replace("</mujoco>", sensors))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    whole = mujoco.mjtState.mjSTATE_FULLPHYSICS
+    first = np.zeros(mujoco.mj_stateSize(model, whole))
+    mujoco.mj_getState(model, data, first, whole)
+    controls = np.ones((1, ROWS_OF_RUN, model.nu))
+    states = np.empty((1, ROWS_OF_RUN, first.size))
+    values = np.empty((1, ROWS_OF_RUN, model.nsensordata))
+    forces = np.zeros(2)
+
+    def simulate() -> None:
+        rollout.rollout(model, data, first[None], controls, state=states, sensordata=values)
+
+    def step() -> tuple[float, ...]:
+        data.ctrl[:] = 1.0
+        data.xfrc_applied[1, :2] = forces
+        mujoco.mj_step(model, data)
+        return data.qpos[0], data.qvel[0], data.qacc[0], data.ten_length[0]
+
+    def run() -> None:
+        mujoco.mj_resetData(model, data)
+        data.ctrl[:] = 1.0
+        mujoco.mj_step(model, data, nstep=ROWS_OF_RUN)
+
+    simulate()
+    error = abs(SCENE.start + states[0, -1, 1] - SCENE.exact)
+    times = {"simulate": least(simulate), "run": least(run)}
+    run()
+    # Under a step repeated for seconds the gear would pass its toggle: of each 100 steps the first begins anew.
+    made = 0
+
+    def steps() -> None:
+        nonlocal made
+        if made % 100 == 0:
+            mujoco.mj_resetData(model, data)
+        made += 1
+        step()
+
+    return times | {"step": least(steps), "error": error}
+
+
+def by_exudyn() -> dict[str, float]:
+    """Steps of 1 ms by its trapezoidal rule of index 2; outputs by sensors that keep their values."""
+    exudyn.config.printToConsole = False
+    peer = exudyn_peer.Model(SCENE)
+    system, solver = peer.system, exudyn.DynamicSolverType.TrapezoidalIndex2
+    kinds = exudyn.OutputVariableType
+    of_nodes = [(kinds.Coordinates, node) for node in peer.nodes] + [(kinds.Coordinates_t, node) for node in peer.nodes]
+    for kind, node in of_nodes:
+        sensor = items.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True, writeToFile=False)
+        system.AddSensor(sensor)
+    system.Assemble()
+    whole = exudyn_peer.settings(STOP, ROWS_OF_RUN, None, 1e-9, True)
+    whole.solution.sensors.writePeriod = INTERVAL
+    bare = exudyn_peer.settings(STOP, ROWS_OF_RUN, None, 1e-9, True)
+    bare.solution.sensors.writePeriod = 2.0 * STOP
+    one = exudyn_peer.settings(INTERVAL, 1, None, 1e-9, True)
+    node, strut = peer.nodes[0], system.systemData.NumberOfObjects() - 1
+    weights = [(load, system.GetLoadParameter(load, "loadVector")) for load in range(3)]
+    push = system.GetObjectParameter(strut, "force")
+
+    def step() -> tuple[np.ndarray, np.ndarray]:
+        for load, weight in weights:
+            system.SetLoadParameter(load, "loadVector", weight)
+        system.SetObjectParameter(strut, "force", push)
+        system.SolveDynamic(one, solverType=solver, updateInitialValues=False, storeSolver=False)
+        return system.GetNodeOutput(node, kinds.Coordinates), system.GetNodeOutput(node, kinds.Coordinates_t)
+
+    error = abs(peer.run(whole, solver) - SCENE.exact)
+    times = {
+        "simulate": least(lambda: peer.run(whole, solver)),
+        "run": least(lambda: peer.run(bare, solver)),
+    }
+    return times | {"step": least(step), "error": error}
+
+
 ROWS = (
     ("import", "`import linkage_fmu`", 30e3),
     ("simulate", "`simulate`: 0.13 s in rows of 1 ms, 8 outputs", 60.0),
@@ -138,21 +231,31 @@ def main() -> None:
     parser.add_argument("--fmu", type=Path, required=True)
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
-    try:
-        own = by_module()
-    except ImportError as error:
-        sys.exit(f"{error}: run `cargo fmu dist --test` first, which installs the wheel for this benchmark")
-    other = by_fmpy(arguments.fmu)
+    own = by_module()
+    others = {"FMPy": by_fmpy(arguments.fmu), "MuJoCo": by_mujoco(), "EXUDYN": by_exudyn()}
     lines = [
         "# Runs and steps from Python\n",
         "`cargo fmu bench module` writes this file.\n",
         f"Machine: {platform.machine()}, {os.cpu_count()} cores, {platform.system()}. "
-        f"Python {platform.python_version()}, numpy {np.__version__}, FMPy {version('FMPy')}.\n",
-        "The landing gear, by the module, and by FMPy with the FMU unpacked and its description read. Least times.\n",
-        "| what | by the module [us] | at most [us] | by FMPy [us] |\n|---|---|---|---|",
+        f"Python {platform.python_version()}, "
+        + ", ".join(f"{name} {version(name)}" for name in ("numpy", "FMPy", "mujoco", "exudyn"))
+        + ".\n",
+        "The landing gear, by the module, by FMPy with the FMU unpacked and its description read, and by MuJoCo and "
+        "EXUDYN without its stop. Least times of one process.\n",
+        f"| what | by the module [us] | at most [us] | {' | '.join(f'by {name} [us]' for name in others)} |",
+        "|---|---|---|---|---|---|",
     ]
     for key, what, limit in ROWS:
-        lines.append(f"| {what} | {own[key]:.3g} | {limit:g} | {f'{other[key]:.3g}' if key in other else ''} |")
+        cells = [f"{other[key]:.3g}" if key in other else "" for other in others.values()]
+        lines.append(f"| {what} | {own[key]:.3g} | {limit:g} | {' | '.join(cells)} |")
+    lines += [
+        "",
+        "A step of the module and of FMPy is 1e-9 s long, so that the calls are measured and not the motion. The "
+        "steps of MuJoCo and EXUDYN are 1 ms long, as their time does not depend on the length of a step. A step of "
+        "EXUDYN is a call of its solver with one step.\n",
+        f"Error of the crank angle after 0.13 s: MuJoCo (RK4) {others['MuJoCo']['error']:.1e} rad, EXUDYN (trapezoidal "
+        f"rule of index 2) {others['EXUDYN']['error']:.1e} rad; of the module below 1e-9 rad.",
+    ]
     arguments.out.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(lines))
 

@@ -148,7 +148,7 @@ Benchmarks:
   (none)        run times of the tables
   importers     the landing gear in FMPy, libcosim, ECOS and fmi-sim
   studies       many runs with sweep, Dask, FMPy and MuJoCo
-  module        runs and steps from Python, compared with FMPy; needs the wheel of `cargo fmu dist --test`
+  module        runs and steps from Python, compared with FMPy, MuJoCo and EXUDYN; needs the wheel of `cargo fmu dist`
   peers         computing time and error, compared with other solvers and multibody programs
   plots         figures from the CSV of the tables
   instructions  instruction counts of callgrind
