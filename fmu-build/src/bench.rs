@@ -2,7 +2,7 @@
 //! with other tools.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
-use crate::{command, files, package};
+use crate::{command, dist, files, package};
 use anyhow::{Context, Result};
 pub use fmu_cli::Bench as Arguments;
 use fmu_cli::Program;
@@ -134,13 +134,17 @@ fn studies(workspace: &Workspace) -> Result<()> {
     command::run(&mut script, "studies.py")
 }
 
-/// Measure runs and steps by the Python module next to FMPy, in the environment of its tests, and write the results.
+/// Measure runs and steps by the Python module next to FMPy, MuJoCo and EXUDYN, and write the results. The module is
+/// that of the wheel that `dist` has built.
 fn module(workspace: &Workspace) -> Result<()> {
-    let requirements = workspace.module_tests().join("requirements.txt");
-    let mut script = Command::new(command::environment(&workspace.target("venv-module"), &requirements)?);
-    script.arg(workspace.validation().join("studies").join("module.py"));
-    script.arg("--fmu").arg(package::default(workspace)?);
-    script.arg("--out").arg(workspace.results().join("module.md"));
+    let folder = workspace.validation().join("studies");
+    let python = command::environment(&workspace.target("venv-studies"), &folder.join("requirements.txt"))?;
+    let wheel =
+        dist::wheel_in(&workspace.target("dist")).context("run `cargo fmu dist` first, which builds a wheel")?;
+    dist::install(&python, &wheel)?;
+    let mut script = Command::new(python);
+    script.arg(folder.join("module.py")).arg("--fmu").arg(package::default(workspace)?);
+    script.arg("--out").arg(workspace.results().join("module.md")).env("OMP_NUM_THREADS", "1");
     command::run(&mut script, "module.py")
 }
 

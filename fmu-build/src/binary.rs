@@ -159,6 +159,11 @@ impl Binary {
         Ok(())
     }
 
+    /// Its bytes.
+    pub fn content(&self) -> &[u8] {
+        &self.content
+    }
+
     /// Name of its platform, or of the one in whose folder it lies.
     pub fn platform(&self) -> &'static str {
         self.folder

@@ -27,7 +27,7 @@ mod names;
 mod needs;
 pub mod package;
 mod platform;
-mod prebuilt;
+pub mod prebuilt;
 pub mod reference;
 pub mod report;
 pub mod run;

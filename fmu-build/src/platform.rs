@@ -8,7 +8,7 @@ use crate::library::served::SharedLibrary;
 use crate::library::{self, Target, sources};
 use crate::needs::{self, Needs};
 use crate::workspace::Workspace;
-use crate::{command, files, prebuilt, version};
+use crate::{command, prebuilt, version};
 use anyhow::{Context, Result, bail};
 use fmu_cli::{Package as Arguments, Platform};
 use std::env;
@@ -135,8 +135,8 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
 enum Way {
     /// Built, for another machine if that is told.
     Built(Option<Target>),
-    /// Built before: these files.
-    Taken(Vec<PathBuf>),
+    /// Built before, in the installation in this folder.
+    Taken(PathBuf),
 }
 
 /// Build a library for each platform asked for, or take the one that came with the program; with `--available` for
@@ -166,10 +166,7 @@ pub fn build(
     for toolchain in wanted.drain(..) {
         let glibc = arguments.glibc.as_deref();
         let way = match workspace.installation() {
-            Some(root) => {
-                let paths = libraries.iter().map(|library| prebuilt::path(root, library, toolchain.folder));
-                paths.collect::<Result<_>>().map(Way::Taken)
-            }
+            Some(root) => prebuilt::archive(root, toolchain.folder).map(|_| Way::Taken(root.to_path_buf())),
             None => target(workspace, toolchain, glibc).map(Way::Built).context("cannot be built here"),
         };
         match way {
@@ -186,7 +183,7 @@ pub fn build(
         let library = libraries[index];
         let content = match way {
             Way::Built(target) => library::build(workspace, library, target.as_ref())?,
-            Way::Taken(paths) => files::read(&paths[index], u64::MAX)?,
+            Way::Taken(root) => prebuilt::content(root, library, toolchain.folder)?,
         };
         // A library that is built for this machine alone may need what is on it.
         if !matches!(way, Way::Built(None)) {
@@ -213,7 +210,7 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
     let content = match workspace.installation() {
         Some(root) => {
             let folder = if version::tuple() == ARM.tuple { ARM.folder } else { version::platform()? };
-            files::read(&prebuilt::path(root, library, folder)?, u64::MAX)?
+            prebuilt::content(root, library, folder)?
         }
         None => library::build(workspace, library, None)?,
     };

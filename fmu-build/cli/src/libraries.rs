@@ -141,7 +141,11 @@ pub struct Dist {
     /// 2.17 or later; the linker is zig [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Folder for the wheel [default: target/dist in the repository]
+    /// Build the program for a small file, as for a published wheel; the build needs some minutes more [default: the
+    /// program of the repository's release build]
+    #[arg(long)]
+    pub small: bool,
+    /// Folder for the wheel and the source distribution [default: target/dist in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Install the wheel in a new virtual environment, and run the commands of the wheel in this environment without

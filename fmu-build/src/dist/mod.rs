@@ -2,22 +2,26 @@
 //! repository.
 //!
 //! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the
-//! wheel, whose name promises a glibc that all in it keep to.
+//! wheel, whose name promises a glibc that all in it keep to, and the source distribution, of which pip builds the wheel
+//! where there is Rust.
 
+mod source;
 mod test;
 
+use crate::archive::BINARIES;
 use crate::binary::Binary;
 use crate::fmu::Fmu;
 use crate::library::{served, sources};
 use crate::needs::{self, Needs};
-use crate::version::Version;
 use crate::workspace::{INSTALLED, Workspace};
-use crate::{command, files, package, platform};
+use crate::{command, files, package, platform, prebuilt};
 use anyhow::{Context, Result, bail, ensure};
 pub use fmu_cli::Dist as Arguments;
+use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Folder in the wheel of what pip puts into the environment, named in `pyproject.toml`.
 const DATA: &str = "linkage_fmu.data/data";
@@ -41,9 +45,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         fs::remove_dir_all(&stage).with_context(|| format!("{}: cannot be removed", stage.display()))?;
     }
     lay_out(workspace, &stage, &binaries)?;
-    let made = build(workspace, &stage, arguments.glibc.as_deref())?;
+    let made = build(workspace, &stage, arguments)?;
     let content = fs::read(&made).with_context(|| format!("{}: cannot be read", made.display()))?;
-    keeps_its_promise(&made)?;
+    keeps_its_promise(&made, &binaries)?;
     has_licences(&made)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
@@ -51,6 +55,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let mut platforms: Vec<&str> = binaries.iter().map(Binary::platform).collect();
     platforms.dedup();
     println!("{} ({:.1} MB, libraries: {})", wheel.display(), content.len() as f64 / 1e6, platforms.join(", "));
+    if let Some(source) = source::distribution(workspace, &made, &out)? {
+        println!("{}", source.display());
+    }
     if arguments.test {
         test::run(workspace, &packing, &wheel)?;
     }
@@ -90,43 +97,95 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     for part in PARTS {
         files::copy_all(&workspace.root().join(part), &root.join(part))?;
     }
+    let libraries = stage.join("libraries");
+    let mut archives: BTreeMap<&str, Vec<(PathBuf, String)>> = BTreeMap::new();
     for library in [&served::MECHANISMS, &served::HYDRAULICS] {
-        let binaries = binaries.iter().filter(|binary| binary.serves(library));
-        for entry in binaries.flat_map(|binary| binary.entries(Version::Two, library.installed)) {
-            files::replace(&root.join(&entry.name), &entry.content)?;
+        for binary in binaries.iter().filter(|binary| binary.serves(library)) {
+            let name = prebuilt::name(library, binary.platform());
+            let path = libraries.join(binary.platform()).join(&name);
+            files::replace(&path, binary.content())?;
+            archives.entry(binary.platform()).or_default().push((path, name));
         }
+    }
+    for (platform, entries) in archives {
+        let archive = root.join(BINARIES).join(format!("{platform}{}", prebuilt::EXTENSION));
+        pack(workspace, &archive, &entries)?;
     }
     Ok(())
 }
 
+/// Interpreter of the environment in which wheels are built.
+fn python(workspace: &Workspace) -> Result<PathBuf> {
+    command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))
+}
+
+/// Pack files under names into an archive.
+fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) -> Result<()> {
+    fs::create_dir_all(archive.parent().unwrap_or(archive))?;
+    let mut python = Command::new(python(workspace)?);
+    python.arg(workspace.wheel().join("pack.py")).arg(archive).stdin(Stdio::piped());
+    let mut child = python.spawn().with_context(|| command::cannot_start(&python, "pack.py"))?;
+    let lines: String = entries.iter().map(|(path, name)| format!("{}\t{name}\n", path.display())).collect();
+    child.stdin.take().context("pack.py takes no list")?.write_all(lines.as_bytes())?;
+    ensure!(child.wait()?.success(), "{}: cannot be packed; the messages above state the reason", archive.display());
+    Ok(())
+}
+
 /// Build the program and pack the wheel; its path.
-fn build(workspace: &Workspace, stage: &Path, glibc: Option<&str>) -> Result<PathBuf> {
-    let python = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;
+fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<PathBuf> {
     let out = stage.join("out");
-    let mut maturin = Command::new(python);
-    maturin.args(["-m", "maturin", "build", "--release", "--locked", "--compression-level", "9", "--out"]);
+    let mut maturin = Command::new(python(workspace)?);
+    let (profile, level) = if arguments.small { ("small", "9") } else { ("release", "6") };
+    maturin.args(["-m", "maturin", "build", "--profile", profile, "--locked", "--compression-level", level, "--out"]);
     maturin.arg(&out).current_dir(stage);
     // Of the program that runs now, Cargo tells its children where it lies.
     maturin.env_remove("CARGO_MANIFEST_DIR");
-    if let Some(glibc) = glibc {
+    if let Some(glibc) = &arguments.glibc {
         maturin.args(["--zig", "--target", platform::own_triple()?, "--compatibility"]);
         maturin.arg(format!("manylinux_{}", glibc.replace('.', "_")));
         maturin.env("PATH", platform::path_with_zig(workspace)?).envs([sources::variable()?]);
     }
     command::run(&mut maturin, "maturin build")?;
-    let entries = fs::read_dir(&out).with_context(|| format!("{}: cannot be listed", out.display()))?;
-    let mut paths = entries.flatten().map(|entry| entry.path());
-    paths.find(|path| path.extension().is_some_and(|extension| extension == "whl")).context("maturin built no wheel")
+    wheel_in(&out)
+}
+
+/// The wheel in a folder; of several, the last one built.
+///
+/// # Errors
+/// There is none.
+pub fn wheel_in(folder: &Path) -> Result<PathBuf> {
+    let entries = fs::read_dir(folder).with_context(|| format!("{}: cannot be listed", folder.display()))?;
+    let paths = entries.flatten().map(|entry| entry.path());
+    let wheels = paths.filter(|path| path.extension().is_some_and(|extension| extension == "whl"));
+    wheels
+        .max_by_key(|path| fs::metadata(path).and_then(|known| known.modified()).ok())
+        .with_context(|| format!("{}: there is no wheel", folder.display()))
+}
+
+/// Install a wheel into the environment of this interpreter, without network, in the place of one that is there.
+///
+/// # Errors
+/// pip fails.
+pub fn install(python: &Path, wheel: &Path) -> Result<()> {
+    let mut pip = Command::new(python);
+    pip.args(["-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-index", "--no-deps"]);
+    command::run(pip.arg("--force-reinstall").arg(wheel), "pip install")
 }
 
 /// Look whether all for Linux in the wheel keeps to the glibc that its name promises.
-fn keeps_its_promise(wheel: &Path) -> Result<()> {
+fn keeps_its_promise(wheel: &Path, binaries: &[Binary]) -> Result<()> {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let Some(promised) = promise(&name) else { return Ok(()) };
     let mut archive = Fmu::open(wheel)?;
+    let mut parts: Vec<(String, Vec<u8>)> = Vec::new();
     for entry in archive.names().to_vec() {
         let content = archive.read(&entry)?.unwrap_or_default();
-        let Ok(Needs { glibc: Some(needed), functions, .. }) = Needs::of(&content) else { continue };
+        parts.push((entry, content));
+    }
+    let libraries = binaries.iter().map(|binary| (format!("the library for {}", binary.platform()), binary.content()));
+    let parts = parts.iter().map(|(name, content)| (name.clone(), &content[..])).chain(libraries);
+    for (entry, content) in parts {
+        let Ok(Needs { glibc: Some(needed), functions, .. }) = Needs::of(content) else { continue };
         if needs::parts(&promised) < needs::parts(&needed) {
             let functions = functions.join(", ");
             bail!(
@@ -200,7 +259,7 @@ mod tests {
         let wheel = |glibc: &str| {
             let path = folder.join(format!("a-1-py3-none-manylinux_{}_x86_64.whl", glibc.replace('.', "_")));
             archive::write(&path, vec![Entry { name: "a.data/scripts/a".into(), content: content.clone() }]).unwrap();
-            keeps_its_promise(&path)
+            keeps_its_promise(&path, &[])
         };
         wheel(&needed).unwrap();
         let message = wheel("2.1").unwrap_err().to_string();

@@ -149,9 +149,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
 fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<()> {
     let tests = workspace.module_tests();
     let python = command::environment(&workspace.target("venv-module"), &tests.join("requirements.txt"))?;
-    let mut pip = Command::new(&python);
-    pip.args(["-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-index", "--no-deps"]);
-    command::run(pip.arg("--force-reinstall").arg(wheel), "pip install")?;
+    super::install(&python, wheel)?;
     let mut pytest = Command::new(&python);
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c"]).arg(tests.join("pyproject.toml")).arg(&tests);
     pytest.current_dir(&installed.empty).env("PATH", &installed.empty);
