@@ -19,16 +19,23 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
             bail!("--start-values: {name} occurs twice; remove one of the two values");
         }
         let variable = &interface.list()[reference as usize];
-        let value = match variable.kind {
-            Kind::Real => Value::Real(number(variable, text)?),
-            Kind::Boolean => Value::Boolean(truth(text).with_context(|| format!("--start-values: {name}"))?),
-            Kind::Enumeration => Value::Item(text.to_owned()),
-        };
-        values.push((reference, value));
+        values.push((reference, value(variable, text).context("--start-values")?));
     }
     // As a host does it: what a value is checked against may depend on one before.
     values.sort_by_key(|(reference, _)| *reference);
     Ok(values)
+}
+
+/// What a variable is set to by a text: a number with or without its unit, a truth value, or an item.
+///
+/// # Errors
+/// It is none of its kind, or in another unit.
+pub fn value(variable: &Variable, text: &str) -> Result<Value> {
+    Ok(match variable.kind {
+        Kind::Real => Value::Real(number(variable, text)?),
+        Kind::Boolean => Value::Boolean(truth(text).with_context(|| variable.name.clone())?),
+        Kind::Enumeration => Value::Item(text.to_owned()),
+    })
 }
 
 /// Set these pairs; see [`parse`].
@@ -36,8 +43,17 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
 /// # Errors
 /// As [`parse`]; a value that the model refuses.
 pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
+    let values = parse(model.interface(), words)?;
+    apply_all(model, values)
+}
+
+/// Set these values, which are in the order of the variables.
+///
+/// # Errors
+/// The model refuses a value.
+pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Result<()> {
     let (mut reals, mut others) = (Vec::new(), Vec::new());
-    for (reference, value) in parse(model.interface(), words)? {
+    for (reference, value) in values {
         match value {
             Value::Real(value) => reals.push((reference, value)),
             other => others.push((reference, other)),
@@ -101,14 +117,14 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
         return Ok(value);
     }
     if let Some(point) = decimal_comma(text) {
-        bail!("--start-values: {name} = {text} has a decimal comma; write a point: {point}");
+        bail!("{name} = {text} has a decimal comma; write a point: {point}");
     }
     // The longest beginning that is a number.
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let split =
         ends.map(|end| text.split_at(end)).find_map(|(a, b)| Some((a.trim_end().parse::<f64>().ok()?, b.trim())));
     let Some((value, unit)) = split else {
-        bail!("--start-values: {name} needs a number, not \"{}\"", text.escape_debug());
+        bail!("{name} needs a number, not \"{}\"", text.escape_debug());
     };
     let own = variable.unit.map_or("1", Unit::name);
     let display = variable.unit.and_then(Unit::display);
@@ -117,7 +133,7 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
         Some((shown, factor)) if unit == shown => Ok(value / factor),
         _ => {
             let other = display.map_or(String::new(), |(shown, _)| format!(" or {shown}"));
-            bail!("--start-values: the unit of {name} is {own}{other}, not \"{}\"", unit.escape_debug())
+            bail!("the unit of {name} is {own}{other}, not \"{}\"", unit.escape_debug())
         }
     }
 }

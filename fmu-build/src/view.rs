@@ -27,7 +27,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let wanted = Wanted::new(arguments.stop_time, &arguments.start_values)?;
     let mut data = Data::collect(&checked, &wanted)?;
     if arguments.compare.is_some() || !arguments.compare_set.is_empty() {
-        let wanted = wanted.with(&arguments.compare_set);
+        let wanted = wanted.compared(&arguments.compare_set);
         let other = match &arguments.compare {
             Some(path) => Data::collect(&checked_at(workspace, path)?, &wanted)?,
             None => Data::collect(&checked, &wanted)?,

@@ -185,7 +185,7 @@ fn two_runs_are_compared_under_their_names() {
     let changed = ["actuator.force".to_owned(), "2e4".to_owned()];
     let checked = checked(&text);
     let mut one = data(&text, &[]);
-    one.compare_with(Data::collect(&checked, &Wanted::default().with(&changed)).unwrap(), &changed);
+    one.compare_with(Data::collect(&checked, &Wanted::default().compared(&changed)).unwrap(), &changed);
     let json = serde_json::to_value(&one).unwrap();
     assert_eq!(
         (json["label"].as_str(), json["compare"]["label"].as_str()),

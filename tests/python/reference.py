@@ -29,7 +29,10 @@ CLASSES = (
     "Mechanism", "Simulation", "State", "Names", "Result", "Kinematics", "LinearModel", "Report", "Finding", "Fact",
     "Quantity", "Variable", "Optimum", "Validation", "Info", "Page",
 )  # fmt: skip
-ERRORS = ("LinkageError", "InputError", "MechanismError", "SimulationError", "InternalError", "LinkageWarning")
+ERRORS = (
+    "LinkageError", "InputError", "InputTypeError", "MechanismError", "SimulationError", "InternalError",
+    "LinkageWarning",
+)  # fmt: skip
 
 
 def words(docstring: str | None) -> str:

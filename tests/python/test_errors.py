@@ -62,6 +62,28 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
         (lambda g, s: g.simulate(stop_time=-1), "stop_time"),
         (lambda g, s: g.simulate(stop_time=float("nan")), "stop_time"),
         (lambda g, s: g.simulate(output_interval=0), "output_interval"),
+        (lambda g, s: g.simulate(0, 1e9, 1e-3), "GB, but a result has at most 2.0 GB"),
+        (lambda g, s: g.simulate(stop_time="1"), "stop_time = '1': must be a number"),
+        (lambda g, s: g.simulate(stop_time=10**400), "is too large for a number"),
+        (lambda g, s: g.simulate(start_time=1e16, output_interval=1e-3), "nearer to 0 s"),
+        (lambda g, s: g.simulate(start_values=[1]), "start_values = [1]: must be a dict"),
+        (lambda g, s: g.simulate(output=5), "output = 5: must be a list of names"),
+        (lambda g, s: g.simulate(output=["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: s.get(["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: s.set(["load_factor"] * 2, [1, 2]), "load_factor occurs twice"),
+        (lambda g, s: s.prepare(["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.kinematics(4, ["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.linearise(outputs=["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.linearise_travel(10**9), "count = 1000000000: must be a whole number from 1 to 100000"),
+        (lambda g, s: g.kinematics(10**6, (v.name for v in g.variables)), "has at most 2.0 GB"),
+        (lambda g, s: s.set_derivative("actuator.force", 1.0, 2**40), "order"),
+        (lambda g, s: s.step("1"), "h = '1': must be a number"),
+        (lambda g, s: s.step(10**400), "too large"),
+        (lambda g, s: s["\udc80"], "name"),
+        (lambda g, s: s.set(["friction.enabled", "crank.mass"], ["maybe", 20]), "is not true or false"),
+        (lambda g, s: lf.Mechanism({"name": {1, 2}}), "cannot be written as JSON"),
+        (lambda g, s: lf.sweep(5), "study = 5: must be a path"),
+        (lambda g, s: lf.info(None), "path = None: must be a path"),
         (lambda g, s: g.simulate(relative_tolerance=-1), "relative_tolerance"),
         (lambda g, s: g.simulate(input=[1, 2]), "structured array"),
         (lambda g, s: g.simulate(input={"time": [0], "crank.mass": [1]}), "is not an input"),
@@ -74,11 +96,13 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
         (lambda g, s: s.get(["crank.angle"], [0.0]), "writable array"),
         (lambda g, s: s.set("crank.angle", 1.0), "crank.angle"),
         (lambda g, s: s.set("actuator.force", float("inf")), "finite"),
-        (lambda g, s: s.set("actuator.force", True), "needs a number"),
-        (lambda g, s: s.set("actuator.force", None), "needs a number"),
-        (lambda g, s: s.set("friction.enabled", "yes"), "True or False"),
+        (lambda g, s: s.set("actuator.force", True), "must be a number, or a text with a unit"),
+        (lambda g, s: s.set("actuator.force", None), "must be a number, or a text with a unit"),
+        (lambda g, s: s.set("actuator.force", "3 kg"), "the unit of actuator.force is N, not"),
+        (lambda g, s: s.set("friction.enabled", "yes"), "is not true or false"),
+        (lambda g, s: s.set("friction.enabled", 2), "True or False"),
         (lambda g, s: s.set("solver.method", "magic"), "magic"),
-        (lambda g, s: s.set(INPUTS, [1.0, 2.0]), "2 numbers, but there are 4 names"),
+        (lambda g, s: s.set(INPUTS, [1.0, 2.0]), "2 values, but there are 4 names"),
         (lambda g, s: s.set(INPUTS, np.zeros((2, 2))), "2 dimensions"),
         (lambda g, s: s.set(INPUTS, 5.0), "array or a list"),
         (lambda g, s: s.set(INPUTS, [1, 2, 3, np.nan]), "finite"),
@@ -123,8 +147,9 @@ def test_bad_input_has_a_text(
 
 
 def test_types_are_checked(gear: lf.Mechanism) -> None:
-    with pytest.raises(TypeError, match="path, a dict or a text"):
-        lf.Mechanism(5)  # type: ignore[arg-type]
+    for kind in (TypeError, ValueError, lf.LinkageError):
+        with pytest.raises(kind, match="source = 5: must be a path, a dict or a text"):
+            lf.Mechanism(5)  # type: ignore[arg-type]
 
 
 def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
@@ -132,6 +157,7 @@ def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
         simulation.initialize()
     with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):
         simulation.step(1e-3)
+    assert repr(simulation) == "<Simulation, closed>"
     simulation.close()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import csv
 import pickle
 import subprocess
@@ -77,6 +78,7 @@ def test_a_result_goes_on(gear: lf.Mechanism) -> None:
     copy = pickle.loads(pickle.dumps(result))
     assert isinstance(copy, lf.Result)
     assert np.array_equal(copy, result)
+    assert "crank" in copy.animate().html
     assert pickle.loads(pickle.dumps(gear)).name == gear.name
     figure = result.plot("crank.angle", "joint1.force", x="actuator.length")
     assert [axis.get_ylabel() for axis in figure.axes] == ["[rad]", "[N]"]
@@ -92,6 +94,24 @@ def test_a_run_that_ends_early_keeps_its_rows() -> None:
         lf.Mechanism(gear).simulate(stop_time=0.1, output_interval=0.1, output=["crank.angle"])
     assert caught.value.result is not None
     assert 0.0 < caught.value.result["time"][-1] < 0.1
+
+
+def test_a_run_is_as_long_wherever_it_starts(gear: lf.Mechanism) -> None:
+    signal = {"time": [0, 0.05, 0.05, 0.1], "load_factor": [3, 3, 1, 1]}
+    expected = gear.simulate(0.0, 0.1, 1e-3, input=signal, output=["crank.angle"])
+    for start in (1e5, 1e7):
+        moved = {"time": [start + time for time in signal["time"]], "load_factor": signal["load_factor"]}
+        result = gear.simulate(start, start + 0.1, 1e-3, input=moved, output=["crank.angle"])
+        assert len(result) == len(expected) == 101
+        assert np.allclose(result["crank.angle"], expected["crank.angle"], rtol=0, atol=1e-16 * start / 1e-3)
+
+
+def test_ctrl_c_ends_a_run(gear: lf.Mechanism) -> None:
+    timer = threading.Timer(0.05, _thread.interrupt_main)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        gear.simulate(0.0, 1e4, 1e-3, output=["crank.angle"])
+    timer.join()
 
 
 def test_threads_run_at_the_same_time(gear: lf.Mechanism) -> None:

@@ -36,6 +36,12 @@ def test_every_kind_is_set_and_read(gear: lf.Mechanism) -> None:
     simulation.set("actuator.force", 31000)
     simulation.set(["crank.mass", "load_factor"], [20, 1])
     assert simulation["friction.enabled"] is True
+    simulation.set(["crank.start_angle", "friction.enabled", "solver.method"], ["-10 deg", "false", 1])
+    assert simulation["friction.enabled"] is False
+    assert simulation["solver.method"] == "reduced"
+    simulation.set(["friction.enabled", "solver.method"], simulation.get(["friction.enabled", "solver.method"]))
+    simulation.set(["friction.enabled", "solver.method"], np.array([1.0, 2.0]))
+    assert simulation["friction.enabled"] is True
     assert simulation["solver.method"] == "rigid_fem"
     assert simulation["crank.start_angle"] == pytest.approx(-np.pi / 18)
     assert list(simulation.get(["crank.mass", "load_factor", "friction.enabled"])) == [20, 1, 1]

@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 // The classes are defined in Python, where their documentation is.
 pyo3::import_exception!(linkage_fmu._errors, InputError);
+pyo3::import_exception!(linkage_fmu._errors, InputTypeError);
 pyo3::import_exception!(linkage_fmu._errors, SimulationError);
 pyo3::import_exception!(linkage_fmu._errors, InternalError);
 

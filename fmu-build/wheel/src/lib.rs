@@ -3,6 +3,7 @@
 //! In: texts, names, numbers and buffers of Python. Out: the same, or an exception of `linkage_fmu._errors`. It
 //! converts, and computes nothing itself. It must not know how Python shows anything.
 
+mod arguments;
 mod errors;
 mod model;
 mod names;

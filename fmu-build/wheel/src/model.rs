@@ -3,12 +3,13 @@
 //! In: a definition's text, names, times, signals. Out: rows as bytes of the layout that numpy reads, texts. A run has
 //! the steps of `cargo fmu simulate`, so that both have the same values.
 
-use crate::errors::{guarded, input, refused};
+use crate::arguments::{self, names, number, optional, whole};
+use crate::errors::{InputError, guarded, input, refused};
 use crate::simulation::Simulation;
 use fmu_build::run::column::{Column, columns};
 use fmu_build::run::missing::Missing;
 use fmu_build::run::signals::Signals;
-use fmu_build::run::{self, Span, Watch, default_interval};
+use fmu_build::run::{self, Span, Watch};
 use fmu_build::start_values::{self, find};
 use fmu_build::view::{Data, Wanted};
 use fmu_build::{check, view};
@@ -19,16 +20,22 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use std::sync::{Mutex, PoisonError};
 
-/// Most rows of a run.
-const MOST_ROWS: f64 = 1e9;
+/// Most bytes of a result.
+const MOST_BYTES: f64 = 2e9;
+/// Most parts of a travel.
+const MOST_PARTS: i64 = 1_000_000;
+/// Most positions of a travel at which a mechanism is linearised: each has some kB in Python.
+const MOST_LINEARISED: i64 = 100_000;
 /// Most rows for which memory is taken before a run.
 const MOST_RESERVED: usize = 1 << 16;
+/// Positions along a travel between two looks at Ctrl-C.
+const POSITIONS_PER_LOOK: usize = 1 << 12;
 
 /// Signals as Python gives them: times, and for each input its name and values.
 type Columns = (Vec<f64>, Vec<(String, Vec<f64>)>);
 
 /// Coordinate, inputs, outputs and holding drive of a linearisation; None and empty lists for the defaults.
-type Asked = (Option<String>, Vec<String>, Vec<String>, Option<String>);
+type Asked<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 /// Rows of a run, its warnings, the error that ended it, and the time reached [s].
 type Made<Rows> = PyResult<(Rows, Vec<String>, Option<String>, f64)>;
 
@@ -40,6 +47,8 @@ pub struct Model {
     text: String,
     /// The model as the definition gives it; never changed.
     fresh: Mutex<Component>,
+    /// A model that a run has left, reset: the next run finds its memory.
+    used: Mutex<Option<Component>>,
 }
 
 /// What a run records, looked up once.
@@ -55,6 +64,26 @@ impl Plan {
     fn layout(&self) -> Vec<(String, &'static str, bool)> {
         let one = |own: &Column| (own.name.clone(), own.unit.map_or("1", Unit::name), own.is_boolean);
         self.columns.iter().map(one).collect()
+    }
+}
+
+impl Plan {
+    /// Rows in the layout of numpy: doubles, and a byte for a Boolean.
+    fn packed<'py>(&self, py: Python<'py>, rows: &[f64]) -> PyResult<Bound<'py, PyByteArray>> {
+        if !self.columns.iter().any(|column| column.is_boolean) {
+            return packed(py, rows);
+        }
+        let mut out = Vec::with_capacity(rows.len() * 8);
+        for row in rows.chunks_exact(1 + self.columns.len()) {
+            out.extend_from_slice(&row[0].to_ne_bytes());
+            for (column, value) in self.columns.iter().zip(&row[1..]) {
+                match column.is_boolean {
+                    true => out.push(u8::from(*value != 0.0)),
+                    false => out.extend_from_slice(&value.to_ne_bytes()),
+                }
+            }
+        }
+        Ok(PyByteArray::new(py, &out))
     }
 }
 
@@ -83,10 +112,18 @@ impl Model {
     }
 
     /// The model with these start values.
-    fn started(&self, start_values: &[String]) -> PyResult<Component> {
-        let mut model = self.component();
-        start_values::apply(&mut model, start_values).map_err(input)?;
-        Ok(model)
+    fn started(&self, start_values: Option<&Bound<'_, PyAny>>) -> PyResult<Component> {
+        Self::with(self.component(), start_values)
+    }
+
+    fn with(mut model: Component, start_values: Option<&Bound<'_, PyAny>>) -> PyResult<Component> {
+        guarded(|| {
+            if let Some(given) = start_values {
+                let values = arguments::start_values(model.interface(), Some(given))?;
+                start_values::apply_all(&mut model, values).map_err(input)?;
+            }
+            Ok(model)
+        })
     }
 }
 
@@ -96,7 +133,7 @@ impl Model {
     fn new(kind: &str, text: String) -> PyResult<Self> {
         guarded(|| {
             let fresh = Component::from_definition(kind, &text).map_err(input)?;
-            Ok(Self { kind: fresh.definition_file(), text, fresh: Mutex::new(fresh) })
+            Ok(Self { kind: fresh.definition_file(), text, fresh: Mutex::new(fresh), used: Mutex::new(None) })
         })
     }
 
@@ -134,7 +171,9 @@ impl Model {
     }
 
     /// What a run records: these variables, or all outputs.
-    fn plan(&self, names: Vec<String>) -> PyResult<Plan> {
+    #[pyo3(signature = (output = None))]
+    fn plan(&self, output: Option<&Bound<'_, PyAny>>) -> PyResult<Plan> {
+        let names = output.map_or(Ok(Vec::new()), |output| names("output", output))?;
         let model = self.component();
         let columns = columns(model.interface(), &names).map_err(input)?;
         let references = columns.iter().map(|column| find(model.interface(), &column.name));
@@ -148,52 +187,71 @@ impl Model {
         &self,
         py: Python<'py>,
         plan: &Plan,
-        start: f64,
-        stop: Option<f64>,
-        interval: Option<f64>,
-        tolerance: Option<f64>,
-        start_values: Vec<String>,
+        start: &Bound<'py, PyAny>,
+        stop: Option<&Bound<'py, PyAny>>,
+        interval: Option<&Bound<'py, PyAny>>,
+        tolerance: Option<&Bound<'py, PyAny>>,
+        start_values: Option<&Bound<'py, PyAny>>,
         signals: Option<Columns>,
         with_slopes: bool,
     ) -> Made<Bound<'py, PyByteArray>> {
+        let (start, stop) = (number("start_time", start)?, optional("stop_time", stop)?);
+        let (interval, tolerance) =
+            (optional("output_interval", interval)?, optional("relative_tolerance", tolerance)?);
+        let used = self.used.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let mut model = Self::with(used.unwrap_or_else(|| self.component()), start_values)?;
         let (rows, warnings, error, time) = py.detach(|| {
             guarded(|| {
-                let mut model = self.component();
                 if let Some(tolerance) = tolerance {
                     model.set_tolerance(tolerance).map_err(|error| input(format!("relative_tolerance: {error}")))?;
                 }
-                start_values::apply(&mut model, &start_values).map_err(input)?;
-                let span = span(&model, start, stop, interval)?;
+                let span = Span::new(model.experiment(), start, stop, interval).map_err(input)?;
+                fits(&span, plan)?;
                 let signals = match signals {
                     Some((times, columns)) => {
                         Signals::of_columns(model.interface(), times, columns, with_slopes).map_err(input)?
                     }
                     None => Signals::none(),
-                };
+                }
+                .within(&span);
                 if with_slopes && model.input_order() == 0 {
                     return Err(input("set_input_derivatives: this model has no derivatives of inputs"));
                 }
-                made(&mut model, &span, &signals, plan)
+                let made = made(&mut model, &span, &signals, plan)?;
+                model.reset();
+                *self.used.lock().unwrap_or_else(PoisonError::into_inner) = Some(model);
+                Ok(made)
             })
         })?;
-        Ok((PyByteArray::new(py, &rows), warnings, error, time))
+        Ok((plan.packed(py, &rows)?, warnings, error, time))
     }
 
     /// Along the travel in `count` equal parts: values of the named variables, and their rates for each unit of a
     /// parameter of the travel. Row by row: parameter, values, rates.
-    fn travel(
+    #[pyo3(signature = (count, outputs, start_values))]
+    fn travel<'py>(
         &self,
-        py: Python<'_>,
-        count: usize,
-        names: Vec<String>,
-        start_values: Vec<String>,
-    ) -> PyResult<Vec<f64>> {
-        py.detach(|| {
-            guarded(|| {
-                let mut model = self.started(&start_values)?;
-                along(&mut model, count, &names)
-            })
-        })
+        py: Python<'py>,
+        count: &Bound<'py, PyAny>,
+        outputs: &Bound<'py, PyAny>,
+        start_values: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyByteArray>> {
+        let count = whole::<1, MOST_PARTS>("count", count)? as usize;
+        let outputs = names("outputs", outputs)?;
+        let bytes = (count + 1) as f64 * (1 + 2 * outputs.len()) as f64 * 8.0;
+        if bytes > MOST_BYTES {
+            return Err(InputError::new_err(format!(
+                "count = {count}: {} outputs at {} positions need {:.1} GB, but a result has at most {:.1} GB; give a \
+                 smaller count or fewer outputs",
+                outputs.len(),
+                count + 1,
+                bytes / 1e9,
+                MOST_BYTES / 1e9
+            )));
+        }
+        let mut model = self.started(start_values)?;
+        let values = py.detach(|| guarded(|| along(&mut model, count, &outputs)))?;
+        packed(py, &values)
     }
 
     /// Linearised at the start or, with `count`, along the travel: names of coordinate, inputs and outputs, and the
@@ -202,31 +260,32 @@ impl Model {
     fn linearise<'py>(
         &self,
         py: Python<'py>,
-        asked: Asked,
-        count: Option<usize>,
-        start_values: Vec<String>,
+        asked: Asked<'py>,
+        count: Option<&Bound<'py, PyAny>>,
+        start_values: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(String, Vec<String>, Vec<String>, Vec<Bound<'py, PyDict>>)> {
+        let (coordinate, inputs, outputs, held_by) = asked;
+        let count = count.map(|count| whole::<1, MOST_LINEARISED>("count", count)).transpose()?;
+        let arguments = fmu_studies::linearise::Arguments {
+            path: Default::default(),
+            coordinate: optional_text("coordinate", coordinate)?,
+            inputs: names("inputs", &inputs)?,
+            outputs: names("outputs", &outputs)?,
+            held_by: optional_text("held_by", held_by)?,
+            count: 0,
+            start_values: Vec::new(),
+            output_file: None,
+            plot: None,
+        };
+        let mut model = self.started(start_values)?;
         let (names, all) = py.detach(|| {
             guarded(|| {
-                let mut model = self.started(&start_values)?;
-                let (coordinate, inputs, outputs, held_by) = asked;
-                let arguments = fmu_studies::linearise::Arguments {
-                    path: Default::default(),
-                    coordinate,
-                    inputs,
-                    outputs,
-                    held_by,
-                    count: 0,
-                    start_values: Vec::new(),
-                    output_file: None,
-                    plot: None,
-                };
                 let what = fmu_studies::linearise::what(&model, &arguments).map_err(input)?;
                 let name = |own: &Reference| model.interface().list()[*own as usize].name.clone();
                 let named = |all: &[Reference]| all.iter().map(name).collect::<Vec<_>>();
                 let names = (name(&what.coordinate), named(&what.inputs), named(&what.outputs));
                 let all = match count {
-                    Some(count) => model.linearise(&what, count),
+                    Some(count) => model.linearise(&what, count as usize),
                     None => model.linearise_here(&what).map(|one| vec![one]),
                 };
                 Ok((names, all.map_err(refused)?))
@@ -237,8 +296,9 @@ impl Model {
     }
 
     /// A simulation with these start values, not initialised.
-    fn simulation(&self, start_values: Vec<String>) -> PyResult<Simulation> {
-        guarded(|| Ok(Simulation::new(self.started(&start_values)?)))
+    #[pyo3(signature = (start_values))]
+    fn simulation(&self, start_values: Option<&Bound<'_, PyAny>>) -> PyResult<Simulation> {
+        guarded(|| Ok(Simulation::new(self.started(start_values)?)))
     }
 
     /// The page that moves the mechanism, which messages name so.
@@ -246,13 +306,15 @@ impl Model {
         &self,
         py: Python<'_>,
         shown: String,
-        stop_time: Option<f64>,
-        start_values: Vec<String>,
+        stop_time: Option<&Bound<'_, PyAny>>,
+        start_values: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
+        let stop_time = optional("stop_time", stop_time)?;
+        let wanted = Wanted::new(stop_time, &[]).map_err(input)?;
+        let wanted = wanted.with(arguments::start_values(self.component().interface(), start_values)?);
         py.detach(|| {
             guarded(|| {
                 let checked = check::check(shown, self.kind, self.text.clone()).map_err(input)?;
-                let wanted = Wanted::new(stop_time, &start_values).map_err(input)?;
                 let data = Data::collect(&checked, &wanted).map_err(input)?;
                 view::html(&data).map_err(refused)
             })
@@ -265,28 +327,34 @@ fn in_lower_case(word: &str) -> String {
     word.chars().take(1).flat_map(char::to_lowercase).chain(word.chars().skip(1)).collect()
 }
 
-/// The times of a run.
-fn span(model: &Component, start: f64, stop: Option<f64>, interval: Option<f64>) -> PyResult<Span> {
-    let experiment = model.experiment();
-    let stop = stop.unwrap_or(start + experiment.stop_time);
-    if !(start.is_finite() && stop.is_finite() && stop >= start) {
-        return Err(input(format!(
-            "the run from {start:?} s to {stop:?} s is not possible: stop_time must be finite and not before start_time"
-        )));
+/// A text, or None.
+fn optional_text(argument: &str, given: Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if given.is_none() { Ok(None) } else { arguments::text(argument, &given).map(Some) }
+}
+
+/// Whether the result of a run has room.
+///
+/// # Errors
+/// It would have too many rows.
+fn fits(span: &Span, plan: &Plan) -> PyResult<()> {
+    let rows = ((span.stop - span.start) / span.interval).ceil() + 1.0;
+    let columns = 1 + plan.columns.len();
+    let bytes = rows * columns as f64 * 8.0;
+    if bytes <= MOST_BYTES {
+        return Ok(());
     }
-    let interval = match interval {
-        Some(interval) if interval > 0.0 && interval.is_finite() => interval,
-        Some(interval) => return Err(input(format!("output_interval = {interval:?} s: must be finite and > 0"))),
-        None => default_interval(experiment, stop - start),
-    };
-    if (stop - start) / interval > MOST_ROWS {
-        return Err(input(format!("output_interval = {interval:?} s: gives more than {MOST_ROWS:e} rows")));
-    }
-    Ok(Span { start, stop, interval })
+    Err(InputError::new_err(format!(
+        "output_interval = {:?} s: {rows:.0} rows of {columns} columns need {:.1} GB, but a result has at most {:.1} GB; \
+         give a larger output_interval or fewer names in output, or write the rows to a file by the command \
+         linkage-fmu simulate",
+        span.interval,
+        bytes / 1e9,
+        MOST_BYTES / 1e9
+    )))
 }
 
 /// Make a run: its rows, its warnings, why it ended early, and the time reached [s].
-fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) -> Made<Vec<u8>> {
+fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) -> Made<Vec<f64>> {
     let Plan { columns, references } = plan;
     let width = 1 + columns.len();
     let expected = ((span.stop - span.start) / span.interval) as usize + 2;
@@ -319,25 +387,17 @@ fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) -> M
     watch.lines.extend(missing.lines(&names));
     // A row that a refused value has cut short is left out.
     rows.truncate(rows.len() / width * width);
-    Ok((packed(columns, &rows), watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
+    Ok((rows, watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
 }
 
-/// Rows in the layout of numpy: doubles, and a byte for a Boolean.
-fn packed(columns: &[Column], rows: &[f64]) -> Vec<u8> {
-    if !columns.iter().any(|column| column.is_boolean) {
-        return rows.iter().flat_map(|value| value.to_ne_bytes()).collect();
-    }
-    let mut out = Vec::with_capacity(rows.len() * 8);
-    for row in rows.chunks_exact(1 + columns.len()) {
-        out.extend_from_slice(&row[0].to_ne_bytes());
-        for (column, value) in columns.iter().zip(&row[1..]) {
-            match column.is_boolean {
-                true => out.push(u8::from(*value != 0.0)),
-                false => out.extend_from_slice(&value.to_ne_bytes()),
-            }
+/// Numbers as the bytes that numpy reads.
+fn packed<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyByteArray>> {
+    PyByteArray::new_with(py, 8 * values.len(), |bytes| {
+        for (place, value) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(values) {
+            *place = value.to_ne_bytes();
         }
-    }
-    out
+        Ok(())
+    })
 }
 
 /// Values and rates of variables along the travel, without time.
@@ -361,7 +421,10 @@ fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<Vec<
         NoValue::AtState(why) => refused(why),
         NoValue::Refused(why) => refused(why),
     };
-    for &sigma in &travel {
+    for (position, &sigma) in travel.iter().enumerate() {
+        if position % POSITIONS_PER_LOOK == POSITIONS_PER_LOOK - 1 {
+            Python::attach(|py| py.check_signals())?;
+        }
         rows.push(sigma);
         model.set_continuous_states([sigma, 0.0]).map_err(no_value)?;
         model.reals(&references, |value| rows.push(value)).map_err(refused)?;

@@ -2,6 +2,7 @@
 //!
 //! In: names, arrays. Out: references, numbers. Arrays of doubles are read and written in place.
 
+use crate::arguments;
 use crate::errors::{InputError, input};
 use fmu_build::start_values::find;
 use linkage_fmu::component::Component;
@@ -9,9 +10,10 @@ use linkage_fmu::variables::{Causality, Kind, Reference};
 use pyo3::buffer::PyBuffer;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyList, PySlice};
 
 /// Names of variables that were looked up once, for simulations of one mechanism.
-#[pyclass(frozen, sequence, module = "linkage_fmu")]
+#[pyclass(frozen, module = "linkage_fmu")]
 pub struct Names {
     /// Names, in the order given.
     names: Vec<String>,
@@ -31,8 +33,9 @@ impl Names {
     /// Look the names up.
     ///
     /// # Errors
-    /// No variable has a name; the nearest ones are named.
-    pub fn of(model: &Component, names: Vec<String>) -> PyResult<Self> {
+    /// These are no names; a name occurs twice; no variable has a name, and the nearest ones are named.
+    pub fn of(model: &Component, argument: &str, names: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let names = arguments::names(argument, names)?;
         let interface = model.interface();
         let found = names.iter().map(|name| find(interface, name)).collect::<Result<Vec<_>, _>>();
         let references = found.map_err(input)?;
@@ -63,9 +66,11 @@ impl Names {
         self.names.len()
     }
 
-    fn __getitem__(&self, index: usize) -> PyResult<&str> {
-        let name = self.names.get(index).map(String::as_str);
-        name.ok_or_else(|| pyo3::exceptions::PyIndexError::new_err("there are fewer names"))
+    fn __getitem__<'py>(&self, index: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        if !index.is_instance_of::<PySlice>() && index.extract::<isize>().is_err() {
+            return Err(arguments::wrong("index", index, "a whole number or a slice"));
+        }
+        PyList::new(index.py(), &self.names)?.as_any().get_item(index)
     }
 
     fn __repr__(&self) -> String {
@@ -73,41 +78,26 @@ impl Names {
     }
 }
 
-/// Call `take` with the numbers in an array, a list or the like.
-///
-/// # Errors
-/// These are no numbers, or not as many as names.
+/// Call `take` with the numbers in an array of doubles or a list of numbers, as many as there are names. None if this is
+/// anything else, of which [`crate::arguments::values`] tells what is wrong with it.
+#[inline]
 pub fn with_numbers<T>(
     values: &Bound<'_, PyAny>,
     count: usize,
     take: impl FnOnce(&[f64]) -> PyResult<T>,
-) -> PyResult<T> {
-    let wrong = |found: String| {
-        InputError::new_err(format!("values has {found}, but there are {count} names; give one number for each name"))
-    };
+) -> Option<PyResult<T>> {
     if let Ok(buffer) = PyBuffer::<f64>::get(values) {
-        if buffer.dimensions() != 1 {
-            return Err(wrong(format!("{} dimensions", buffer.dimensions())));
-        }
-        if buffer.item_count() != count {
-            return Err(wrong(format!("{} numbers", buffer.item_count())));
+        if buffer.dimensions() != 1 || buffer.item_count() != count {
+            return None;
         }
         let mut few = [0.0; 16];
         if count <= few.len() {
             let few = &mut few[..count];
-            buffer.copy_to_slice(values.py(), few)?;
-            return take(few);
+            return Some(buffer.copy_to_slice(values.py(), few).and_then(|()| take(few)));
         }
-        return take(&buffer.to_vec(values.py())?);
+        return Some(buffer.to_vec(values.py()).and_then(|all| take(&all)));
     }
-    let numbers: Vec<f64> = values.extract().map_err(|_| {
-        let class = values.get_type().name().map_or_else(|_| "something else".to_owned(), |name| name.to_string());
-        InputError::new_err(format!("values is {class}; give an array or a list with one number for each name"))
-    })?;
-    if numbers.len() != count {
-        return Err(wrong(format!("{} numbers", numbers.len())));
-    }
-    take(&numbers)
+    None
 }
 
 /// A new array of numpy with these numbers.

@@ -2,9 +2,10 @@
 //!
 //! In: names, values of Python, steps. Out: values, exceptions. It must not know who shares it.
 
+use crate::arguments;
 use crate::errors::{SimulationError, input, refused, value};
-use crate::names::Names;
-use fmu_build::start_values::{self, find, most_together, set_reals};
+use crate::names::{Names, with_numbers};
+use fmu_build::start_values::{find, most_together, set_reals};
 use linkage_fmu::component::{Component, Paused, Pauses, Stepped};
 use linkage_fmu::variables::{Causality, Kind, Reference, Value, Variability};
 use pyo3::prelude::*;
@@ -123,41 +124,40 @@ impl Run {
         Ok(())
     }
 
-    /// Set one variable to a number, a truth value or a text.
-    pub fn set(&mut self, name: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
-        let reference = find(self.model.interface(), name).map_err(input)?;
-        let variable = &self.model.interface().list()[reference as usize];
-        let (kind, is_parameter) = (variable.kind, variable.causality == Causality::Parameter);
-        match kind {
-            Kind::Real if !given.is_instance_of::<PyBool>() => {
-                if given.is_instance_of::<PyString>() {
-                    let text = given.extract::<String>()?;
-                    let words = [format!("{name}={text}")];
-                    let parsed = start_values::parse(self.model.interface(), &words).map_err(input)?;
-                    let number = match parsed.first() {
-                        Some((_, Value::Real(number))) => *number,
-                        _ => f64::NAN,
-                    };
-                    return self.set_reals(&[reference], &[number]);
+    /// Set variables, all or none.
+    pub fn assign(&mut self, values: Vec<(Reference, Value)>) -> PyResult<()> {
+        let (mut references, mut numbers) = (Vec::new(), Vec::new());
+        for (reference, given) in &values {
+            match given {
+                Value::Real(number) => {
+                    references.push(*reference);
+                    numbers.push(*number);
                 }
-                let number = given.extract::<f64>().map_err(|_| wrong(name, "a number", given))?;
-                return self.set_reals(&[reference], &[number]);
-            }
-            Kind::Real => return Err(wrong(name, "a number", given)),
-            Kind::Boolean => {
-                let truth = given.is_truthy().map_err(|_| wrong(name, "True or False", given))?;
-                if given.is_instance_of::<PyString>() {
-                    return Err(wrong(name, "True or False", given));
-                }
-                self.model.set_boolean(reference, truth).map_err(value)?;
-            }
-            Kind::Enumeration => {
-                let text = given.extract::<String>().map_err(|_| wrong(name, "the name of an item", given))?;
-                self.model.set_text(reference, &text).map_err(value)?;
+                Value::Boolean(truth) => self.model.check_boolean(*reference, *truth).map_err(value)?,
+                Value::Item(item) => self.model.check_text(*reference, item).map_err(value)?,
             }
         }
-        self.is_initialized &= !is_parameter;
+        if !numbers.is_empty() {
+            self.set_reals(&references, &numbers)?;
+        }
+        for (reference, given) in &values {
+            match given {
+                Value::Real(_) => continue,
+                Value::Boolean(truth) => self.model.set_boolean(*reference, *truth).map_err(value)?,
+                Value::Item(item) => self.model.set_text(*reference, item).map_err(value)?,
+            }
+            let variable = &self.model.interface().list()[*reference as usize];
+            self.is_initialized &= variable.causality != Causality::Parameter;
+        }
         Ok(())
+    }
+
+    /// Set one variable.
+    pub fn set(&mut self, name: &str, given: &Bound<'_, PyAny>) -> PyResult<()> {
+        let interface = self.model.interface();
+        let reference = find(interface, name).map_err(input)?;
+        let set = arguments::value(&interface.list()[reference as usize], given)?;
+        self.assign(vec![(reference, set)])
     }
 
     /// The value of one variable.
@@ -191,22 +191,24 @@ impl Run {
         Ok(())
     }
 
-    /// Set several variables to numbers, all or none.
-    pub fn set_all(&mut self, names: &Names, values: &[f64]) -> PyResult<()> {
+    /// Set several variables to the values in an array or a list, all or none.
+    pub fn set_all(&mut self, names: &Names, given: &Bound<'_, PyAny>) -> PyResult<()> {
         names.belong_to(&self.model)?;
-        if names.are_inputs {
-            let all = || names.references.iter().zip(values);
-            all().try_for_each(|(&own, &number)| self.model.check_real(own, number)).map_err(value)?;
-            return all().try_for_each(|(&own, &number)| self.model.take_real(own, number)).map_err(value);
+        if names.are_reals
+            && let Some(set) = with_numbers(given, names.references.len(), |values| {
+                if !names.are_inputs {
+                    return self.set_reals(&names.references, values);
+                }
+                let all = || names.references.iter().zip(values);
+                all().try_for_each(|(&own, &number)| self.model.check_real(own, number)).map_err(value)?;
+                all().try_for_each(|(&own, &number)| self.model.take_real(own, number)).map_err(value)
+            })
+        {
+            return set;
         }
-        if names.are_reals {
-            return self.set_reals(&names.references, values);
-        }
-        Err(input("an array sets numbers only; set a Boolean or an Enumeration by its name"))
+        let list = self.model.interface().list();
+        let variables = names.references.iter().map(|reference| &list[*reference as usize]);
+        let values = arguments::values(variables, given)?;
+        self.assign(names.references.iter().copied().zip(values).collect())
     }
-}
-
-fn wrong(name: &str, needed: &str, given: &Bound<'_, PyAny>) -> PyErr {
-    let shown = given.repr().map_or_else(|_| "this".to_owned(), |text| text.to_string());
-    input(format!("{name} needs {needed}, not {shown}"))
 }

@@ -3,8 +3,9 @@
 //! In: values by names, steps. Out: values, saved states. One thread at a time uses a simulation; the interpreter's
 //! lock is released while [`Simulation::run_until`] computes.
 
+use crate::arguments::{number, numbers, text, truth, whole, wrong};
 use crate::errors::{SimulationError, guarded, input, refused, value};
-use crate::names::{Names, array, with_numbers, write};
+use crate::names::{Names, array, write};
 use crate::run::Run;
 use fmu_build::start_values::find;
 use linkage_fmu::component::{Component, Snapshot};
@@ -22,8 +23,6 @@ pub struct State {
     snapshot: Mutex<Snapshot>,
     time: f64,
     is_initialized: bool,
-    /// Identity of the model: a snapshot of another one cannot be taken.
-    identity: [u64; 2],
 }
 
 /// A simulation that is held by this call.
@@ -75,9 +74,9 @@ impl Simulation {
 
     /// Look names up once, for fast calls of `get` and `set`.
     ///
-    /// Raises InputError if no variable has a name; the text names the nearest ones.
-    fn prepare(&self, names: Vec<String>) -> PyResult<Names> {
-        self.with(|run| Names::of(&run.model, names))
+    /// Raises InputError if no variable has a name, or if a name occurs twice; the text lists the most similar names.
+    fn prepare(&self, names: &Bound<'_, PyAny>) -> PyResult<Names> {
+        self.with(|run| Names::of(&run.model, "names", names))
     }
 
     /// Present values in SI units. Of one name a number, a truth value or a text. Of several names an array of numbers,
@@ -89,14 +88,14 @@ impl Simulation {
     fn get<'py>(&self, names: &Bound<'py, PyAny>, out: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let py = names.py();
         if let Ok(name) = names.cast::<PyString>() {
-            return self.with(|run| run.get(py, &name.to_cow()?));
+            let name = text("names", name)?;
+            return self.with(|run| run.get(py, &name));
         }
         let mut values = Vec::new();
         if let Ok(names) = names.cast::<Names>() {
             self.with(|run| run.numbers(names.get(), &mut values))?;
         } else {
-            let list = names.extract()?;
-            self.with(|run| run.numbers(&Names::of(&run.model, list)?, &mut values))?;
+            self.with(|run| run.numbers(&Names::of(&run.model, "names", names)?, &mut values))?;
         }
         match out {
             Some(out) => write(&out, &values).map(|()| out),
@@ -104,41 +103,39 @@ impl Simulation {
         }
     }
 
-    /// Set inputs and parameters, in SI units: one name and its value, or several names and an array of numbers. A text
-    /// may have a unit, such as "45 deg". Within a run, an input or a tunable parameter acts from now on. Any other
-    /// parameter ends the run; the next step then needs `initialize`.
+    /// Set inputs and parameters: one name and its value, or several names and an array or a list with their values.
+    /// A value is a number in SI units, a truth value, the name of an item, or a text such as "45 deg" or "true", as in
+    /// `start_values` of `Mechanism.simulate`. Within a run, an input or a tunable parameter acts from now on. Any
+    /// other parameter ends the run; the next step then needs `initialize`.
     ///
-    /// Raises InputError if no variable has a name, if a variable is an output, or if a value is out of range, not
-    /// finite, or of another shape. Nothing is set then.
+    /// Raises InputError if no variable has a name, if a name occurs twice, or if a variable is an output. Raises
+    /// InputError if a value is out of range, not finite, or of another unit, type or shape. Nothing is set then.
     fn set(&self, names: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         if let Ok(name) = names.cast::<PyString>() {
-            return self.with(|run| run.set(&name.to_cow()?, values));
+            let name = text("names", name)?;
+            return self.with(|run| run.set(&name, values));
         }
         if let Ok(names) = names.cast::<Names>() {
-            let names = names.get();
-            return with_numbers(values, names.references.len(), |values| self.with(|run| run.set_all(names, values)));
+            return self.with(|run| run.set_all(names.get(), values));
         }
-        let list: Vec<String> = names.extract()?;
-        with_numbers(values, list.len(), |values| {
-            self.with(|run| {
-                let names = Names::of(&run.model, list)?;
-                run.set_all(&names, values)
-            })
-        })
+        self.with(|run| run.set_all(&Names::of(&run.model, "names", names)?, values))
     }
 
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        self.with(|run| run.get(py, name))
+    fn __getitem__<'py>(&self, name: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let (py, name) = (name.py(), text("name", name)?);
+        self.with(|run| run.get(py, &name))
     }
 
-    fn __setitem__(&self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.with(|run| run.set(name, value))
+    fn __setitem__(&self, name: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>) -> PyResult<()> {
+        let name = text("name", name)?;
+        self.with(|run| run.set(&name, value))
     }
 
     /// Reason why an output has no value in the present state; None if it has one.
-    fn undefined(&self, name: &str) -> PyResult<Option<String>> {
+    fn undefined(&self, name: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+        let name = text("name", name)?;
         self.with(|run| {
-            let reference = find(run.model.interface(), name).map_err(input)?;
+            let reference = find(run.model.interface(), &name).map_err(input)?;
             Ok(run.model.undefined(reference))
         })
     }
@@ -166,7 +163,8 @@ impl Simulation {
     /// Advance by `h` [s] > 0 under the present inputs. The call holds the interpreter's lock.
     ///
     /// Raises InputError if `h` is out of range, SimulationError if the model is not initialised or cannot continue.
-    fn step(&self, h: f64) -> PyResult<()> {
+    fn step(&self, h: &Bound<'_, PyAny>) -> PyResult<()> {
+        let h = number("h", h)?;
         self.with(|run| run.step(h))
     }
 
@@ -174,19 +172,35 @@ impl Simulation {
     /// first event, such as the impact on a stop, after it has been handled. Returns what happened there, one line for
     /// each event; an empty list if `time` is reached.
     ///
+    /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` internal steps.
+    ///
     /// Raises as `step`.
-    #[pyo3(signature = (time, *, at_event = false))]
-    fn run_until(&self, py: Python<'_>, time: f64, at_event: bool) -> PyResult<Vec<String>> {
+    #[pyo3(signature = (time, *, at_event = None), text_signature = "($self, time, *, at_event=False)")]
+    fn run_until(
+        &self,
+        py: Python<'_>,
+        time: &Bound<'_, PyAny>,
+        at_event: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<String>> {
+        let time = number("time", time)?;
+        let at_event = at_event.map_or(Ok(false), |given| truth("at_event", given))?;
         py.detach(|| self.with(|run| run.run_until(time, at_event)))
     }
 
     /// Set a time derivative of an input, for the next step only: order 1 [unit/s] or 2 [unit/s2].
     ///
     /// Raises InputError if no continuous input has this name, or if the order or the value is out of range.
-    #[pyo3(signature = (name, derivative, order = 1))]
-    fn set_derivative(&self, name: &str, derivative: f64, order: i32) -> PyResult<()> {
+    #[pyo3(signature = (name, derivative, order = None), text_signature = "($self, name, derivative, order=1)")]
+    fn set_derivative(
+        &self,
+        name: &Bound<'_, PyAny>,
+        derivative: &Bound<'_, PyAny>,
+        order: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let (name, derivative) = (text("name", name)?, number("derivative", derivative)?);
+        let order = order.map_or(Ok(1), |order| whole::<1, 2>("order", order))? as i32;
         self.with(|run| {
-            let reference = find(run.model.interface(), name).map_err(input)?;
+            let reference = find(run.model.interface(), &name).map_err(input)?;
             run.model.set_input_derivative(reference, order, derivative).map_err(value)
         })
     }
@@ -194,9 +208,10 @@ impl Simulation {
     /// Rate of an output in time [unit/s]; NaN where it has none in the present state.
     ///
     /// Raises InputError if no continuous output has this name.
-    fn derivative(&self, name: &str) -> PyResult<f64> {
+    fn derivative(&self, name: &Bound<'_, PyAny>) -> PyResult<f64> {
+        let name = text("name", name)?;
         self.with(|run| {
-            let reference = find(run.model.interface(), name).map_err(input)?;
+            let reference = find(run.model.interface(), &name).map_err(input)?;
             run.model.output_derivative(reference, 1).map_err(value)
         })
     }
@@ -208,20 +223,19 @@ impl Simulation {
     fn directional_derivative<'py>(
         &self,
         py: Python<'py>,
-        outputs: Vec<String>,
-        inputs: Vec<String>,
+        outputs: &Bound<'py, PyAny>,
+        inputs: &Bound<'py, PyAny>,
         seeds: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let mut found = vec![0.0; outputs.len()];
-        with_numbers(seeds, inputs.len(), |seeds| {
-            self.with(|run| {
-                let unknowns = Names::of(&run.model, outputs)?.references;
-                let knowns = Names::of(&run.model, inputs)?.references;
-                let mut report = |index: usize, value: f64| found[index] = value;
-                let is_initial = !run.is_initialized;
-                let done = run.model.directional_derivative(is_initial, &unknowns, &knowns, seeds, &mut report);
-                done.map_err(value)
-            })
+        let found = self.with(|run| {
+            let unknowns = Names::of(&run.model, "outputs", outputs)?.references;
+            let knowns = Names::of(&run.model, "inputs", inputs)?.references;
+            let seeds = numbers("seeds", seeds, knowns.len())?;
+            let mut found = vec![0.0; unknowns.len()];
+            let mut report = |index: usize, value: f64| found[index] = value;
+            let is_initial = !run.is_initialized;
+            let done = run.model.directional_derivative(is_initial, &unknowns, &knowns, &seeds, &mut report);
+            done.map(|()| found).map_err(value)
         })?;
         array(py, &found)
     }
@@ -230,19 +244,19 @@ impl Simulation {
     fn save(&self) -> PyResult<State> {
         self.with(|run| {
             let snapshot = Mutex::new(run.model.snapshot());
-            let identity = run.model.identity();
-            Ok(State { snapshot, time: run.time, is_initialized: run.is_initialized, identity })
+            Ok(State { snapshot, time: run.time, is_initialized: run.is_initialized })
         })
     }
 
     /// Continue from a saved state, of this simulation or another one of the same mechanism.
     ///
     /// Raises InputError if the state belongs to another mechanism.
-    fn restore(&self, state: &State) -> PyResult<()> {
+    fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
+        let Ok(state) = state.cast::<State>() else {
+            return Err(wrong("state", state, "a State; Simulation.save makes one"));
+        };
+        let state = state.get();
         self.with(|run| {
-            if state.identity != run.model.identity() {
-                return Err(input("this state is of another mechanism; restore a state of a simulation of this one"));
-            }
             let snapshot = state.snapshot.lock().map_err(refused)?;
             run.model.restore(&snapshot).map_err(value)?;
             (run.time, run.is_initialized) = (state.time, state.is_initialized);
@@ -253,7 +267,11 @@ impl Simulation {
     /// Read a state from the bytes that `State.to_bytes` has written.
     ///
     /// Raises InputError if the bytes are no state of this mechanism.
-    fn state_from_bytes(&self, bytes: &[u8]) -> PyResult<State> {
+    fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {
+        let Ok(bytes) = bytes.cast::<PyBytes>() else {
+            return Err(wrong("bytes", bytes, "bytes of State.to_bytes"));
+        };
+        let bytes = bytes.as_bytes();
         self.with(|run| {
             let no_state =
                 || input("these bytes are not a saved state of this mechanism; give those of State.to_bytes");
@@ -265,8 +283,7 @@ impl Simulation {
             }
             let snapshot = run.model.read_snapshot(snapshot).map_err(value)?;
             let is_initialized = snapshot.is_initialized();
-            let identity = run.model.identity();
-            Ok(State { snapshot: Mutex::new(snapshot), time, is_initialized, identity })
+            Ok(State { snapshot: Mutex::new(snapshot), time, is_initialized })
         })
     }
 
@@ -302,8 +319,13 @@ impl Simulation {
         self.close()
     }
 
-    fn __repr__(&self) -> PyResult<String> {
-        self.with(|run| Ok(format!("<Simulation of {} at {:?} s>", run.model.name(), run.time)))
+    fn __repr__(&self) -> String {
+        match self.0.try_lock().as_deref() {
+            Ok(Some(run)) => format!("<Simulation of {} at {:?} s>", run.model.name(), run.time),
+            Ok(None) => "<Simulation, closed>".to_owned(),
+            Err(TryLockError::WouldBlock) => "<Simulation, in use by another thread>".to_owned(),
+            Err(TryLockError::Poisoned(_)) => "<Simulation, unusable after a fault of the engine>".to_owned(),
+        }
     }
 }
 
@@ -318,9 +340,11 @@ impl State {
     /// The state as bytes, which `Simulation.state_from_bytes` reads, also in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
-            let head = [self.time.to_bits(), self.identity[0], self.identity[1]];
+            let mut snapshot = self.snapshot.lock().map_err(refused)?;
+            let [guid, structure] = snapshot.identity();
+            let head = [self.time.to_bits(), guid, structure];
             let mut bytes: Vec<u8> = head.into_iter().flat_map(u64::to_le_bytes).collect();
-            self.snapshot.lock().map_err(refused)?.write(&mut bytes).map_err(value)?;
+            snapshot.write(&mut bytes).map_err(value)?;
             Ok(PyBytes::new(py, &bytes))
         })
     }

@@ -2,11 +2,12 @@
 //!
 //! In: paths, texts, a function to call on the way. Out: what a task gives, as JSON or paths, and what it prints.
 
+use crate::arguments::{names, text, whole};
 use crate::errors::{guarded, in_python, input, refused};
-use anyhow::Result;
+use anyhow::{Context, Result};
 use fmu_build::fmu::Definition;
 use fmu_build::workspace::Workspace;
-use fmu_build::{check as checking, output, task};
+use fmu_build::{check as checking, output, prebuilt, task};
 use fmu_studies::progress;
 use fmu_studies::simulate::Outcome;
 use fmu_studies::sweep::{self as studies, Watch};
@@ -37,7 +38,22 @@ pub fn folder(package: OsString, interpreter: Option<OsString>) -> Option<OsStri
     // Texts and no paths: Python's module for these would be most of the import.
     let _ = PACKAGE.set(package.into());
     interpreter.into_iter().for_each(|interpreter| fmu_cli::python::runs_in(interpreter.into()));
+    prebuilt::reads_by(unpacked);
     workspace().ok().map(|workspace| workspace.root().as_os_str().to_owned())
+}
+
+/// A file in an archive, by Python's module for archives.
+fn unpacked(archive: &Path, name: &str) -> Result<Vec<u8>> {
+    let read = |py: Python<'_>| -> PyResult<Vec<u8>> {
+        let archive = py.import("tarfile")?.call_method1("open", (archive,))?;
+        let content = archive.call_method1("extractfile", (name,))?.call_method0("read")?.extract();
+        archive.call_method0("close")?;
+        content
+    };
+    Python::attach(read).context(
+        "Python's module lzma is needed; install a Python that has it, or give a library with \
+                                  --binary",
+    )
 }
 
 /// The command: its words, the program's name first; the exit code.
@@ -94,14 +110,15 @@ pub fn package(
     py: Python<'_>,
     path: PathBuf,
     out: PathBuf,
-    fmi: &str,
-    platforms: Vec<String>,
+    fmi: &Bound<'_, PyAny>,
+    platforms: &Bound<'_, PyAny>,
     animation: bool,
     results: bool,
 ) -> PyResult<(Vec<PathBuf>, String)> {
+    let (fmi, platforms) = (text("fmi", fmi)?, names("platforms", platforms)?);
     py.detach(|| {
         guarded(|| {
-            let fmi = match fmi {
+            let fmi = match &*fmi {
                 "2" => fmu_cli::Fmi::Two,
                 "3" => fmu_cli::Fmi::Three,
                 "both" => fmu_cli::Fmi::Both,
@@ -156,9 +173,10 @@ pub fn sweep(
     py: Python<'_>,
     study: PathBuf,
     out: PathBuf,
-    threads: Option<u16>,
+    threads: Option<&Bound<'_, PyAny>>,
     watch: Option<Py<PyAny>>,
 ) -> PyResult<String> {
+    let threads = number_of_threads(threads)?;
     let arguments = studies::Arguments { study, out: Some(out), csv: true, threads, ..Default::default() };
     observed(py, watch, |workspace, watch| studies::run(workspace, &arguments, Some(watch)))
 }
@@ -169,11 +187,16 @@ pub fn optimise(
     py: Python<'_>,
     study: PathBuf,
     out: PathBuf,
-    threads: Option<u16>,
+    threads: Option<&Bound<'_, PyAny>>,
     watch: Option<Py<PyAny>>,
 ) -> PyResult<String> {
+    let threads = number_of_threads(threads)?;
     let arguments = studies::optimise::Arguments { study, out: Some(out), csv: true, threads, ..Default::default() };
     observed(py, watch, |workspace, watch| studies::optimise::run(workspace, &arguments, Some(watch)))
+}
+
+fn number_of_threads(given: Option<&Bound<'_, PyAny>>) -> PyResult<Option<u16>> {
+    given.map(|given| whole::<1, { u16::MAX as i64 }>("threads", given).map(|threads| threads as u16)).transpose()
 }
 
 /// Make a study that Python watches; what was printed.

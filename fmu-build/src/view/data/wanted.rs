@@ -3,7 +3,7 @@
 use crate::start_values::parse;
 use anyhow::{Context, Result, anyhow, bail};
 use linkage_fmu::simulation::Simulation;
-use linkage_fmu::variables::Value;
+use linkage_fmu::variables::{Reference, Value};
 
 /// What is asked for.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +14,8 @@ pub struct Wanted {
     start_values: Vec<String>,
     /// Names and values of the run to be compared, set after those.
     changed: Vec<String>,
+    /// Further start values.
+    values: Vec<(Reference, Value)>,
 }
 
 impl Wanted {
@@ -25,14 +27,19 @@ impl Wanted {
         if let Some(time) = stop_time.filter(|time| !(time.is_finite() && *time >= 0.0)) {
             bail!("--stop-time {time}: must be a time in s, >= 0");
         }
-        Ok(Self { stop_time, start_values: start_values.to_vec(), changed: Vec::new() })
+        Ok(Self { stop_time, start_values: start_values.to_vec(), ..Self::default() })
     }
 
-    /// The same with more start values, which take the place of others for the same variables.
+    /// The same with these start values, in the order of the variables.
     #[must_use]
-    pub fn with(mut self, values: &[String]) -> Self {
-        self.changed = values.to_vec();
-        self
+    pub fn with(self, values: Vec<(Reference, Value)>) -> Self {
+        Self { values, ..self }
+    }
+
+    /// The same with more start values, as written, which take the place of others for the same variables.
+    #[must_use]
+    pub fn compared(self, changed: &[String]) -> Self {
+        Self { changed: changed.to_vec(), ..self }
     }
 
     /// Set the start values.
@@ -42,6 +49,7 @@ impl Wanted {
     pub fn set(&self, simulation: &mut Simulation) -> Result<()> {
         let variables = simulation.model().variables();
         let mut all = parse(variables, &self.start_values)?;
+        all.extend(self.values.iter().cloned());
         let changed = parse(variables, &self.changed)
             .map_err(|error| anyhow!(format!("{error:#}").replace("--start-values", "--compare-set")))?;
         all.retain(|(reference, _)| changed.iter().all(|(other, _)| other != reference));

@@ -19,7 +19,15 @@ from importlib import import_module
 from os import path
 
 from . import _engine
-from ._errors import InputError, InternalError, LinkageError, LinkageWarning, MechanismError, SimulationError
+from ._errors import (
+    InputError,
+    InputTypeError,
+    InternalError,
+    LinkageError,
+    LinkageWarning,
+    MechanismError,
+    SimulationError,
+)
 
 # Not that of typing, whose import takes longer than that of this package.
 TYPE_CHECKING = False
@@ -75,6 +83,7 @@ __all__ = [
     "Finding",
     "Info",
     "InputError",
+    "InputTypeError",
     "InternalError",
     "Kinematics",
     "LinearModel",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _engine
+from ._errors import file
 from ._mechanism import Mechanism, Source
 
 
@@ -50,7 +51,7 @@ def info(path: str | os.PathLike[str]) -> Info:
     Raises:
         InputError: the path leads to no model.
     """
-    text, stated = _engine.info(os.fspath(path))
+    text, stated = _engine.info(file("path", path))
     return Info(json.loads(stated), text)
 
 
@@ -60,7 +61,7 @@ def validate(path: str | os.PathLike[str]) -> Validation:
     Raises:
         InputError: the path leads to no model.
     """
-    found: dict[str, list[str]] = json.loads(_engine.validate(os.fspath(path)))
+    found: dict[str, list[str]] = json.loads(_engine.validate(file("path", path)))
     return Validation(tuple(found["errors"]), tuple(found["warnings"]), tuple(found["notes"]))
 
 

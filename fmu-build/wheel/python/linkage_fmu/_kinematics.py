@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError
-from ._mechanism import Mechanism, StartValue, words
+from ._errors import InputError, wrong
+from ._mechanism import Mechanism, StartValue
 
 if TYPE_CHECKING:
     import pandas
@@ -66,7 +66,7 @@ class Kinematics:
         return f"<Kinematics: {len(self)} positions of {', '.join(self.names)}>"
 
     def _known(self, name: str) -> None:
-        if name not in self._values:
+        if not isinstance(name, str) or name not in self._values:
             from ._result import _unknown
 
             raise InputError(_unknown(name, self.names))
@@ -76,10 +76,6 @@ def kinematics(
     mechanism: Mechanism, count: int, outputs: Iterable[str] | None, start_values: Mapping[str, StartValue] | None
 ) -> Kinematics:
     """See `Mechanism.kinematics`."""
-    if isinstance(outputs, str):
-        raise InputError(f'outputs is a list of names; write outputs=["{outputs}"]')
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= 1_000_000:
-        raise InputError(f"count = {count!r}: must be a whole number from 1 to 1000000")
     variables = {own.name: own for own in mechanism.variables}
     wanted = _OF_POSITION if mechanism._is_massless else _OF_POSITION + _OF_MASSES
 
@@ -89,9 +85,16 @@ def kinematics(
     if outputs is None:
         names = [own.name for own in variables.values() if own.causality == "output" and is_wanted(own.name)]
     else:
-        names = list(outputs)
-    if mechanism._is_massless and (wrong := [name for name in names if name in variables and not is_wanted(name)]):
-        raise InputError(f"{wrong[0]} depends on masses, which this mechanism was opened without")
-    flat = mechanism._model.travel(count, names, words(start_values))
-    table = np.array(flat).reshape(-1, 1 + 2 * len(names))
+        try:
+            names = [] if isinstance(outputs, str) else list(outputs)
+        except TypeError:
+            names = []
+        if not names:
+            wrong("outputs", outputs, "a list of names")
+    if mechanism._is_massless:
+        for name in names:
+            if isinstance(name, str) and name in variables and not is_wanted(name):
+                raise InputError(f"{name} depends on masses, which this mechanism was opened without")
+    flat = mechanism._model.travel(count, names, start_values)
+    table = np.frombuffer(flat).reshape(-1, 1 + 2 * len(names))
     return Kinematics(names, table, {name: variables[name].unit for name in names})

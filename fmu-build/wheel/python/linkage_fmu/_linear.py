@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._mechanism import Mechanism, StartValue, words
+from ._mechanism import Mechanism, StartValue
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -56,9 +56,7 @@ def linearise(
     start_values: Mapping[str, StartValue] | None,
 ) -> list[LinearModel]:
     """See `Mechanism.linearise`."""
-    coordinate, inputs, outputs, held_by = what
-    asked = (coordinate, list(inputs), list(outputs), held_by)
-    found = mechanism._model.linearise(asked, count, words(start_values))
+    found = mechanism._model.linearise(what, count, start_values)
     name, u, y, all_at = found
     models = []
     for at in all_at:

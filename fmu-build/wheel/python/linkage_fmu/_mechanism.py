@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _FOLDER, _engine
-from ._errors import InputError, LinkageWarning, MechanismError, SimulationError
+from ._errors import InputError, LinkageWarning, MechanismError, SimulationError, file, wrong
 from ._report import Fact, Report, report
 
 if TYPE_CHECKING:
@@ -52,14 +52,17 @@ class Variable:
 def read(source: Source) -> tuple[str, str, str]:
     """Kind, place and text of a definition."""
     if isinstance(source, Mapping):
-        text = json.dumps(source, indent=2, ensure_ascii=False)
+        text = as_json("source", source)
     elif isinstance(source, str) and source.lstrip().startswith("{"):
         text = source
     elif isinstance(source, str | os.PathLike):
-        return _engine.read(os.fspath(source))
+        return _engine.read(file("source", source))
     else:
-        raise TypeError(f"a definition is a path, a dict or a text, not {type(source).__name__}")
-    return _engine.kind_of(text), "definition", text
+        wrong("source", source, "a path, a dict or a text")
+    try:
+        return _engine.kind_of(text), "definition", text
+    except UnicodeEncodeError as error:
+        raise InputError(f"source: the text has a character that UTF-8 has not: {error}") from None
 
 
 def check(source: Source) -> Report:
@@ -87,25 +90,23 @@ def example(name: str) -> Mechanism:
     Raises:
         InputError: there is no such mechanism; the text lists all names.
     """
+    if not isinstance(name, str):
+        wrong("name", name, "the name of an example")
     if name not in examples():
         raise InputError(f"there is no example {name!r}; the examples are {', '.join(examples())}")
     return Mechanism(Path(_FOLDER or ".") / "modelDescription" / name)
 
 
-def words(start_values: Mapping[str, StartValue] | None) -> list[str]:
-    """Start values as the engine reads them."""
-    all_words = []
-    for name, value in (start_values or {}).items():
-        if isinstance(value, str):
-            all_words.append(f"{name}={value}")
-        elif isinstance(value, bool) or type(value).__name__ == "bool_" or type(value).__name__ == "bool":
-            all_words.append(f"{name}={'true' if value else 'false'}")
-        else:
-            try:
-                all_words.append(f"{name}={float(value)!r}")
-            except (TypeError, ValueError):
-                raise InputError(f"start_values: {name} = {value!r} is not a number, a truth value or a text") from None
-    return all_words
+def as_json(argument: str, stated: Mapping[str, Any]) -> str:
+    """A dict as JSON text.
+
+    Raises:
+        InputError: it has something that JSON has not.
+    """
+    try:
+        return json.dumps(stated, indent=2, ensure_ascii=False, allow_nan=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise InputError(f"{argument}: the dict cannot be written as JSON: {error}") from None
 
 
 def with_masses(text: str) -> str:
@@ -140,8 +141,8 @@ class Mechanism:
         self._is_massless = massless
         # The text that the engine reads: with masses of its own where none are given, which no method shows.
         self._text = with_masses(self._given) if massless else self._given
-        is_text = isinstance(source, Mapping) or str(source).lstrip().startswith("{")
-        self._path = None if is_text else Path(os.fspath(source))  # type: ignore[arg-type]
+        is_text = isinstance(source, Mapping) or (isinstance(source, str) and source.lstrip().startswith("{"))
+        self._path = None if is_text else Path(file("source", source))
         try:
             self._model = _engine.Model(self._kind, self._text)
         except InputError:
@@ -157,7 +158,7 @@ class Mechanism:
         self.step_size: float = about[3]
         #: Warnings about the definition.
         self.warnings: list[str] = about[4]
-        self._columns: dict[tuple[str, ...], Columns] = {}
+        self._columns: dict[Any, Columns] = {}
 
     @property
     def variables(self) -> list[Variable]:
@@ -193,7 +194,7 @@ class Mechanism:
         relative_tolerance: float | None = None,
         start_values: Mapping[str, StartValue] | None = None,
         input: Any = None,  # noqa: ANN401
-        output: Sequence[str] | None = None,
+        output: Iterable[str] | None = None,
         set_input_derivatives: bool = False,
     ) -> Result:
         """Simulate from the start. The arguments have the names and the meaning of `fmpy.simulate_fmu`.
@@ -204,40 +205,39 @@ class Mechanism:
             output_interval: time from one row to the next [s]; without it, the step of the experiment, doubled until
                 the result has at most 1001 rows.
             relative_tolerance: of the integration; without it, that of the definition.
-            start_values: inputs and parameters by name, in SI units or as a text with a unit, such as "45 deg".
+            start_values: inputs and parameters by name: a number in SI units, a text with a unit such as "45 deg", a
+                truth value, or the name of an item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame.
                 A time that occurs twice is a jump.
             output: names of the variables to record; without it, all outputs.
             set_input_derivatives: pass the slopes of `input` to the model.
 
         Returns:
-            A structured numpy array with the field `time` and one field for each variable.
+            A structured numpy array with the field `time` and one field for each variable. Ctrl-C ends a run between
+            two rows.
 
         Raises:
-            InputError: a name, a value, a unit or a shape that cannot be used.
+            InputError: a name, a value, a unit or a shape that cannot be used, or a result of more than 2 GB.
             SimulationError: the run ends early; `result` of the exception holds the rows up to there.
         """
-        from ._result import Columns, Result, signals
-
         self._has_masses()
-        key = tuple(output or ())
-        columns = self._columns.get(key)
-        if columns is None:
-            if isinstance(output, str):
-                raise InputError(f'output is a list of names; write output=["{output}"]')
-            columns = self._columns[key] = Columns(self._model.plan(list(key)))
-        given = None if input is None else signals(input)
+        columns = self._recorded(output)
+        given = None
+        if input is not None:
+            from ._result import signals
+
+            given = signals(input)
         rows, lines, error, _ = self._model.run(
             columns.plan,
             start_time,
             stop_time,
             output_interval,
             relative_tolerance,
-            words(start_values) if start_values else [],
+            start_values,
             given,
-            set_input_derivatives,
+            bool(set_input_derivatives),
         )
-        result = Result.of(rows, columns, self, (dict(start_values or {}), input is not None))
+        result = columns.result(rows, (self, dict(start_values) if start_values else {}, input is not None))
         for line in lines:
             warnings.warn(line, LinkageWarning, stacklevel=2)
         if error is not None:
@@ -246,6 +246,19 @@ class Mechanism:
             raise failure
         return result
 
+    def _recorded(self, output: Iterable[str] | None) -> Columns:
+        """The columns of a run; those of a list that has been given before are known."""
+        from ._result import Columns
+
+        key = tuple(output) if isinstance(output, list) else output
+        try:
+            return self._columns[key]
+        except (KeyError, TypeError):
+            columns = Columns(self._model.plan(output))
+        if key is None or isinstance(key, tuple):
+            self._columns[key] = columns
+        return columns
+
     def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
         """A simulation for steps of your own, with these start values. Call `initialize` before the first step.
 
@@ -253,7 +266,7 @@ class Mechanism:
             InputError: a name, a value or a unit that cannot be used.
         """
         self._has_masses()
-        return self._model.simulation(words(start_values))
+        return self._model.simulation(start_values)
 
     def kinematics(
         self,
@@ -318,7 +331,9 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> list[LinearModel]:
-        """Linearise at rest at `count` + 1 positions of the travel; the other arguments are those of `linearise`."""
+        """Linearise at rest at `count` + 1 positions of the travel, at most 100001; the other arguments are those of
+        `linearise`. Ctrl-C takes effect when the call returns.
+        """
         from ._linear import linearise
 
         self._has_masses()
@@ -339,11 +354,15 @@ class Mechanism:
 
         if self._kind != "mechanism.json":
             raise InputError(f"{self.name} has no mechanism that can be drawn")
-        return Page(self._model.page(self._shown, stop_time, words(start_values)), height)
+        return Page(self._model.page(self._shown, stop_time, start_values), height)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the definition to a file; its path."""
-        path = Path(path)
+        """Write the definition to a file; its path.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        path = Path(file("path", path))
         path.write_text(self._given, encoding="utf-8")
         return path
 
@@ -379,15 +398,16 @@ class Mechanism:
         path, fmi, platforms, animation, results = how
         if isinstance(platforms, str):
             platforms = [platforms]
-        paths, _ = _engine.package(str(source), str(path), str(fmi), list(platforms), animation, results)
+        out = file("path", path)
+        paths, _ = _engine.package(str(source), out, str(fmi), platforms, bool(animation), bool(results))
         return [Path(made) for made in paths]
 
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"text": self._given, "path": self._path, "massless": self._is_massless}
+        return {"text": self._given, "path": self._path, "shown": self._shown, "massless": self._is_massless}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(state["text"], massless=state["massless"])  # type: ignore[misc]
-        self._path = state["path"]
+        self._path, self._shown = state["path"], state["shown"]

@@ -8,14 +8,16 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
-from ._errors import InputError
+from ._errors import InputError, file, wrong
 
 
 class Page:
     """One HTML page with all that it needs. A notebook shows it inline."""
 
     def __init__(self, text: str, height: int) -> None:
-        if not isinstance(height, int) or height <= 0:
+        if isinstance(height, bool) or not isinstance(height, int):
+            wrong("height", height, "a whole number of pixels > 0")
+        if height <= 0:
             raise InputError(f"height = {height!r}: must be a whole number of pixels > 0")
         #: The HTML text.
         self.html = text
@@ -23,7 +25,7 @@ class Page:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the page to a file; its path."""
-        path = Path(path)
+        path = Path(file("path", path))
         path.write_text(self.html, encoding="utf-8")
         return path
 

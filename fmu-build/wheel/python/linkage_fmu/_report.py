@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _engine
+from ._errors import wrong
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Fact:
     def __getitem__(self, name: str) -> float:
         """Value of the quantity with this name, in SI units."""
         for quantity in self.quantities:
-            if quantity.name == name:
+            if isinstance(name, str) and quantity.name == name:
                 return quantity.value
         known = ", ".join(quantity.name for quantity in self.quantities)
         raise KeyError(f"this fact has no quantity {name!r}; it has: {known or 'none'}")
@@ -96,6 +97,8 @@ class Report:
 
     def about(self, topic: str) -> list[Fact]:
         """Facts whose topic starts with this text, such as `Travel` or `Equilibri`."""
+        if not isinstance(topic, str):
+            wrong("topic", topic, "a text")
         return [fact for fact in self.facts if fact.topic.startswith(topic)]
 
     def __str__(self) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError
+from ._errors import InputError, wrong
 
 if TYPE_CHECKING:
     import pandas
@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from ._engine import Plan
     from ._mechanism import Mechanism
     from ._page import Page
+
+
+#: Times, and the name and values of each input.
+Signals = tuple[list[float], list[tuple[str, list[float]]]]
 
 
 class Columns:
@@ -29,20 +33,32 @@ class Columns:
         self.dtype = np.dtype([("time", np.float64), *types])
         self.units = {"time": "s", **{name: unit for name, unit, _ in columns}}
 
+    def result(self, rows: bytearray, origin: tuple[Mechanism, dict[str, Any], bool]) -> Result:
+        """The result with these rows."""
+        dtype = self.dtype
+        result: Result = np.ndarray.__new__(Result, (len(rows) // dtype.itemsize,), dtype, rows)
+        result.units, result._origin = self.units, origin
+        return result
 
-def signals(given: Any) -> tuple[list[float], list[tuple[str, list[float]]]]:  # noqa: ANN401
+
+def signals(given: Any) -> Signals:  # noqa: ANN401
     """Times and columns of inputs over time."""
     names = getattr(getattr(given, "dtype", None), "names", None)
-    if names is None:
-        names = list(given.columns) if hasattr(given, "columns") else list(given) if isinstance(given, dict) else None
+    if names is None and (isinstance(given, dict) or hasattr(given, "columns")):
+        names = list(given)
     if not names or "time" not in names:
-        raise InputError(
-            'input is a structured array, a dict of columns or a data frame with a field "time" [s] and one field for '
-            "each input"
+        wrong(
+            "input",
+            given,
+            'a structured array, a dict of columns or a data frame, with a field "time" [s] and one for each input',
         )
     columns = []
     for name in names:
-        values = np.asarray(given[name])
+        try:
+            values = np.asarray(given[name])
+        except ValueError:
+            # Entries of several lengths.
+            values = np.empty((0, 0))
         if values.ndim != 1 or values.dtype.kind not in "fiub":
             raise InputError(f"input: {name} must be one column of numbers or truth values")
         columns.append((str(name), values.astype(float).tolist()))
@@ -60,17 +76,10 @@ class Result(np.ndarray[Any, Any]):
     units: dict[str, str]
     _origin: tuple[Mechanism, dict[str, Any], bool] | None
 
-    @classmethod
-    def of(cls, rows: bytearray, columns: Columns, mechanism: Mechanism, how: tuple[dict[str, Any], bool]) -> Result:
-        """The result with these rows."""
-        result: Result = np.frombuffer(rows, columns.dtype).view(cls)
-        result.units = columns.units
-        result._origin = (mechanism, *how)
-        return result
-
     def __array_finalize__(self, other: Any) -> None:  # noqa: ANN401
-        self.units = getattr(other, "units", {})
-        self._origin = getattr(other, "_origin", None)
+        if other is not None:
+            self.units = getattr(other, "units", {})
+            self._origin = getattr(other, "_origin", None)
 
     @property
     def names(self) -> list[str]:
@@ -106,9 +115,15 @@ class Result(np.ndarray[Any, Any]):
         """
         from matplotlib import pyplot
 
+        for name in (x, *names):
+            if not isinstance(name, str):
+                wrong("a name", name, "the name of a variable, a text")
+        self[x]
         chosen = list(names) or [name for name in self.names if name != x]
         groups: dict[str, list[str]] = {}
         for name in chosen:
+            if chosen.count(name) > 1:
+                raise InputError(f"names: {name} occurs twice; remove one of the two")
             self[name]
             groups.setdefault(self.units.get(name, "1"), []).append(name)
         figure, axes = pyplot.subplots(
@@ -142,17 +157,19 @@ class Result(np.ndarray[Any, Any]):
         return mechanism.view(float(self["time"][-1]), start_values, height)
 
     def __reduce__(self) -> Any:  # noqa: ANN401
-        return (_restored, (np.asarray(self).copy(), self.units))
+        return (_restored, (np.asarray(self).copy(), self.units, self._origin))
 
 
-def _restored(values: np.ndarray[Any, Any], units: dict[str, str]) -> Result:
+def _restored(
+    values: np.ndarray[Any, Any], units: dict[str, str], origin: tuple[Mechanism, dict[str, Any], bool] | None
+) -> Result:
     result: Result = values.view(Result)
-    result.units = units
+    result.units, result._origin = units, origin
     return result
 
 
 def _unknown(name: str, names: list[str]) -> str:
     from difflib import get_close_matches
 
-    near = get_close_matches(name, names, 3, 0.0)
+    near = get_close_matches(str(name), names, 3, 0.0)
     return f"the result has no variable {name!r}: the most similar names are {', '.join(near)}"

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _engine
-from ._errors import InputError
-from ._mechanism import Mechanism
+from ._errors import InputError, file, wrong
+from ._mechanism import Mechanism, as_json
 
 if TYPE_CHECKING:
     import pandas
@@ -57,15 +57,22 @@ class _Bar:
 
 def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
     """The file of a study; one that is given as a dict is written into the folder."""
-    if not isinstance(study, Mapping):
-        if mechanism is None:
-            return Path(study)
-        base, stated = Path(study).resolve().parent, json.loads(Path(study).read_text(encoding="utf-8"))
-    else:
+    if isinstance(study, Mapping):
         base, stated = Path.cwd(), dict(study)
+    else:
+        path = Path(file("study", study))
+        if mechanism is None:
+            return path
+        base = path.resolve().parent
+        try:
+            stated = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"study = {str(path)!r}: cannot be read: {error}") from None
+        if not isinstance(stated, dict):
+            raise InputError(f"study = {str(path)!r}: the file must contain an object {{ }}")
     if mechanism is not None:
         if not isinstance(mechanism, Mechanism):
-            raise InputError(f"mechanism = {mechanism!r}: must be a Mechanism; open it with Mechanism(...)")
+            wrong("mechanism", mechanism, "a Mechanism; open it with Mechanism(...)")
         mechanism._has_masses()
         stated["mechanism"] = str(mechanism.save(folder / mechanism._kind))
     elif isinstance(stated.get("mechanism"), Mechanism):
@@ -79,7 +86,7 @@ def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
     if isinstance(scenario, Mapping) and isinstance(scenario.get("input_file"), str):
         stated["scenario"] = {**scenario, "input_file": str(base / scenario["input_file"])}
     path = folder / "study.json"
-    path.write_text(json.dumps(stated), encoding="utf-8")
+    path.write_text(as_json("study", stated), encoding="utf-8")
     return path
 
 
@@ -92,10 +99,12 @@ def _made(
     read: Callable[[Path, str], Any],
 ) -> Any:  # noqa: ANN401
     threads, progress = how
+    if not (isinstance(progress, bool) or callable(progress)):
+        wrong("progress", progress, "True, False or a function")
     bar = _Bar() if progress is True else None
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        results = folder / "results" if out is None else Path(out)
+        results = folder / "results" if out is None else Path(file("out", out))
         path = _stated(study, mechanism, folder)
         watch = bar if bar is not None else progress if callable(progress) else None
         try:

@@ -24,10 +24,10 @@ press = Mechanism(
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ._errors import InputError
+from ._errors import InputError, wrong
 
 #: Section of the definition, name in the section, keys, and the places of bodies in the drawing.
 Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
@@ -36,6 +36,7 @@ Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
 def body(name: str, mass: float | None = None, inertia: float | None = None, **keys: object) -> Part:
     """A body with its mass [kg] and its moment of inertia [kg.m2]; without `inertia`, a body with two pins is a uniform
     rod. Any further key of a body can be given."""
+    _texts(name=name)
     given = {"mass": mass, "inertia": inertia, **keys}
     return "bodies", name, {key: value for key, value in given.items() if value is not None}, {}
 
@@ -58,6 +59,11 @@ def actuator(
     **keys: object,
 ) -> Part:
     """A linear actuator with a push force [N] between two bodies, each with a point of the drawing [mm]."""
+    _texts(name=name)
+    for argument, end in (("first", first), ("second", second)):
+        if not isinstance(end, tuple | list) or len(end) != 2:
+            wrong(argument, end, 'a body and a point: ("crank", (x, y)) in mm')
+        _texts(**{argument: end[0]})
     places = {first[0]: (name, first[1]), second[0]: (name, second[1])}
     ends = {"first": f"{first[0]}.{name}", "second": f"{second[0]}.{name}"}
     return "actuators", name, {**ends, "force": force, **keys}, places
@@ -65,21 +71,25 @@ def actuator(
 
 def torque(name: str, on: str, torque: float = 0.0) -> Part:
     """A torque on a body [N.m]."""
+    _texts(name=name, on=on)
     return "torques", name, {"on": on, "torque": torque}, {}
 
 
 def force(name: str, on: str, at: Sequence[float], **keys: object) -> Part:
     """A force on a body at a point of the drawing [mm]."""
+    _texts(name=name, on=on)
     return "forces", name, {"at": f"{on}.{name}", **keys}, {on: (name, at)}
 
 
 def stop(name: str, body: str, limit: str, angle: float, **keys: object) -> Part:
     """A stop for the angle of a body [deg]; `limit` is "lower" or "upper"."""
+    _texts(name=name, body=body)
     return "stops", name, {"body": body, "limit": limit, "angle": angle, **keys}, {}
 
 
 def start(body: str, angle: float | None = None, **keys: object) -> Part:
     """Start of the motion: the angle of a body [deg]."""
+    _texts(body=body)
     given = {"body": body, "angle": angle, **keys}
     return "start", "", {key: value for key, value in given.items() if value is not None}, {}
 
@@ -94,6 +104,9 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
     """
     bodies: dict[str, dict[str, Any]] = {"ground": {}}
     sections: dict[str, Any] = {}
+    for part in parts:
+        if not isinstance(part, tuple) or len(part) != 4:
+            wrong("parts", part, "a part, as body, pin, slide and the like return")
     for section, own, values, _ in parts:
         if section == "start":
             sections["start"] = values
@@ -104,9 +117,10 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
         target[own] = dict(values)
     for section, own, _, places in parts:
         for body_name, (point, at) in places.items():
-            if len(at) != 2 or not all(isinstance(number, int | float) for number in at):
+            numbers = list(at) if isinstance(at, Iterable) else []
+            if len(numbers) != 2 or not all(isinstance(number, int | float) for number in numbers):
                 raise InputError(f"{own}: {at!r} is not a point; write (x, y) in mm")
-            named = _place(bodies.setdefault(body_name, {}), body_name == "ground", point, list(at))
+            named = _place(bodies.setdefault(body_name, {}), body_name == "ground", point, numbers)
             for key in ("first", "second", "at"):
                 entry = sections.get(section, {}).get(own, {})
                 if entry.get(key) == f"{body_name}.{point}":
@@ -120,8 +134,16 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
     return {"name": name, "units": {"angle": "deg", "length": "mm"}, "bodies": bodies, **sections, **keys}
 
 
+def _texts(**given: object) -> None:
+    """Check that these arguments are names."""
+    for argument, value in given.items():
+        if not isinstance(value, str):
+            wrong(argument, value, "a name")
+
+
 def _joint(kind: str, name: str, bodies: tuple[str, str], at: Sequence[float], keys: dict[str, Any]) -> Part:
     first, second = bodies
+    _texts(name=name, first=first, second=second)
     places = {first: (name, at), second: (name, at)}
     return "joints", name, {"type": kind, "first": f"{first}.{name}", "second": f"{second}.{name}", **keys}, places
 
