@@ -197,7 +197,7 @@ fn two_runs_are_compared_under_their_names() {
     };
     assert_eq!((force(&json), force(&json["compare"])), (3e4, 2e4));
     let unknown = ["actuator.farce".to_owned(), "1".to_owned()];
-    let error = format!("{:#}", Data::collect(&checked, &Wanted::default().with(&unknown)).unwrap_err());
+    let error = format!("{:#}", Data::collect(&checked, &Wanted::default().compared(&unknown)).unwrap_err());
     assert!(error.contains("--compare-set") && error.contains("actuator.farce"), "{error}");
 }
 

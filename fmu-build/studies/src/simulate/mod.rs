@@ -46,7 +46,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     let definition = Definition::read(workspace, &arguments.path)?;
     let mut model = Component::from_definition(definition.kind, &definition.text)
         .with_context(|| format!("{}; `{} check` prints the details", definition.shown, workspace.program()))?;
-    let units = FileUnits::of(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
+    let units = FileUnits::stated(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
     for finding in model.warnings() {
         eprintln!("warning: {}", units.told(finding.clone()));
     }
