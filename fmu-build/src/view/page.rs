@@ -91,6 +91,11 @@ pub fn live(data: &Data, live: &Live) -> Result<String> {
     page(data, Some(live))
 }
 
+/// A name, and JSON for an element of a script.
+fn in_script((name, json): &(&str, &str)) -> (String, Value) {
+    ((*name).to_owned(), Value::from_safe_string(as_script(json)))
+}
+
 fn page(data: &Data, live: Option<&Live>) -> Result<String> {
     let mut environment = Environment::new();
     environment.add_template("page.html", TEMPLATE).context("template of the page")?;
@@ -107,7 +112,7 @@ fn page(data: &Data, live: Option<&Live>) -> Result<String> {
         live => live.map(|live| context! {
             body => Value::from_safe_string(live.body.into()),
             library => Value::from_safe_string(live.library.into()),
-            data => live.data.iter().map(|(name, json)| ((*name).to_owned(), Value::from_safe_string(as_script(json)))).collect::<Vec<_>>(),
+            data => live.data.iter().map(in_script).collect::<Vec<_>>(),
         }),
         data => Value::from_safe_string(as_script(&json)),
     });
