@@ -32,6 +32,9 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
             Some(path) => Data::collect(&checked_at(workspace, path)?, &wanted)?,
             None => Data::collect(&checked, &wanted)?,
         };
+        if let Some(error) = &other.error {
+            eprintln!("note: in the run that is compared: {error}");
+        }
         data.compare_with(other, &arguments.compare_set);
     }
     let html = html(&data)?;
