@@ -229,13 +229,9 @@ impl Model {
         let reduced = Arc::clone(self.reduced()?);
         reduced.prepare();
         if let Some(Formulation::Reduced(motion)) = &mut self.state {
-            let variables = &self.original.variables;
-            let outputs = variables.quantities().iter().filter_map(|quantity| match quantity {
-                Quantity::Output(output) => Some(*output),
-                _ => None,
-            });
-            self.plan.reserve(variables.quantities().len());
-            motion.prepare(&reduced, &self.inputs, outputs);
+            let quantities = self.original.variables.quantities();
+            self.plan.reserve(quantities.len());
+            motion.prepare(&reduced, &self.inputs, quantities.iter().filter_map(Quantity::output));
         }
         Ok(())
     }

@@ -39,6 +39,14 @@ pub enum Quantity {
     Indicator(Indicator),
 }
 
+impl Quantity {
+    /// The output, if it is one.
+    #[inline]
+    pub fn output(&self) -> Option<Output> {
+        if let Self::Output(output) = self { Some(*output) } else { None }
+    }
+}
+
 /// What an event indicator of model exchange watches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]

@@ -7,7 +7,6 @@ mod one_group;
 mod prediction;
 
 use crate::numerics::dual::Number;
-use any::stride;
 use prediction::Prediction;
 use std::fmt;
 
@@ -58,8 +57,6 @@ pub struct FrictionLoop<T> {
     /// B: derivative of each unknown with respect to |R_j|.
     effect: Vec<T>,
     unknown: Vec<T>,
-    /// Values of the rows of `effect`, each of the length [`stride`].
-    values: Vec<f64>,
     /// Determinant of the last correction.
     determinant: f64,
     /// Correction of each unknown.
@@ -108,13 +105,12 @@ impl<T: Number> FrictionLoop<T> {
             flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],
-            values: vec![0.0; unknowns * stride(n)],
             determinant: 1.0,
             change: vec![0.0; unknowns],
             measured: vec![0.0; n],
             last: vec![0.0; n],
             rest: vec![zero; n],
-            matrix: vec![0.0; n * stride(n)],
+            matrix: vec![0.0; n * n],
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),

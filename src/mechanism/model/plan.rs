@@ -38,10 +38,7 @@ impl Plan {
 
     #[cold]
     fn resolve(&mut self, references: &[Reference], variables: &Variables<Quantity>) {
-        let output = |reference: &Reference| match variables.quantity_of(*reference) {
-            Some(Quantity::Output(output)) => Some(*output),
-            _ => None,
-        };
+        let output = |reference: &Reference| variables.quantity_of(*reference).and_then(Quantity::output);
         if references.iter().all(|reference| output(reference).is_some()) {
             self.references.clear();
             self.references.extend_from_slice(references);

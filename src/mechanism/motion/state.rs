@@ -430,8 +430,7 @@ impl State {
         0.5 * self.sigma_dot * self.sigma_dot
     }
 
-    /// Potential of all loads at the applied sizes: the springs' energy, less the sum of size times displacement [J].
-    /// `displacement` gives that of a load, as [`Self::displacement`].
+    /// Potential of all loads at the applied sizes [J]: the springs' energy, less the sum of size times `displacement`.
     pub fn load_potential(&self, reduced: &Reduced, mut displacement: impl FnMut(usize) -> f64) -> f64 {
         let springs = reduced.loading().springs.iter();
         let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(displacement(spring.load)));

@@ -32,11 +32,7 @@ impl<T: Number> FrictionLoop<T> {
                     self.effect[(1 + axis + 2 * g) * n + j] = -(balance.passed[axis][g * n + j] * self.arm[j]);
                 }
             }
-            self.size[j] = measure(self.sign[j], [balance.free[0][j], balance.free[1][j]]);
-        }
-        let stride = stride(n);
-        for (values, row) in self.values.chunks_exact_mut(stride).zip(self.effect.chunks_exact(n)) {
-            values.iter_mut().zip(row).for_each(|(value, effect)| *value = effect.value());
+            self.size[j] = self.measure(j, [balance.free[0][j], balance.free[1][j]]);
         }
         self.keep_sizes();
         let contracts = self.contracts(balance);
@@ -67,10 +63,9 @@ impl<T: Number> FrictionLoop<T> {
         let n = self.arm.len();
         let largest = balance.inertial[0].iter().zip(balance.inertial[1]).map(|(x, y)| length_bound(*x, *y));
         let largest = largest.fold(0.0, greater);
-        let (first, groups) = self.values.split_at(stride(n));
-        let total = |rows: &[f64]| rows.iter().map(|effect| effect.abs()).sum::<f64>();
-        let along = total(first);
-        let passed = groups.chunks_exact(2 * stride(n)).map(total).fold(0.0, greater);
+        let along: f64 = self.effect[..n].iter().map(|effect| effect.value().abs()).sum();
+        let group = |rows: &[T]| rows.iter().map(|effect| effect.value().abs()).sum::<f64>();
+        let passed = self.effect[n..].chunks_exact(2 * n).map(group).fold(0.0, greater);
         along * largest + passed < 1.0
     }
 
@@ -84,6 +79,12 @@ impl<T: Number> FrictionLoop<T> {
         are_near(&self.size, self.last.iter().copied())
     }
 
+    /// |R_j|, or what stands for it under a held sign.
+    #[inline]
+    fn measure(&self, j: usize, r: [T; 2]) -> T {
+        if self.sign[j] == 0.0 { norm(r) } else { r[0] * T::constant(self.sign[j]) }
+    }
+
     /// Newton's method for s = |R(z)|, z = part B s, from the present magnitudes s. False if it does not converge in
     /// `most` iterations, or if a determinant is not positive. Of many iterations each is to be much nearer than the one
     /// before.
@@ -94,66 +95,61 @@ impl<T: Number> FrictionLoop<T> {
         /// Least contraction of [`CONVERGED`]'s measure, the square of a correction: at the end of the solution the
         /// square of a correction is a quarter of the one before, elsewhere far less.
         const CONTRACTION: f64 = 0.2;
-        let (n, stride) = (self.arm.len(), stride(self.arm.len()));
-        // Slices of one length: no index of a joint is checked.
-        let Self { sign, size, effect, values, unknown, change, measured, rest, matrix, direction, .. } = self;
-        let (sign, size, measured, rest) = (&sign[..n], &mut size[..n], &mut measured[..n], &mut rest[..n]);
-        let (groups, seconds, direction) = (&balance.groups[..n], &balance.seconds[..n], &mut direction[..n]);
-        let [free_x, free_y] = balance.free.map(|free| &free[..n]);
-        let [along_x, along_y] = balance.inertial.map(|inertial| &inertial[..n]);
+        let n = self.arm.len();
         let (mut converged, mut before) = (false, f64::INFINITY);
         for iteration in 1..=most {
             self.iterations = iteration;
-            for (unknown, row) in unknown.iter_mut().zip(effect.chunks_exact(n)) {
-                *unknown = total(row, size) * part;
+            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+                *unknown = total(row, &self.size) * part;
             }
-            let (u, mut scale) = (unknown[0], f64::MIN_POSITIVE);
+            let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
-                let [first, second] = of_group(unknown, groups[i]);
-                let [on_x, on_y] = seconds[i];
-                let x = free_x[i] + along_x[i] * u + (first + second * on_x);
-                let y = free_y[i] + along_y[i] * u + second * on_y;
-                let length = measure(sign[i], [x, y]);
-                rest[i] = length - size[i];
-                measured[i] = length.value();
-                scale = scale.max(measured[i].abs());
-                let unit = if sign[i] == 0.0 {
-                    let inverse = 1.0 / measured[i].max(f64::MIN_POSITIVE);
-                    [x.value() * inverse, y.value() * inverse]
+                let of = 1 + 2 * balance.groups[i];
+                let [first, second] = [self.unknown[of], self.unknown[of + 1]];
+                let [on_x, on_y] = balance.seconds[i];
+                let passed = [first + second * on_x, second * on_y];
+                let r = [0, 1]
+                    .map(|axis| balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + passed[axis]);
+                let size = self.measure(i, r);
+                self.rest[i] = size - self.size[i];
+                let unit = if self.sign[i] == 0.0 {
+                    let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
+                    r.map(|r| r.value() * inverse)
                 } else {
-                    [sign[i], 0.0]
+                    [self.sign[i], 0.0]
                 };
-                let along = unit[0] * along_x[i].value() + unit[1] * along_y[i].value();
-                direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
-            }
-            let (along, passed) = values.split_at(stride);
-            let rows = matrix.chunks_exact_mut(stride).zip(&*direction).zip(groups);
-            for (i, ((row, slopes), group)) in rows.enumerate() {
-                let (first, second) = passed[2 * group * stride..2 * (group + 1) * stride].split_at(stride);
-                let [u, x, y] = slopes.map(|slope| -part * slope);
-                let fours = row.as_chunks_mut::<FOUR>().0.iter_mut();
-                let [along, first, second] = [along, first, second].map(|row| row.as_chunks::<FOUR>().0);
-                for (((out, along), first), second) in fours.zip(along).zip(first).zip(second) {
-                    *out = std::array::from_fn(|j| u * along[j] + x * first[j] + y * second[j]);
+                self.measured[i] = size.value();
+                scale = scale.max(size.value().abs());
+                let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
+                self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
+                let [u, x, y] = self.direction[i].map(|slope| -part * slope);
+                let row = &mut self.matrix[i * n..(i + 1) * n];
+                let effects = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
+                for (j, out) in row.iter_mut().enumerate() {
+                    *out = u * effects[0][j].value() + x * effects[1][j].value() + y * effects[2][j].value();
                 }
                 row[i] += 1.0;
             }
-            self.determinant = eliminate(matrix, rest);
+            self.determinant = eliminate(&mut self.matrix, &mut self.rest);
             if self.determinant.is_nan() || self.determinant <= 0.0 {
                 return false;
             }
-            for (change, row) in change.iter_mut().zip(values.chunks_exact(stride)) {
-                *change = part * row.iter().zip(&*rest).fold(0.0, |sum, (effect, rest)| sum + effect * rest.value());
+            for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(n)) {
+                let of = |sum: f64, (effect, rest): (&T, &T)| sum + effect.value() * rest.value();
+                *change = part * row.iter().zip(&self.rest).fold(0.0, of);
             }
-            let (u, mut error): (f64, f64) = (change[0], 0.0);
+            let mut error: f64 = 0.0;
             for i in 0..n {
-                if sign[i] == 0.0 {
-                    let ([first, second], [on_x, on_y]) = (of_group(change, groups[i]), seconds[i]);
-                    let x = along_x[i].value() * u + (first + on_x * second);
-                    let y = along_y[i].value() * u + on_y * second;
-                    error = error.max((x * x + y * y) / (measured[i].max(f64::MIN_POSITIVE) * scale));
+                let of = 1 + 2 * balance.groups[i];
+                let [u, first, second] = [0, of, of + 1].map(|k| self.change[k]);
+                if self.sign[i] == 0.0 {
+                    let [on_x, on_y] = balance.seconds[i];
+                    let passed = [first + on_x * second, on_y * second];
+                    let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
+                    let size = self.measured[i].max(f64::MIN_POSITIVE);
+                    error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
                 }
-                size[i] = size[i] + rest[i];
+                self.size[i] = self.size[i] + self.rest[i];
             }
             if !error.is_finite() {
                 return false;
@@ -171,69 +167,45 @@ impl<T: Number> FrictionLoop<T> {
     }
 }
 
-/// The components of P_g among the unknowns.
-#[inline(always)]
-fn of_group<N: Copy>(unknown: &[N], group: usize) -> [N; 2] {
-    [unknown[1 + 2 * group], unknown[2 + 2 * group]]
-}
-
-/// |R|, or what stands for it under a held sign.
-#[inline(always)]
-fn measure<T: Number>(sign: f64, r: [T; 2]) -> T {
-    if sign == 0.0 { norm(r) } else { r[0] * T::constant(sign) }
-}
-
 /// Inner product.
 fn total<T: Number>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
-/// Length of a row of so many numbers that are computed four at a time; the last ones are 0.
-pub(super) fn stride(n: usize) -> usize {
-    n.next_multiple_of(FOUR)
-}
-
-/// Numbers that are computed at a time.
-const FOUR: usize = 4;
-
-/// Gauss elimination in place with row pivoting, of rows of the length [`stride`]; the solution replaces the right-hand
-/// side. Returns the determinant.
+/// Gauss elimination in place with row pivoting; the solution replaces the right-hand side. Returns the determinant.
 fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
-    let (n, stride) = (b.len(), stride(b.len()));
+    let n = b.len();
     let mut determinant = 1.0;
     for k in 0..n {
-        let (mut pivot, mut most) = (k, a[k * stride + k].abs());
-        for (i, other) in (k + 1..n).zip(a[(k + 1) * stride..].chunks_exact(stride)) {
-            if other[k].abs() > most {
-                (pivot, most) = (i, other[k].abs());
+        let mut pivot = k;
+        for i in k + 1..n {
+            if a[i * n + k].abs() > a[pivot * n + k].abs() {
+                pivot = i;
             }
         }
         if pivot != k {
             for j in k..n {
-                a.swap(k * stride + j, pivot * stride + j);
+                a.swap(k * n + j, pivot * n + j);
             }
             b.swap(k, pivot);
             determinant = -determinant;
         }
-        let (above, below) = a.split_at_mut((k + 1) * stride);
-        let (row, head) = (&above[k * stride..], above[k * stride + k]);
+        let (above, below) = a.split_at_mut((k + 1) * n);
+        let (row, head) = (&above[k * n + k + 1..], above[k * n + k]);
         determinant *= head;
-        let (inverse, first) = (1.0 / head, k / FOUR);
-        for (i, other) in (k + 1..n).zip(below.chunks_exact_mut(stride)) {
+        let inverse = 1.0 / head;
+        for (i, other) in (k + 1..n).zip(below.chunks_exact_mut(n)) {
             let factor = other[k] * inverse;
-            let (other, row) = (&mut other.as_chunks_mut::<FOUR>().0[first..], &row.as_chunks::<FOUR>().0[first..]);
-            for (other, row) in other.iter_mut().zip(row) {
-                *other = std::array::from_fn(|j| other[j] - factor * row[j]);
-            }
+            other[k + 1..].iter_mut().zip(row).for_each(|(other, c)| *other -= factor * c);
             b[i] = b[i] - b[k] * factor;
         }
     }
     for k in (0..n).rev() {
         let mut sum = b[k];
         for j in k + 1..n {
-            sum = sum - b[j] * a[k * stride + j];
+            sum = sum - b[j] * a[k * n + j];
         }
-        b[k] = sum * (1.0 / a[k * stride + k]);
+        b[k] = sum * (1.0 / a[k * n + k]);
     }
     determinant
 }
