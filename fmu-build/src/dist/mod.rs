@@ -2,8 +2,8 @@
 //! repository.
 //!
 //! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the
-//! wheel, whose name promises a glibc that all in it keep to, and the source distribution, of which pip builds the wheel
-//! where there is Rust.
+//! wheel, whose name promises a glibc that all in it keep to, and the source distribution, of which pip builds the
+//! wheel where there is Rust.
 
 mod source;
 mod test;

@@ -344,8 +344,8 @@ fn fits(span: &Span, plan: &Plan) -> PyResult<()> {
         return Ok(());
     }
     Err(InputError::new_err(format!(
-        "output_interval = {:?} s: {rows:.0} rows of {columns} columns need {:.1} GB, but a result has at most {:.1} GB; \
-         give a larger output_interval or fewer names in output, or write the rows to a file by the command \
+        "output_interval = {:?} s: {rows:.0} rows of {columns} columns need {:.1} GB, but a result has at most {:.1} \
+         GB; give a larger output_interval or fewer names in output, or write the rows to a file by the command \
          linkage-fmu simulate",
         span.interval,
         bytes / 1e9,

@@ -1,6 +1,7 @@
 //! Definitions that several models in this process share: one copy of the variables, the curve and the tables.
 //!
-//! In: a definition's text, kept tables. Out: a model, of a definition that is read only where no other model has it. A table that one model has made is there for all. It must not know where files are.
+//! In: a definition's text, kept tables. Out: a model, of a definition that is read only where no other model has it. A
+//! table that one model has made is there for all. It must not know where files are.
 use super::{Model, ModelError, Original};
 use crate::codec::sections::Sections;
 use crate::mechanism::definition::Mechanism;

@@ -86,8 +86,8 @@ impl<T: Number> FrictionLoop<T> {
     }
 
     /// Newton's method for s = |R(z)|, z = part B s, from the present magnitudes s. False if it does not converge in
-    /// `most` iterations, or if a determinant is not positive. Of many iterations each is to be much nearer than the one
-    /// before.
+    /// `most` iterations, or if a determinant is not positive. Of many iterations each is to be much nearer than the
+    /// one before.
     ///
     /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
     /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
