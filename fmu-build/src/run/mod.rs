@@ -289,7 +289,7 @@ mod tests {
             let ended = super::run(&mut model, &span, &Signals::none(), &mut record, &mut Nobody).unwrap();
             (rows.len(), ended.time)
         };
-        for start in [0.0, -1e5, 1e5, 1e7, 1e9] {
+        for start in [0.0, -1e5, 1e5, 1e7, 5e8] {
             let (rows, end) = run(start, 0.131_25, 1e-3);
             assert_eq!((rows, (end - start - 0.131_25).abs() < 1e-6), (133, true), "from {start} s");
         }
