@@ -91,7 +91,7 @@ impl<T: Number> FrictionLoop<T> {
     ///
     /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
     /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
-    pub(super) fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
+    fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
         /// Least contraction of [`CONVERGED`]'s measure, the square of a correction: at the end of the solution the
         /// square of a correction is a quarter of the one before, elsewhere far less.
         const CONTRACTION: f64 = 0.2;

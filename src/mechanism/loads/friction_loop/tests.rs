@@ -113,39 +113,6 @@ proptest! {
     }
 }
 
-proptest! {
-    /// Five joints of two groups: where friction that grows in many small steps has a solution up to its full size, the
-    /// general method finds this solution and takes no steep part of it for its end.
-    #[test]
-    fn what_small_steps_reach_is_found(numbers in proptest::collection::vec(-1.0..1.0f64, 50), most in 0.0..1.5f64) {
-        const STEPS: u32 = 200;
-        let arms: Vec<f64> = numbers[45..].iter().map(|m| most * m).collect();
-        let balance = Balance {
-            free: [&numbers[..5], &numbers[5..10]],
-            inertial: [&numbers[10..15], &numbers[15..20]],
-            influence: &numbers[20..25],
-            passed: [&numbers[25..35], &numbers[35..45]],
-            groups: &[0, 0, 1, 1, 1],
-            seconds: &[[0.0, 1.0]; 5],
-        };
-        let mut any = FrictionLoop::new(5, 2);
-        any.arm = arms;
-        let solved = any.solve_any(&balance);
-        let found = any.size.clone();
-        // From the frictionless reactions on.
-        for (i, size) in any.size.iter_mut().enumerate() {
-            *size = balance.free[0][i].hypot(balance.free[1][i]);
-        }
-        if (1..=STEPS).all(|step| any.newton(&balance, f64::from(step) / f64::from(STEPS), 8)) {
-            prop_assert_eq!(solved, Ok(()));
-            let largest = found.iter().fold(0.0, |a: f64, s| a.max(*s));
-            for (i, size) in any.size.iter().enumerate() {
-                prop_assert!((found[i] - size).abs() <= 1e-9 * largest, "joint {i}: {} {size}", found[i]);
-            }
-        }
-    }
-}
-
 #[test]
 fn friction_that_feeds_itself_is_an_error() {
     // |f - e m N| = N with e m = -1: N grows with itself, N = f + N.
