@@ -7,6 +7,7 @@ use super::model::Reduced;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::bracket::bisect;
 use crate::numerics::chebyshev::Series;
 use crate::numerics::table::{Table, polynomial};
@@ -44,10 +45,27 @@ impl<'a> Stated<'a> {
 }
 
 impl Reduced {
-    /// Whether the start that a definition states is on the curve.
+    /// Whether the start that a definition states is on the curve, or is beyond a stop of its own body, which no search
+    /// needs to find out.
     pub(super) fn has_start(&self, mechanism: &Mechanism) -> bool {
         let Stated { coordinate, value, name, .. } = Stated::new(mechanism, self.linkage());
-        mechanism.start.is_at_guess() || coordinate.is_some_and(|coordinate| self.find(coordinate, value, name).is_ok())
+        let is_beyond = |(stop, angle): (&Stop, f64)| stop.beyond(angle) > SURELY_BEYOND * (1.0 + stop.value.abs());
+        mechanism.start.is_at_guess()
+            || self.own_stops(mechanism).any(is_beyond)
+            || coordinate.is_some_and(|coordinate| self.find(coordinate, value, name).is_ok())
+    }
+
+    /// The rigid stops of the body whose angle states the start, each with this angle as the stop measures it [rad].
+    pub fn own_stops(&self, mechanism: &Mechanism) -> impl Iterator<Item = (&Stop, f64)> {
+        let start = &mechanism.start;
+        let carrier = start.body.as_ref().and_then(|body| self.linkage().carrier(mechanism, body));
+        let rigid = self.loading().stops.iter().filter(|stop| stop.enabled && stop.rigid);
+        carrier.zip(start.angle).into_iter().flat_map(move |((body, own), angle)| {
+            rigid.clone().filter_map(move |stop| match self.loading().loads[stop.load] {
+                Load::Torque { body: of, shift } if of == body => Some((stop, angle - own + shift)),
+                _ => None,
+            })
+        })
     }
 
     /// sigma at which a coordinate has this value, and the number of revolutions of the curve before it. Of several
@@ -236,6 +254,8 @@ const SAMPLES: usize = 16;
 const OVERLAP: f64 = 1.0 + 1e-9;
 /// Range of a coordinate that is rounding [rad or m, relative to 1 and the value].
 const RIGID: f64 = 1e-9;
+/// Distance beyond a stop from which on a start is refused [rad, relative to 1 and the value].
+const SURELY_BEYOND: f64 = 1e-9;
 /// Distance beyond a toggle within which a stated start is at the toggle [rad or m].
 const TOGGLE: f64 = 1e-9;
 

@@ -9,7 +9,6 @@ use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -46,22 +45,15 @@ impl Start {
         if start.is_at_guess() {
             return Self::resting(reduced, 0.0, 0.0, None);
         }
-        let carrier = start.body.as_ref().and_then(|body| linkage.carrier(mechanism, body));
         let Stated { coordinate, value, name, quantity } = Stated::new(mechanism, linkage);
         let variable = format!("{name}.start_{quantity}");
         let coordinate = coordinate.ok_or_else(|| {
             let allowed = format!("use one of the coordinates {}", linkage.coordinates.join(", "));
             ModelError::Definition(DefinitionError::unknown("start", name, allowed))
         })?;
-        if let (Some((body, own)), Some(angle)) = (carrier, start.angle) {
-            // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
-            let loading = reduced.loading();
-            for stop in loading.stops.iter().filter(|stop| stop.enabled && stop.rigid) {
-                match loading.loads[stop.load] {
-                    Load::Torque { body: of, shift } if of == body => beyond_stop(stop, angle - own + shift)?,
-                    _ => {}
-                }
-            }
+        // Before the search for the start, as the curve may end at a stop of the body whose angle states the start.
+        for (stop, angle) in reduced.own_stops(mechanism) {
+            beyond_stop(stop, angle)?;
         }
         let stated = start.angle.or(start.position).unwrap_or(0.0);
         let (sigma, revolutions) = reduced.find(coordinate, value, &variable).map_err(|e| e.as_stated(stated))?;
