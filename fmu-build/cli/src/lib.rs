@@ -130,7 +130,10 @@ pub struct View {
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Port of the live page on 127.0.0.1 [default: a free port]
-    #[arg(long, value_name = "PORT", requires = "live")]
+    #[arg(
+        long, value_name = "PORT", requires = "live",
+        conflicts_with_all = ["out", "start_values", "compare", "compare_set"]
+    )]
     pub port: Option<u16>,
     /// End time of the motion [s] [default: stop_time of the definition]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]

@@ -53,14 +53,15 @@ impl Wanted {
         let changed = parse(variables, &self.changed)
             .map_err(|error| anyhow!(format!("{error:#}").replace("--start-values", "--compare-set")))?;
         all.retain(|(reference, _)| changed.iter().all(|(other, _)| other != reference));
-        for (reference, value) in all.into_iter().chain(changed) {
+        let all = all.into_iter().map(|one| ("--start-values", one));
+        for (option, (reference, value)) in all.chain(changed.into_iter().map(|one| ("--compare-set", one))) {
             let name = simulation.model().variables().list()[reference as usize].name.clone();
             let set = match value {
                 Value::Real(value) => simulation.set(&name, value),
                 Value::Boolean(value) => simulation.set(&name, value),
                 Value::Item(value) => simulation.set(&name, value.as_str()),
             };
-            set.with_context(|| format!("--start-values {name}"))?;
+            set.with_context(|| format!("{option} {name}"))?;
         }
         Ok(())
     }

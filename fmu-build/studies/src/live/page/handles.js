@@ -136,7 +136,8 @@ class Handles {
     addEventListener("pointermove", (event) => this.move(event));
     addEventListener("pointerup", (event) => this.finish(event, true));
     addEventListener("pointercancel", (event) => this.finish(event, false));
-    addEventListener("keydown", (event) => event.key === "Escape" && this.drag && this.finish(this.drag, false));
+    // Before the text, which keeps its keys to itself.
+    addEventListener("keydown", (event) => event.key === "Escape" && this.drag && this.finish(this.drag, false), true);
   }
 
   /** The handles for the next data; none where the text gives no motion. */

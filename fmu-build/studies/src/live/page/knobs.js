@@ -13,6 +13,8 @@ class Knobs {
     this.choice = byId("live-knob-choice");
     this.choice.addEventListener("change", () => {
       const knob = this.all.find(({ name }) => name === this.choice.value);
+      const name = this.choice.value;
+      byId("live-knobs-problem").textContent = knob || !name ? "" : `${name}: no input and no parameter has this name`;
       if (!knob) return;
       this.choice.value = "";
       this.add(knob).querySelector("input").focus();

@@ -14,6 +14,8 @@ const knobs = new Knobs(byId("knobs"), run);
 const handles = new Handles({ begin: beginDrag, change: (handle, numbers) => editor.change(changesOf(handle, numbers), false), end: endDrag });
 
 const isDirty = () => editor.text !== file.text;
+/** Whether the page asks which of two texts to keep. */
+const asks = () => !byId("live-conflict").hidden;
 
 async function ask(path, body, signal) {
   const options = body && { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
@@ -29,12 +31,20 @@ async function run() {
   do {
     runs.isWanted = false;
     const { text } = editor;
+    let told;
     try {
-      const told = await ask("run", { text, values: [...knobs.values] });
+      told = await ask("run", { text, values: [...knobs.values] });
       tellConnection();
-      apply(told.data, told.notes, text);
     } catch (error) {
       tellConnection(error);
+      continue;
+    }
+    try {
+      apply(told.data, told.notes, text);
+    } catch {
+      // The last motion is that of a mechanism with other parts.
+      good.data = undefined;
+      apply(told.data, told.notes, text);
     }
   } while (runs.isWanted);
   runs.isOut = false;
@@ -87,7 +97,7 @@ function tellConnection(error = file.error) {
 
 function tellState() {
   byId("live-state").textContent = isDirty() ? "Not saved" : "Saved";
-  byId("live-save").disabled = !isDirty();
+  byId("live-save").disabled = !isDirty() || asks();
   byId("live-undo").disabled = !CodeMirror.undoDepth(editor.state);
   byId("live-redo").disabled = !CodeMirror.redoDepth(editor.state);
 }
@@ -98,11 +108,12 @@ function onEdit() {
 }
 
 async function save() {
-  if (!isDirty()) return;
+  if (!isDirty() || asks()) return;
   const [text, written] = [editor.text, editor.written];
   try {
     file.saving = text;
     const told = await ask("save", { text: written, version: file.version });
+    file.error = undefined;
     tellConnection();
     if ("text" in told || "error" in told) onNews(told);
     else if (told.version > file.version) Object.assign(file, { version: told.version, text });
@@ -119,7 +130,11 @@ function onNews({ version, text, error }) {
   byId("live-conflict").hidden = true;
   file.error = error && new Error(error);
   tellConnection();
-  if (error !== undefined) return void (file.version = version);
+  if (error !== undefined) {
+    // There is no file that could have this text.
+    Object.assign(file, { version, text: undefined });
+    return void tellState();
+  }
   const other = plain(text);
   const wasDirty = isDirty();
   const isOwn = other === file.saving || other === file.text;
@@ -189,8 +204,12 @@ for (const [id, command] of [["live-undo", CodeMirror.undo], ["live-redo", CodeM
 byId("live-take-theirs").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
   editor.replace(file.news);
+  tellState();
 });
-byId("live-keep-mine").addEventListener("click", () => (byId("live-conflict").hidden = true));
+byId("live-keep-mine").addEventListener("click", () => {
+  byId("live-conflict").hidden = true;
+  tellState();
+});
 // Keys in the text and on the sliders are not those of the drawing.
 byId("live").addEventListener("keydown", (event) => event.stopPropagation());
 addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
