@@ -31,6 +31,8 @@ const DISTANCES: [f64; 4] = [3.0, 9.0, 18.0, 32.0];
 const LINE: f64 = 1.0;
 /// Cost of another label under it.
 const LABEL: f64 = 60.0;
+/// Height left free between two labels [px].
+const GAP: f64 = 3.0;
 /// Cost of a place beyond the edge.
 const OUTSIDE: f64 = 300.0;
 /// Cost of a pixel of distance.
@@ -54,9 +56,9 @@ pub fn place(wishes: Vec<Wish>, mut labels: Vec<Label>, shapes: &[Shape], [width
         let cost = |middle: Point, distance: f64| {
             let own = around(middle, half);
             let on_lines = grains.iter().filter(|[x, y]| own[0] < *x && *x < own[2] && own[1] < *y && *y < own[3]);
-            let on_labels = taken
-                .iter()
-                .filter(|other| own[0] < other[2] && other[0] < own[2] && own[1] < other[3] && other[1] < own[3]);
+            let on_labels = taken.iter().filter(|other| {
+                own[0] < other[2] && other[0] < own[2] && own[1] < other[3] + GAP && other[1] < own[3] + GAP
+            });
             let is_outside = own[0] < 2.0 || own[1] < 2.0 || own[2] > width - 2.0 || own[3] > height - 2.0;
             LINE * on_lines.count() as f64
                 + LABEL * on_labels.count() as f64
