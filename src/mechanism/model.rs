@@ -229,9 +229,8 @@ impl Model {
         let reduced = Arc::clone(self.reduced()?);
         reduced.prepare();
         if let Some(Formulation::Reduced(motion)) = &mut self.state {
-            let quantities = self.original.variables.quantities();
-            self.plan.reserve(quantities.len());
-            motion.prepare(&reduced, &self.inputs, quantities.iter().filter_map(Quantity::output));
+            let outputs = self.original.variables.quantities().iter().filter_map(Quantity::output);
+            motion.prepare(&reduced, &self.inputs, outputs);
         }
         Ok(())
     }
@@ -246,6 +245,7 @@ impl Model {
             self.state = None;
             self.state()?;
             self.is_placed = true;
+            self.plan.reserve(self.original.variables.quantities().iter().filter_map(Quantity::output).count());
             return self.remember();
         };
         // The parameters are those of this state, as one that changes takes the state away.

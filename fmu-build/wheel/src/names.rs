@@ -79,7 +79,7 @@ impl Names {
 }
 
 /// Call `take` with the numbers in an array of doubles or a list of numbers, as many as there are names. None if this
-/// is anything else, of which [`crate::arguments::values`] tells what is wrong with it.
+/// is anything else, of which [`crate::arguments::values`] says what is wrong with it.
 #[inline]
 pub fn with_numbers<T>(
     values: &Bound<'_, PyAny>,

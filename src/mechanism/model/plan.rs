@@ -21,17 +21,18 @@ impl Plan {
         (self.references == references).then_some(&self.outputs)
     }
 
-    /// Make room for so many outputs.
+    /// Make room for so many outputs in all.
     pub fn reserve(&mut self, count: usize) {
-        self.references.reserve(count);
-        self.outputs.reserve(count);
+        self.references.reserve_exact(count.saturating_sub(self.references.len()));
+        self.outputs.reserve_exact(count.saturating_sub(self.outputs.len()));
     }
 
-    /// Resolve references that were read, if all are outputs. The longest array is kept, so that shorter ones that are
-    /// read in turn with it do not replace it.
+    /// Resolve references that were read, if all are outputs and there is room. The longest array is kept, so that
+    /// shorter ones that are read in turn with it do not replace it.
     #[inline]
     pub fn learn(&mut self, references: &[Reference], variables: &Variables<Quantity>) {
-        if references.len() >= Self::FEWEST && references.len() > self.references.len() {
+        let has_room = references.len() <= self.references.capacity().min(self.outputs.capacity());
+        if has_room && references.len() >= Self::FEWEST && references.len() > self.references.len() {
             self.resolve(references, variables);
         }
     }
@@ -45,5 +46,24 @@ impl Plan {
             self.outputs.clear();
             self.outputs.extend(references.iter().filter_map(output));
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::mechanism::quantity::Quantity;
+    use crate::mechanism::{GEAR, Model};
+
+    /// The room is made in the initialisation, so that the first get of all outputs can be kept.
+    #[test]
+    fn the_first_get_of_all_outputs_is_kept() {
+        let mut model = Model::from_json(GEAR).unwrap();
+        model.initialize().unwrap();
+        let variables = &model.original.variables;
+        let is_output = |r: &u32| variables.quantity_of(*r).and_then(Quantity::output).is_some();
+        let outputs: Vec<u32> = (0..variables.list().len() as u32).filter(is_output).collect();
+        model.reals(&outputs, |_| {}).unwrap();
+        assert!(outputs.len() > 50 && model.has_read(&outputs));
     }
 }

@@ -1,4 +1,4 @@
-//! `cargo fmu view --live`: the page of `view` from a server on this machine, with the definition beside the drawing.
+//! `cargo fmu view --live`: the page of `view` from a server on this machine, with the definition next to the drawing.
 //!
 //! In: a definition file, watched; texts and values from the page. Out: the page, and its data for each text. The file
 //! is written when the page asks for it, and at no other time.

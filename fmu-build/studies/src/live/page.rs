@@ -1,4 +1,4 @@
-//! The page: that of `view`, with the definition beside the drawing.
+//! The page: that of `view`, with the definition next to the drawing.
 
 use super::engine::{Asked, Engine};
 use super::file::Text;

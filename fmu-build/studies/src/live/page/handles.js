@@ -36,7 +36,7 @@ function collectHandles(root, scene, travel) {
   return [...join(all, root), ...stopHandles(root, scene, travel, metre, radian)].filter((handle) => handle.turn !== undefined);
 }
 
-/** Angle from the axes of a handle's numbers to those of its point's frame [rad]; undefined if nothing tells it. */
+/** Angle from the axes of a handle's numbers to those of its point's frame [rad]; undefined if nothing defines it. */
 function turnOf(handle, all, scene, planes) {
   const { frame } = handle.point;
   const origin = scene.bodies.find(({ name }) => name === handle.body).points[0];
