@@ -55,7 +55,7 @@ fn files(folder: &Path, out: &mut Vec<PathBuf>) {
 /// Code of a file: without comments, and up to its tests. Crates in `src` name the engine's modules by the same paths.
 fn code(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
-    let own = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+    let own = text.split("\nmod tests").next().unwrap();
     let lines: Vec<_> = own.lines().map(|line| line.split("//").next().unwrap()).collect();
     lines.join("\n").replace("linkage_fmu::", "crate::")
 }
