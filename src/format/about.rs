@@ -9,13 +9,14 @@ const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: the author 
 
 super::keys! {
     /// Author, copyright and licence of a model, one line of text each. The file `modelDescription.xml` of the FMU
-    /// contains these texts.
+    /// contains the author, the copyright and the licence.
     pub struct About {
-        /// Name and organisation of the model's author. If this text is empty, the FMU states no author.
+        /// Name and organisation of the model's author. If the text `author` is empty, the FMU states no author.
         author: String => line();
-        /// Copyright of the model. If this text is empty, the FMU states the copyright of the library linkage-fmu.
+        /// Copyright of the model. If the text `copyright` is empty, the FMU states the copyright of the library
+        /// linkage-fmu.
         copyright: String => line();
-        /// Licence of the model. If this text is empty, the FMU states the licence of the library linkage-fmu.
+        /// Licence of the model. If the text `license` is empty, the FMU states the licence of the library linkage-fmu.
         license: String => line();
     }
 }

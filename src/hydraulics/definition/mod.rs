@@ -85,8 +85,8 @@ keys! {
     /// A differential cylinder with servo valve, oil and lines. Numbers are in SI units. Pressures are relative to the
     /// ambient pressure.
     pub struct HydraulicActuator {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
-        /// key.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
+        /// key `$schema`.
         schema as "$schema": Option<String>;
         /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
         /// underscores.

@@ -17,8 +17,8 @@ keys! {
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass of the body [kg], >= 0.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution. `uniform_rod`: the mass is spread evenly from `origin` to `end`. Without this key, the
-        /// keys `center` and `inertia` state the mass distribution.
+        /// Mass distribution of the body. `uniform_rod`: the mass is spread evenly from the point `origin` to the point
+        /// `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
         /// Centre of mass in the frame of the body [m]. Not allowed together with `shape`.
         center: Option<[f64; 2]> =>
@@ -26,14 +26,14 @@ keys! {
         /// Moment of inertia about the centre of mass [kg.m2], >= 0. Not allowed together with `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// Axial stiffness E A of the body as an elastic rod between its two joints [N], > 0. Only `solver.method` =
-        /// `rigid_fem` uses this stiffness. Not allowed together with `fixed_to`.
+        /// Axial stiffness E A of the body as an elastic rod between its two joints [N], > 0. Only the method
+        /// `rigid_fem` (key `solver.method`) uses the axial stiffness. Not allowed together with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
         /// Additional points by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
-        /// Coordinates of the body's points in a drawing that shows the mechanism in one position. Use this key in
-        /// place of `length`, `points` and `center`.
+        /// Coordinates of the body's points in a drawing that shows the mechanism in one position. Use the key `drawn`
+        /// in place of `length`, `points` and `center`.
         drawn: Option<Drawn> => Key::PLAIN.brief();
     }
 
@@ -45,11 +45,12 @@ keys! {
 
     /// A joint that connects two bodies.
     pub struct Joint {
-        /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint. Its
-        /// second point moves along a line through the first point, and the angle between the two bodies is constant.
+        /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint,
+        /// whose second point moves along a line through its first point. The angle between the two bodies of a
+        /// prismatic joint is constant.
         kind as "type": JointKind => Key::PLAIN.required();
-        /// Point (`body.point`) of the first body. The reaction output is the force of the first body on the second
-        /// body.
+        /// Point (`body.point`) of the first body. The reaction outputs of the joint state the force of the first body
+        /// on the second body.
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
@@ -61,24 +62,24 @@ keys! {
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
-        /// Revolute joint only: pin radius [m], >= 0. Without this key the joint has no friction.
+        /// Revolute joint only: pin radius [m], >= 0. Without the key `pin_radius` the joint has no friction.
         pin_radius: Option<f64> =>
             number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
-        /// Coefficient of static friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
-        /// applies.
+        /// Coefficient of static friction in this joint [1], >= 0. Default: the `static_coefficient` of the key
+        /// `friction`.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in the joint @");
-        /// Coefficient of kinetic friction in this joint [1], >= 0. Without this key, the coefficient in `friction`
-        /// applies.
+        /// Coefficient of kinetic friction in this joint [1], >= 0. Default: the `kinetic_coefficient` of the key
+        /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
     }
 
-    /// Friction in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With the
-    /// law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
-    /// `static_speed`. Above `static_speed` mu falls along a cubic curve to the kinetic coefficient at `kinetic_speed`.
-    /// With the law `stick`, mu is the static coefficient up to `static_speed`, and friction holds the mechanism at
-    /// rest.
+    /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
+    /// the law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
+    /// `static_speed`. Above `static_speed` the coefficient mu falls along a cubic curve to the kinetic coefficient at
+    /// `kinetic_speed`. With the law `stick`, the coefficient mu is the static coefficient up to `static_speed`, and
+    /// friction holds the mechanism at rest.
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>

@@ -6,19 +6,19 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// A stop is an end of the travel. It limits one quantity: the angle of a body, the position of a prismatic joint,
-    /// the angle of a revolute joint, or the distance between two points.
+    /// A stop is an end of the travel. A stop limits one quantity: the angle of a body, the position of a prismatic
+    /// joint, the angle of a revolute joint, or the distance between two points.
     pub struct Stop {
         /// Body whose angle is limited.
         body: Option<String> => element();
-        /// Joint whose position or angle is limited. Use this key in place of `body`.
+        /// Joint whose position or angle is limited, in place of the key `body`.
         joint: Option<String> => element();
-        /// First of two points (`body.point`) whose distance is limited. Use this key in place of `body`.
+        /// First of two points (`body.point`) whose distance is limited, in place of the key `body`.
         first: Option<String> => point();
         /// Second of the two points (`body.point`) whose distance is limited.
         second: Option<String> => point();
-        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the stated value. `upper`: the
-        /// angle, position or distance cannot rise above the stated value.
+        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the value at the stop. `upper`:
+        /// the angle, position or distance cannot rise above the value at the stop.
         limit: Limit => Key::PLAIN.required();
         /// Angle at the stop [rad]: the angle of the body, or the angle of a revolute joint (angle of the second body
         /// relative to the first body).
@@ -46,9 +46,9 @@ keys! {
             .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
         /// Bumper only: additional force as a curve over the compression. State pairs of compression and force [m or
         /// rad, N or N.m]. The first pair must be [0, 0], and the force must not fall with the compression. Beyond the
-        /// last pair the curve continues as a straight line.
+        /// last pair the force curve of the bumper continues as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the Boolean output that is true while the mechanism is at this stop or beyond. Default:
+        /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond. Default:
         /// `<name>.reached`.
         flag: Option<String> => element();
     }

@@ -13,13 +13,13 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// A coupling of two motions by gears, a rack, a belt or a cam: u2 = F(u1). u1 is the angle of the first wheel
-    /// relative to the carrier. u2 is the angle of the second wheel relative to the carrier, or the position of the
-    /// rack. For gears, racks and belts u2 = ratio * u1 + phase.
+    /// A coupling of two motions u1 and u2 by gears, a rack, a belt or a cam: u2 = F(u1). The motion u1 is the angle of
+    /// the first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the carrier,
+    /// or the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
-        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. `screw`
-        /// is always rejected: define a screw by the key `screw` of an actuator.
+        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The
+        /// program always rejects the type `screw`: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects this point to the carrier.
         first: String => point().required();
@@ -64,7 +64,7 @@ keys! {
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution, as pairs of cam angle and lift [rad, m or rad] in the order of increasing
-        /// angle. Use this key in place of `segments`.
+        /// angle. Use the key `points` in place of `segments`.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
         /// Cam: kind of the curve through `points`. `spline`: a smooth curve, which may overshoot the points.
         /// `monotone`: a curve that rises only where the points rise, and falls only where the points fall.
@@ -103,8 +103,8 @@ keys! {
         /// Value of u2 (the position of the rack or the angle of the second wheel) where the angle u1 of the first
         /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. Not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
-        /// Gears, rack, belt: efficiency [1], > 0 and <= 1. It is equal in both directions of power flow. Without this
-        /// key there are no losses.
+        /// Gears, rack, belt: efficiency [1], > 0 and <= 1. The efficiency is equal in both directions of the power
+        /// flow. Without the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
     }
 }

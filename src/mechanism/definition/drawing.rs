@@ -25,9 +25,9 @@ keys! {
     /// Units of the angles and lengths in the mechanism file. All other numbers of the file are in SI units. The
     /// variables of the FMU are always in SI units.
     pub struct Units: Copy {
-        /// Unit of all angles in the file.
+        /// Unit of all angles in the mechanism file.
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
-        /// Unit of all lengths in the file.
+        /// Unit of all lengths in the mechanism file.
         length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
     }
 

@@ -3,7 +3,7 @@ use crate::format::{Flag, Key, Owner, Parameter, Range, Role, Short, Visit, eith
 use crate::variables::Unit::{Metre, MetrePerSecond, One, Radian, RadianPerSecond, Second};
 
 keys! {
-    /// Position and speed at the start of the run, of a body that turns or of a prismatic joint.
+    /// Position and speed of a turning body or of a prismatic joint at the start of the run.
     pub struct Start or (Short::Word("equilibrium")) {
         /// Body whose angle determines the start position.
         body: Option<String> => element();
@@ -15,8 +15,8 @@ keys! {
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Start speed of the body in `body` or of the joint in `joint` [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// true: the run starts at the stable equilibrium that is nearest to the stated position. This is the
-        /// equilibrium under the loads at the start of the run.
+        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The program computes
+        /// the equilibrium with the loads at the start of the run.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
@@ -26,8 +26,8 @@ keys! {
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
-        /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved it over
-        /// 1 rad. Small values make slow creep accurate.
+        /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved the
+        /// mechanism over 1 rad. Small values of `speed_floor` make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
@@ -38,8 +38,8 @@ keys! {
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
         /// Model of the motion, and start value of the variable `solver.method`. `reduced`: rigid bodies. `rigid_fem`:
-        /// links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without this key the method
-        /// is `reduced`, and the FMU does not have the variable `solver.method`.
+        /// links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without the key `method`, the
+        /// FMU uses the method `reduced` and has no variable `solver.method`.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
         /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5 s. Allowed only together with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
@@ -53,8 +53,8 @@ keys! {
              which is slower",
         );
         /// Start value of the Boolean variable `solver.prepare`. true: the initialisation makes all tables that a step
-        /// or an output can need, for simulation in real time. An open motion is prepared up to 100 turns from the
-        /// guess. false: a table is made when it is first needed.
+        /// or an output can need, for simulation in real time. For a motion without end, the tables are made up to 100
+        /// turns from the guess. false: the FMU makes a table when a step or an output first needs the table.
         prepare: bool = false => Key::PLAIN.parameter(
             Role::Load,
             "true: the initialisation makes all tables that a step or an output can need; false: a table is made when \

@@ -12,7 +12,7 @@ use crate::variables::Unit::{
 use std::f64::consts::TAU;
 
 keys! {
-    /// Uniform gravity. The weight of a mass m is m * load_factor * acceleration. This weight acts against the upward
+    /// Uniform gravity. The weight of a mass m is m * load_factor * acceleration. Weights act against the upward
     /// direction `up_angle`. The load factor is the input `load_factor`.
     pub struct Gravity {
         /// Acceleration of free fall [m/s2], >= 0.
@@ -25,44 +25,45 @@ keys! {
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
-    /// A drive (actuator) along the line between two points or in a joint. A positive force pushes the two points
-    /// apart. In a prismatic joint, a positive force moves the second body along the axis. In a revolute joint, a
-    /// positive torque turns the second body of the joint anticlockwise, relative to the first body.
+    /// A drive (actuator) exerts a force along the line between two points, or a force or torque in a joint. A positive
+    /// drive force between two points pushes the points apart. A positive drive force in a prismatic joint moves the
+    /// joint's second body along the axis. A positive drive torque in a revolute joint turns the joint's second body
+    /// anticlockwise, relative to its first body.
     pub struct Actuator {
         /// Point (`body.point`) at the first end of the drive.
         first: Option<String> => point();
         /// Point (`body.point`) at the second end of the drive.
         second: Option<String> => point();
-        /// Joint in which the drive acts, in place of `first` and `second`.
+        /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
         /// Start value of the input `<name>.force` [N]. Not allowed in a revolute joint or together with `screw`.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
         /// Start value of the input `<name>.torque` [N.m]. Allowed only in a revolute joint or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. It is equal in
-        /// both directions of power flow ([CK16] eq. (5)).
+        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
+        /// equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Additional force as a curve over the speed of the drive. The input `<name>.command` multiplies this force.
-        /// State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed. Beyond the first
-        /// and the last pair the curve continues as a straight line. Not allowed together with `hydraulics` or
-        /// `motion`.
+        /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
+        /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
+        /// Beyond the first and the last pair the force-speed curve continues as a straight line. Not allowed together
+        /// with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
         /// Start value of the input `<name>.command` [1]. Allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
-        /// Screw that turns the rotation of a motor into the stroke of the drive. The input of the drive is then the
-        /// torque of the motor. Not allowed in a revolute joint.
+        /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
+        /// is the torque of the motor. Not allowed in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
-        /// Hydraulic circuit that drives the actuator. The force is then an output. At most one drive can have a
-        /// circuit. A drive in a revolute joint cannot have a circuit.
+        /// Hydraulic circuit that drives the actuator. The force of a drive with a circuit is an output. At most one
+        /// drive can have a hydraulic circuit. A drive in a revolute joint cannot have a hydraulic circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
-        /// Prescribed motion of the drive. The drive force is then an output. At most one drive can have a prescribed
-        /// motion. Not allowed together with `hydraulics`.
+        /// Prescribed motion of the drive. The force of a drive with prescribed motion is an output. At most one drive
+        /// can have a prescribed motion. Not allowed together with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
-    /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke changes by lead *
-    /// phi / (2 pi).
+    /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke of the drive
+    /// changes by lead * phi / (2 pi).
     pub struct Screw: Copy {
         /// Lead: stroke for one revolution of the screw [m], > 0.
         lead: f64 => number(Metre, Range::Length).parameter(Role::Geometry, "Lead of the screw").required();
@@ -75,8 +76,8 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. These
-        /// variables are inputs. With `"constant": true` they are parameters.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. The two
+        /// variables are inputs, or with `"constant": true` parameters.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
@@ -86,24 +87,25 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m]. This variable is an input. With `"constant": true` it is
-        /// a parameter.
+        /// Start value of the variable `<name>.torque` [N.m]. The variable `<name>.torque` is an input, or with
+        /// `"constant": true` a parameter.
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
     }
 
     /// A spring with a damper. Between two points the force preload + stiffness * (length - free_length) + damping *
-    /// d(length)/dt pulls the points together. In a prismatic joint the length is the position of the joint, and the
-    /// force pulls the second body back. In a revolute joint the torque preload + stiffness * (angle - free_angle) +
-    /// damping * d(angle)/dt turns the second body clockwise. Here the angle is the angle of the second body relative
-    /// to the first body. Forces from `points`, `damping_points` or `gas` are added.
+    /// d(length)/dt pulls the points together. In a prismatic joint the length is the position of the joint, and a
+    /// positive force moves the second body back along the axis. In a revolute joint the torque preload + stiffness *
+    /// (angle - free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the spring is the
+    /// angle of the second body relative to the first body. The spring force also includes the forces of the keys
+    /// `points`, `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
         /// Point (`body.point`) at the second end of the spring.
         second: Option<String> => point();
-        /// Joint in which the spring acts, in place of `first` and `second`.
+        /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
         /// Stiffness of the linear spring [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
@@ -122,14 +124,14 @@ keys! {
         /// the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Additional pulling force as a curve over the length, position or angle. State pairs of length and force [m
-        /// or rad, N or N.m] in the order of increasing length. Beyond the first and the last pair the curve continues
-        /// as a straight line.
+        /// Additional pulling force as a curve over the length, position or angle of the spring. State pairs of length
+        /// and force [m or rad, N or N.m] in the order of increasing length. Beyond the first and the last pair the
+        /// force curve continues as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
         /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
-        /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The curve must pass through [0, 0],
-        /// and each force must have the sign of its speed. Beyond the first and the last pair the curve continues as a
-        /// straight line.
+        /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The damping curve must pass through
+        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair the damping curve
+        /// continues as a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.
@@ -137,13 +139,13 @@ keys! {
     }
 
     /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length). The gas pressure is p =
-    /// pressure * (volume / V)^exponent. The pulling force (ambient - p) * area is added to the force of the spring.
+    /// pressure * (volume / V)^exponent. The spring force includes the pulling force of the gas, (ambient - p) * area.
     pub struct Gas: Copy {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
-        /// Area on which the gas acts [m2], > 0. With gas on both sides of the piston, this area is the cross section
-        /// of the rod.
+        /// Area on which the gas pressure acts [m2], > 0. With gas on both sides of the piston, the key `area` is the
+        /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
             .parameter(Role::Load, "Gas-loaded area").required();
         /// Gas volume at the free length [m3], > 0.
@@ -167,8 +169,8 @@ keys! {
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, as an angle from the X axis of the mechanism \
                 frame").required();
-        /// true: drag depends on the air velocity relative to the moving surface. false: drag depends on the airspeed
-        /// only.
+        /// true: the drag depends on the air velocity relative to the moving surface. false: the drag depends on the
+        /// airspeed only.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
             "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
@@ -179,8 +181,8 @@ keys! {
     }
 
     /// A surface on which the air exerts drag: a strip between two points of one body, or an area at a point. The drag
-    /// is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). Here c is the drag coefficient, u is the air velocity
-    /// relative to the surface [m/s], and S is the projected area perpendicular to u [m2].
+    /// of a surface is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In this formula, c is the drag coefficient
+    /// and u is the air velocity relative to the surface [m/s]. The projected area S is perpendicular to u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
@@ -192,8 +194,8 @@ keys! {
         at: Option<String> => point();
         /// Area of a surface with the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
-        /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without this key, the
-        /// projected area is equal in all directions of the flow.
+        /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without the key
+        /// `surface_angle`, the projected area is equal in all directions of the flow.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
             the surface @, as an angle in the frame of the body");
         /// Drag coefficient c [1], >= 0.

@@ -21,17 +21,16 @@ pub const GROUND: &str = "ground";
 /// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
 pub const SNAP: f64 = 1e-6;
 keys! {
-    /// A planar linkage with one degree of freedom. Numbers are in SI units, angles in rad, positive anticlockwise.
+    /// A planar linkage with one degree of freedom. Numbers are in SI units. Angles are in rad and count anticlockwise.
     pub struct Mechanism {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
-        /// key.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
+        /// key `$schema`.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String => line();
-        /// Author, copyright and licence of the model. The file `modelDescription.xml` of the FMU contains this
-        /// information.
+        /// Author, copyright and licence of the model, for the file `modelDescription.xml` of the FMU.
         about: About => Key::PLAIN.brief();
         /// Path of a file with named parameters that several mechanisms share. The path is relative to the folder of
         /// the mechanism file.
@@ -47,7 +46,7 @@ keys! {
         unclear: Aside<Vec<Unclear>> => Aside::<Vec<Unclear>>::KEY;
         /// Units of the angles and lengths in the mechanism file. Default: SI units.
         units: Option<Units> => Key::PLAIN.brief();
-        /// Uniform gravity. Without this key there is no gravity.
+        /// Uniform gravity. Without the key `gravity` there is no gravity.
         gravity: Option<Gravity>;
         /// Rigid bodies by name. The body `ground`, which does not move, is required.
         bodies: Named<Body> => Key::PLAIN.required();
@@ -69,9 +68,9 @@ keys! {
         springs: Named<Spring>;
         /// Markers by name: points whose position, velocity and acceleration are outputs.
         markers: Named<Marker>;
-        /// Friction in the joints. Without this key there is no friction.
+        /// Friction in the joints. Without the key `friction` there is no friction.
         friction: Option<Friction>;
-        /// Air flow past the mechanism. Without this key there is no air.
+        /// Air flow past the mechanism. Without the key `air` there is no drag.
         air: Option<Air>;
         /// Surfaces on which the air exerts drag, by name. Allowed only together with the key `air`.
         surfaces: Named<Surface>;
@@ -79,16 +78,17 @@ keys! {
         stops: Named<Stop>;
         /// Locks by name. A lock holds the mechanism at a stop while the input `<name>.engage` is true.
         locks: Named<Lock>;
-        /// Position and speed at the start, or the word `equilibrium`. With this word the run starts at the stable
-        /// equilibrium that is nearest to the position in `guess`.
+        /// Position and speed at the start, or the word `equilibrium`. With the word `equilibrium` the run starts at
+        /// the stable equilibrium that is nearest to the position in `guess`.
         start: Start => Key::PLAIN.required();
         /// By name: rough angle of each body that turns, and rough position of each prismatic joint [m or rad]. The
-        /// guess selects one of the ways in which the mechanism can be assembled. Bodies with the key `drawn` need no
+        /// guess selects one of the ways in which the links can be assembled. Bodies with the key `drawn` need no
         /// guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions where two assembly modes cross), relative to the size of the
         /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than this tolerance, the
-        /// program corrects the lengths so that the mechanism passes through the change point. 0: no correction.
+        /// program corrects the lengths so that the mechanism passes through the change point. With the value 0 the
+        /// program corrects no lengths.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.

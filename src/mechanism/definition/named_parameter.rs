@@ -18,20 +18,20 @@ keys! {
         description: String => line();
     }
 
-    /// File with named parameters that several mechanisms share. State the path of this file, relative to the folder of
-    /// the mechanism file. An FMU stores both the path and the contents of the file.
+    /// File with named parameters that several mechanisms share. State the path of the parameter file, relative to the
+    /// folder of the mechanism file. An FMU stores the path and the contents of the parameter file.
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
-        /// Contents of the file of shared parameters. Do not write this key: the command `package` writes it into the
-        /// copy of the mechanism file inside an FMU.
+        /// Contents of the file of shared parameters. Do not write the key `contents` yourself. The command `package`
+        /// writes `contents` into the copy of the mechanism file inside an FMU.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
     /// The contents of a file of shared parameters.
     pub struct SharedContents {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
-        /// key.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
+        /// key `$schema`.
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;

@@ -64,8 +64,8 @@ keys! {
     /// ambient pressure. A port is the name of a reservoir or of a node, or a chamber: `<cylinder>.a` or
     /// `<cylinder>.b`.
     pub struct HydraulicSystem {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use this
-        /// key.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
+        /// key `$schema`.
         schema as "$schema": Option<String>;
         /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
         /// underscores.
