@@ -87,8 +87,8 @@ keys! {
         /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
         /// the mechanism at rest. `stick`: Coulomb's law, with which friction holds the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
-        /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` this coefficient must be at least as
-        /// large as the kinetic coefficient.
+        /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` the static coefficient must be at least
+        /// as large as the kinetic coefficient.
         static_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of static friction of joints that state no other value").required();
         /// Coefficient of kinetic friction mu_d [1], >= 0.

@@ -28,7 +28,7 @@ keys! {
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
             points at the stop @");
-        /// true: the mechanism has this stop. false: the stop is ignored.
+        /// true: the stop acts on the mechanism. false: the stop is ignored.
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: the stop @ acts; false: the stop is ignored");
         /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. If
         /// the stop has `stiffness`, `damping` or `points`, the key `rigid` must be given too.

@@ -21,10 +21,11 @@ keys! {
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The
         /// program always rejects the type `screw`: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
-        /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects this point to the carrier.
+        /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects the point `first` to the
+        /// carrier.
         first: String => point().required();
-        /// Centre (`body.point`) of the second wheel or of an oscillating follower. A revolute joint connects this
-        /// point to the carrier.
+        /// Centre (`body.point`) of the second wheel or of an oscillating follower. A revolute joint connects the point
+        /// `second` to the carrier.
         second: Option<String> => point();
         /// Body that carries both wheels. Default: the ground.
         carrier: Option<String> => element().absent("\"ground\"");
@@ -37,8 +38,8 @@ keys! {
         /// that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
-        /// Elliptic gears: direction from the centre of rotation of the first wheel to the vertex of its pitch curve
-        /// that is nearest to this centre, as an angle in the frame of the wheel [rad].
+        /// Elliptic gears: angle in the frame of the first wheel, from the centre of rotation to the nearest vertex of
+        /// the pitch curve [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");

@@ -32,7 +32,7 @@ keys! {
     }
 
     /// Coordinates of the body's points in the mechanism frame, from a drawing that shows the mechanism in one
-    /// position. The program computes lengths, points in the frame of the body, and the guess from these coordinates.
+    /// position. The program computes lengths, points in the frame of the body, and the guess from the coordinates.
     pub struct Drawn {
         /// Coordinates of the point `origin` [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();

@@ -44,17 +44,17 @@ keys! {
         /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5 s. Allowed only together with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of Newmark's method, if solver.method is rigid_fem");
-        /// Start value of the Boolean variable `solver.tables`. true: the equation of motion is evaluated from tables
-        /// over the position of the mechanism. false: each evaluation solves the loop equations of the linkage, which
-        /// is about a hundred times slower.
+        /// Start value of the Boolean variable `solver.tables`. true: the FMU evaluates the equation of motion from
+        /// tables over the position of the mechanism. false: the FMU solves the loop equations of the linkage in each
+        /// evaluation, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
             "true: the equation of motion is evaluated from tables; false: each evaluation solves the loop equations, \
              which is slower",
         );
-        /// Start value of the Boolean variable `solver.prepare`. true: the initialisation makes all tables that a step
-        /// or an output can need, for simulation in real time. For a motion without end, the tables are made up to 100
-        /// turns from the guess. false: the FMU makes a table when a step or an output first needs the table.
+        /// Start value of the Boolean variable `solver.prepare`. true: the FMU makes all tables in the initialisation,
+        /// for simulation in real time. For a motion without end, the tables are made up to 100 turns from the guess.
+        /// false: the FMU makes a table when a step or an output first needs the table.
         prepare: bool = false => Key::PLAIN.parameter(
             Role::Load,
             "true: the initialisation makes all tables that a step or an output can need; false: a table is made when \

@@ -54,8 +54,8 @@ keys! {
         joints: Named<Joint> => Key::PLAIN.required();
         /// Gears, racks, belts and cams by name.
         couplings: Named<Coupling> => Key::PLAIN.brief();
-        /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs such as its length,
-        /// its speed and the mass of the mechanism reduced to the drive.
+        /// Drives by name. Each drive has the input `<name>.force` or `<name>.torque`, and outputs such as the length,
+        /// the speed and the reduced mass at the drive.
         actuators: Named<Actuator>;
         /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
         /// moves the actuator of the same name. Mechanism and network are integrated as one system.
@@ -86,9 +86,9 @@ keys! {
         /// guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions where two assembly modes cross), relative to the size of the
-        /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than this tolerance, the
-        /// program corrects the lengths so that the mechanism passes through the change point. With the value 0 the
-        /// program corrects no lengths.
+        /// mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the program
+        /// corrects the lengths so that the mechanism passes through the point. With the value 0 the program corrects
+        /// no lengths.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
