@@ -38,8 +38,8 @@ keys! {
         /// that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
-        /// Elliptic gears: angle in the frame of the first wheel, from the centre of rotation to the nearest vertex of
-        /// the pitch curve [rad].
+        /// Elliptic gears: direction from the centre of the first wheel to the nearest vertex of its pitch curve, as an
+        /// angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");
