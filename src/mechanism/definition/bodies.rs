@@ -9,8 +9,8 @@ keys! {
     pub struct Body {
         /// Point (`body.point`) of another body, to which the origin of this body is rigidly fixed.
         fixed_to: Option<String> => point();
-        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. Allowed only together with
-        /// `fixed_to`.
+        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. The key `angle` is allowed
+        /// only together with `fixed_to`.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x axis of @, from \
             the x axis of the body to which it is fixed").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
@@ -20,14 +20,16 @@ keys! {
         /// Mass distribution of the body. `uniform_rod`: the mass is spread evenly from the point `origin` to the point
         /// `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
-        /// Centre of mass in the frame of the body [m]. Not allowed together with `shape`.
+        /// Centre of mass in the frame of the body [m]. The key `center` is not allowed together with `shape`.
         center: Option<[f64; 2]> =>
             number(Metre, Range::Coordinate).parameter(Role::Inertia, "Centre of mass").absent("[0, 0]");
-        /// Moment of inertia about the centre of mass [kg.m2], >= 0. Not allowed together with `shape`.
+        /// Moment of inertia about the centre of mass [kg.m2], >= 0. The key `inertia` is not allowed together with
+        /// `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
         /// Axial stiffness E A of the body as an elastic rod between its two joints [N], > 0. Only the method
-        /// `rigid_fem` (key `solver.method`) uses the axial stiffness. Not allowed together with `fixed_to`.
+        /// `rigid_fem` (key `solver.method`) uses the axial stiffness. The key `axial_stiffness` is not allowed
+        /// together with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
         /// Additional points by name: coordinates [x, y] in the frame of the body [m].

@@ -102,7 +102,8 @@ keys! {
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
         /// Value of u2 (the position of the rack or the angle of the second wheel) where the angle u1 of the first
-        /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. Not allowed for a cam.
+        /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. The key `phase` is not
+        /// allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency [1], > 0 and <= 1. The efficiency is equal in both directions of the power
         /// flow. Without the key `efficiency` the coupling has no losses.

@@ -39,8 +39,8 @@ keys! {
         /// Coordinates of the point `end` [m]. The x axis of the body points from `origin` to `end`. The distance
         /// between the two points is the length of the body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. Not allowed together with
-        /// `end`.
+        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
+        /// together with `end`.
         angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
         /// Coordinates of additional points by name [m].
         points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);

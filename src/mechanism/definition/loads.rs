@@ -36,29 +36,31 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// Start value of the input `<name>.force` [N]. Not allowed in a revolute joint or together with `screw`.
+        /// Start value of the input `<name>.force` [N]. The key `force` is not allowed in a revolute joint or together
+        /// with `screw`.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
-        /// Start value of the input `<name>.torque` [N.m]. Allowed only in a revolute joint or together with `screw`.
+        /// Start value of the input `<name>.torque` [N.m]. The key `torque` is allowed only in a revolute joint or
+        /// together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
         /// equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
         /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
         /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
-        /// Beyond the first and the last pair the force-speed curve continues as a straight line. Not allowed together
-        /// with `hydraulics` or `motion`.
+        /// Beyond the first and the last pair the force-speed curve continues as a straight line. The key `points` is
+        /// not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command` [1]. Allowed only together with `points`.
+        /// Start value of the input `<name>.command` [1]. The key `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
-        /// is the torque of the motor. Not allowed in a revolute joint.
+        /// is the torque of the motor. The key `screw` is not allowed in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Hydraulic circuit that drives the actuator. The force of a drive with a circuit is an output. At most one
         /// drive can have a hydraulic circuit. A drive in a revolute joint cannot have a hydraulic circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
         /// Prescribed motion of the drive. The force of a drive with prescribed motion is an output. At most one drive
-        /// can have a prescribed motion. Not allowed together with `hydraulics`.
+        /// can have a prescribed motion. The key `motion` is not allowed together with `hydraulics`.
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
@@ -116,8 +118,8 @@ keys! {
         /// Length of the spring at which the force of the linear spring equals `preload` [m]. For a spring between two
         /// points `free_length` must be >= 0.
         free_length: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Free length").absent("0");
-        /// Joint angle at which the torque of the linear spring equals `preload` [rad]. Allowed only in a revolute
-        /// joint.
+        /// Joint angle at which the torque of the linear spring equals `preload` [rad]. The key `free_angle` is allowed
+        /// only in a revolute joint.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
         /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive force pulls the
         /// ends of the spring together. A positive torque turns the second body of the joint clockwise, relative to

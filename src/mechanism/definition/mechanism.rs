@@ -72,7 +72,8 @@ keys! {
         friction: Option<Friction>;
         /// Air flow past the mechanism. Without the key `air` there is no drag.
         air: Option<Air>;
-        /// Surfaces on which the air exerts drag, by name. Allowed only together with the key `air`.
+        /// Surfaces on which the air exerts drag, by name. The key `surfaces` is allowed only together with the key
+        /// `air`.
         surfaces: Named<Surface>;
         /// Stops by name. A stop limits the travel of the mechanism.
         stops: Named<Stop>;

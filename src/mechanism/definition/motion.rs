@@ -17,8 +17,8 @@ keys! {
         /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the input force or
         /// torque of the drive acts.
         enabled: bool = true;
-        /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad].
-        /// Allowed only without the key `profile`.
+        /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. The
+        /// key `position` is allowed only without the key `profile`.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
         /// Motion law over time. Without the key `profile`, position, speed and acceleration of the drive are inputs of
         /// the FMU.
