@@ -80,8 +80,8 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
                     Decimal::rounded(radius),
                     Decimal::rounded(other)
                 );
-                let remedy = "if this is one wheel, check the numbers of teeth: a ring has the teeth of the sun \
-                              plus twice those of the planet";
+                let remedy = "if both couplings use the same wheel, check the numbers of teeth: the ring of a \
+                              planetary gear has as many teeth as the sun and two planets together";
                 all.push(Finding::warning(format_args!("couplings.{name}.{which}_teeth"), message, remedy));
             }
         }
@@ -157,7 +157,7 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
             miss.miss * size
         );
         let remedy = format!(
-            "for a motion straight through the crossing, write \"snap\": {:e} or correct the lengths",
+            "if the mechanism must continue straight at this position, write \"snap\": {:e} or correct the lengths",
             cure(miss.miss)
         );
         Finding::warning(if mechanism.snap.is_some() { "snap" } else { "" }, message, remedy)
@@ -195,14 +195,15 @@ pub fn remarks(reduced: &Reduced, snap: f64) -> Vec<String> {
         .iter()
         .map(|(position, miss)| {
             format!(
-                "the lengths miss a crossing of branches by {miss:.1e} of the size of the mechanism at {position}, \
-                 less than snap = {}: the program makes the branches cross, and the motion continues straight",
+                "two branches of motion almost cross at {position}: the lengths miss the crossing by {miss:.1e} of the \
+                 size of the mechanism, less than snap = {}, so the program corrects the lengths and the motion \
+                 continues straight",
                 Decimal(snap)
             )
         })
         .collect();
     lines.push(format!(
-        "for the crossing, the program moves points of joints by at most {largest:.1e} m: {}",
+        "to correct the lengths, the program moves points of joints by at most {largest:.1e} m: {}",
         told.join("; ")
     ));
     lines

@@ -19,7 +19,7 @@ pub fn text(checked: &Checked) -> String {
         let _ = writeln!(out, "{topic}");
         let of_topic = || facts.iter().filter(|fact| fact.topic == topic);
         if of_topic().all(is_idle) {
-            let _ = writeln!(out, "  the loops close in the position in the key guess");
+            let _ = writeln!(out, "  all joints fit in the position that the key guess states");
         }
         for fact in &together(of_topic().filter(|fact| !is_idle(fact))) {
             let _ = writeln!(out, "  {}", line(fact, &checked.units));

@@ -65,8 +65,8 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, 
     } else {
         match creeps(model, reduced) {
             Some(drive) => format!(
-                "at the start the mechanism creeps (no equilibrium): the force of {drive} is within static \
-                 friction, but this friction law allows motion below friction.static_speed"
+                "at the start the mechanism creeps (no equilibrium): the force of {drive} is between the two \
+                 breakaway forces, but the friction law viscous allows slow motion below friction.static_speed"
             ),
             None => "at the start the loads move the mechanism (no equilibrium)".to_owned(),
         }

@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Topic of positions where branches almost cross, by lengths that may be as small as rounding.
 const NEAR: &str = "Near misses";
 /// Text where the motion is followed only in part.
-const FURTHER: &str = "moves further than this: no stop ends the motion";
+const FURTHER: &str = "the motion continues beyond the stated range: no stop ends the motion";
 /// Remedy where joints that come into line end the motion.
 const LINKS: &str = "change the lengths or the pivots of these links,";
 /// Most places of one kind that are listed.
@@ -362,15 +362,16 @@ fn add_singular(reduced: &Reduced, travel: &Travel, out: &mut Inspection) {
     let crosses = |sigma: &&f64| is_within(reduced, travel, **sigma) && curve.branches_cross(**sigma);
     for &sigma in curve.crossings.iter().filter(crosses).take(PLACES) {
         let text = format!(
-            "two branches of motion cross at {}; the motion continues straight through the crossing",
+            "two branches of motion cross at {}, so the mechanism can continue in two ways; the computed motion \
+             continues straight",
             curve.describe(sigma, 0.0)
         );
         out.facts.push(Fact::new("Crossings", "").saying(text));
     }
     for miss in curve.near.misses.iter().filter(|miss| is_within(reduced, travel, miss.sigma)).take(PLACES) {
         let text = format!(
-            "two branches of motion almost cross at {}; the motion turns sharply at this position and does not \
-             continue straight",
+            "two branches of motion almost cross at {}; the computed motion turns sharply at this position and does \
+             not continue straight",
             miss.position
         );
         let fact = Fact::new(NEAR, "").with("miss", miss.miss * curve.linkage().size, Unit::Metre);
