@@ -63,12 +63,12 @@ keys! {
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 
-    /// Coupling with the mechanism that the actuator drives.
+    /// Settings of the coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
-        /// Start value of the parameter `coupling.mode`. This parameter selects the motion of the actuator that the
-        /// FMU uses within a communication step. `preview`: the motion that the FMU predicts. `follow`: the motion
-        /// that the inputs `actuator.length` and `actuator.speed` prescribe. `delayed`: the motion that the FMU
-        /// predicts, for a simulation program that passes every value one step late.
+        /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
+        /// actuator within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
+        /// `actuator.length` and `actuator.speed` prescribe the motion. `delayed`: the FMU predicts the motion, for a
+        /// simulation program that passes every value one step late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
@@ -77,13 +77,13 @@ keys! {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
-        /// Largest number of integration steps in one communication step [1]. The value must be a whole number.
+        /// Largest number of integration steps in one communication step [1]. The number must be a whole number.
         max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }
 
-    /// A differential cylinder with servo valve, oil and lines. Numbers are in SI units. Pressures are relative to the
-    /// ambient pressure.
+    /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. Numbers are in SI
+    /// units. Pressures are relative to the ambient pressure.
     pub struct HydraulicActuator {
         /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
         /// key `$schema`.
@@ -99,7 +99,7 @@ keys! {
         circuit: Circuit;
         /// Start values of the inputs `actuator.length` and `actuator.speed`.
         actuator: Actuator;
-        /// Coupling with the mechanism that the actuator drives.
+        /// Settings of the coupling with the mechanism that the actuator drives.
         coupling: Coupling;
         /// Settings of the time integration.
         solver: Solver;

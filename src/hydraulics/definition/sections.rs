@@ -22,8 +22,8 @@ keys! {
             all other pressures are relative");
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
-        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. 0: the oil
-        /// contains no air.
+        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. With the value
+        /// 0, the oil contains no air.
         air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of the entrained air at \
             ambient pressure, divided by the volume of the oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
@@ -35,22 +35,23 @@ keys! {
     pub struct Cylinder: Copy {
         /// Diameter of the piston [m], > 0.
         bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
-        /// Diameter of the rod [m], >= 0. The rod must be smaller than the bore.
+        /// Diameter of the piston rod [m], >= 0. The rod diameter must be smaller than the key `bore`.
         rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
-        /// Travel of the piston [m], > 0.
+        /// Travel of the piston between the fully retracted and the fully extended position [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
         /// Distance between the attachment points of the fully retracted actuator [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of the fully retracted actuator");
         /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
-        /// [Pa], >= 0. 0: rigid walls.
+        /// [Pa], >= 0. With the value 0, the cylinder walls are rigid.
         wall_modulus: f64 = 0.0 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls: \
             pressure divided by the relative growth of the cylinder volume; 0: rigid walls");
         /// Restitution at the rigid ends of the travel: speed of the piston after an impact on an end, divided by the
         /// speed before the impact [1], from 0 to 1.
         restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
-        /// Oil volume in the elasticity of a chamber. `changes`: the volume of the chamber, which changes with the
-        /// length. `constant`: the `dead_volume`.
+        /// Oil volume from which the FMU calculates the elasticity of the oil in a chamber. `changes`: the present
+        /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
+        /// `dead_volume`.
         oil_volume: OilVolume;
     }
 
@@ -59,7 +60,7 @@ keys! {
         /// Oil volume of chamber A when the cylinder is fully retracted, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A when the \
             cylinder is fully retracted, including the oil in the lines");
-        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is this value plus
+        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is the gauge pressure plus
         /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber A at the \
             start, relative to the ambient pressure");
@@ -70,7 +71,7 @@ keys! {
         /// Oil volume of chamber B when the cylinder is fully extended, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B when the \
             cylinder is fully extended, including the oil in the lines");
-        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is this value plus
+        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is the gauge pressure plus
         /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber B at the \
             start, relative to the ambient pressure");
@@ -81,43 +82,44 @@ keys! {
         /// Flow through one fully open metering edge at the pressure drop `valve.rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge at the rated pressure drop");
-        /// Pressure drop to which all keys `rated_flow` of the circuit refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which all keys `rated_flow` of the circuit state the flow [Pa], >
+        /// 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
-        /// Law of the flow about `transition_pressure`. `smooth`: the flow changes smoothly from laminar to turbulent.
-        /// `switch`: the flow is proportional to the pressure drop below `transition_pressure`, and to its square root
-        /// above.
+        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
+        /// and to the square root of the pressure drop above.
         transition: Transition;
-        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance rounds the
-        /// curve of the opening over the spool position. At the spool position `valve.overlap`, a metering edge is open
-        /// by half of the clearance.
+        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. Because of the clearance,
+        /// a metering edge opens smoothly. At the spool position `valve.overlap`, a metering edge is open by half of
+        /// the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
             full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
-        /// negative overlap is an underlap.
+        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
+        /// -1 to 1. A negative overlap is an underlap.
         overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge \
             starts to open");
-        /// Natural frequency of the spool [Hz], > 0.
+        /// Natural frequency of the valve spool [Hz], > 0.
         frequency: f64 = 60.0 => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool");
-        /// Damping ratio of the spool [1], > 0.
+        /// Damping ratio of the valve spool [1], > 0.
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool");
     }
 
     /// Restrictor in the line of chamber A, for flow out of the chamber.
     pub struct RestrictorA: Copy {
-        /// Flow out of chamber A through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. 0: no
-        /// restrictor.
+        /// Flow out of chamber A through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
+        /// value 0 means that there is no restrictor.
         rated_flow: f64 = 5e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber A \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
 
     /// Restrictor in the line of chamber B, for flow out of the chamber.
     pub struct RestrictorB: Copy {
-        /// Flow out of chamber B through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. 0: no
-        /// restrictor.
+        /// Flow out of chamber B through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
+        /// value 0 means that there is no restrictor.
         rated_flow: f64 = 0.0 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber B \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
@@ -133,11 +135,11 @@ keys! {
     /// Cushion of chamber A, at the retracted end of the travel.
     pub struct CushionA: Copy {
         /// Length of the last part of the travel, before the retracted end, in which the cushion throttles the flow out
-        /// of chamber A [m], >= 0. 0: no cushion.
+        /// of chamber A [m], >= 0. The value 0 means that there is no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber A; 0: no cushion");
-        /// Flow that the cushion lets out of chamber A at the retracted end of the travel, at the rated pressure drop
-        /// of the valve [m3/s], >= 0. 0: no cushion.
+        /// Flow out of chamber A through the cushion at the retracted end of the travel, at the rated pressure drop of
+        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
         rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
             lets out of chamber A at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
@@ -145,11 +147,11 @@ keys! {
     /// Cushion of chamber B, at the extended end of the travel.
     pub struct CushionB: Copy {
         /// Length of the last part of the travel, before the extended end, in which the cushion throttles the flow out
-        /// of chamber B [m], >= 0. 0: no cushion.
+        /// of chamber B [m], >= 0. The value 0 means that there is no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber B; 0: no cushion");
-        /// Flow that the cushion lets out of chamber B at the extended end of the travel, at the rated pressure drop of
-        /// the valve [m3/s], >= 0. 0: no cushion.
+        /// Flow out of chamber B through the cushion at the extended end of the travel, at the rated pressure drop of
+        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
         rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
             lets out of chamber B at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
@@ -198,28 +200,32 @@ keys! {
         /// Static friction force of the seals [N], >= 0.
         r#static as "static": f64 = 400.0 => number(Newton, NonNegative).parameter(Circuit, "Static friction force of \
             the seals");
-        /// Stribeck speed: characteristic speed of the fall from static to kinetic friction [m/s], > 0.
+        /// Stribeck speed: characteristic speed at which the seal friction decreases from static to kinetic friction
+        /// [m/s], > 0.
         stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of the \
             fall from static to kinetic friction (Stribeck speed) of the seals");
-        /// Characteristic speed of the smooth reversal of the friction force [m/s], > 0. Static and kinetic friction
-        /// are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the speed v = 0.
+        /// Characteristic speed of the smooth reversal of the seal friction force [m/s], > 0. Static and kinetic
+        /// friction are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the
+        /// speed v = 0.
         transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of \
             the smooth reversal of the friction force of the seals");
         /// Viscous friction coefficient of the seals: force divided by speed [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction \
             coefficient of the seals");
         /// Increase of the seal friction force due to pressure, divided by the sum of both chamber pressures [m2], >=
-        /// 0. 0: the friction does not depend on pressure.
+        /// 0. With the value 0, the seal friction does not depend on pressure.
         pressure_area: f64 = 0.0 => number(SquareMetre, NonNegative).parameter(Circuit, "Increase of the seal \
             friction force due to pressure, divided by the sum of both chamber pressures");
     }
 
     /// Hoses of both chambers.
     pub struct Hose: Copy {
-        /// Volume of the hose of chamber A [m3], >= 0. This volume is a part of `chamber_a.dead_volume`. 0: no hose.
+        /// Volume of the hose of chamber A [m3], >= 0. The hose volume is a part of `chamber_a.dead_volume`. The value
+        /// 0 means that there is no hose.
         volume_a: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber A, \
             part of the dead volume of chamber A; 0: no hose");
-        /// Volume of the hose of chamber B [m3], >= 0. This volume is a part of `chamber_b.dead_volume`. 0: no hose.
+        /// Volume of the hose of chamber B [m3], >= 0. The hose volume is a part of `chamber_b.dead_volume`. The value
+        /// 0 means that there is no hose.
         volume_b: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber B, \
             part of the dead volume of chamber B; 0: no hose");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -231,8 +237,9 @@ keys! {
     /// pressures p_A and p_B.
     pub struct LockValve: Copy {
         /// Pressure ratio at which the pilot opens the lock valve [1], >= 0: oil leaves chamber A only while p_B >
-        /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of
-        /// this ratio: the area of the pilot piston divided by the area of the valve seat. 0: no lock valve.
+        /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of the
+        /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means that
+        /// there is no lock valve.
         pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
             opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
@@ -242,12 +249,12 @@ keys! {
 
     /// Accumulator between pump and valve.
     pub struct Accumulator: Copy {
-        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. 0: there is no accumulator, and the
-        /// input `supply.pressure` is the pressure at the valve.
+        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. With the value 0, there is no
+        /// accumulator, and the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
         /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// this value plus `fluid.ambient_pressure`, must be above 0.
+        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
             accumulator: gas pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -263,7 +270,7 @@ keys! {
         /// Pressure up to which the pump delivers the flow `pump.max_flow` [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which the pump \
             delivers its full flow");
-        /// Pressure at and above which the pump delivers no flow [Pa]. This pressure must be greater than
+        /// Pressure at and above which the pump delivers no flow [Pa]. `pump.max_pressure` must be greater than
         /// `pump.full_pressure`.
         max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure at and above which the pump \
             delivers no flow");
@@ -275,8 +282,8 @@ keys! {
         /// run.
         ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Final value of the ramp that is added to \
             valve.command from the start of the run");
-        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. 0: the final value of the ramp is
-        /// added from the start of the run.
+        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. With the value 0, the final value
+        /// of the ramp is added from the start of the run.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp that is added to \
             valve.command; 0: a jump at the start of the run");
         /// Amplitude of a sine that is added to the input `valve.command`, from the start of the run [1].

@@ -60,9 +60,9 @@ pub const MOST_PATHS: usize = 96;
 pub const TOTALS: usize = 9;
 
 keys! {
-    /// A hydraulic system: supply, lines, valves and cylinders. Numbers are in SI units. Pressures are relative to the
-    /// ambient pressure. A port is the name of a reservoir or of a node, or a chamber: `<cylinder>.a` or
-    /// `<cylinder>.b`.
+    /// A hydraulic system consists of supply, lines, valves and cylinders. Numbers are in SI units. Pressures are
+    /// relative to the ambient pressure. A port is a point to which elements are connected: a reservoir, a node, or a
+    /// chamber of a cylinder (`<cylinder>.a` or `<cylinder>.b`).
     pub struct HydraulicSystem {
         /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
         /// key `$schema`.
@@ -76,39 +76,39 @@ keys! {
         about: About => Key::PLAIN.brief();
         /// Oil with entrained air.
         fluid: Fluid;
-        /// Reservoirs and other ports whose pressure is an input.
+        /// Reservoirs, and other ports whose pressure is an input.
         reservoirs: Named<Reservoir>;
-        /// Nodes: lines and galleries with a volume of oil.
+        /// Nodes of the hydraulic system: lines and galleries with a volume of oil.
         nodes: Named<Line>;
-        /// Pumps.
+        /// Pumps of the hydraulic system.
         pumps: Named<Pump>;
-        /// Accumulators.
+        /// Accumulators of the hydraulic system.
         accumulators: Named<Accumulator>;
-        /// Restrictors, orifices and lines with resistance.
+        /// Restrictors, orifices and lines with flow resistance.
         resistances: Named<Resistance>;
-        /// Check valves.
+        /// Check valves of the hydraulic system.
         checks: Named<Check>;
-        /// Relief valves.
+        /// Relief valves of the hydraulic system.
         reliefs: Named<Relief>;
-        /// Priority valves.
+        /// Priority valves of the hydraulic system.
         priorities: Named<Priority>;
-        /// Sequence valves.
+        /// Sequence valves that a pilot pressure opens.
         sequences: Named<Sequence>;
-        /// Pilot operated check valves (lock valves).
+        /// Pilot-operated check valves (lock valves).
         pilot_checks: Named<PilotCheck>;
-        /// Counterbalance valves.
+        /// Counterbalance valves of the hydraulic system.
         counterbalances: Named<Counterbalance>;
-        /// Sequence valves that a cylinder operates.
+        /// Sequence valves that the position of a cylinder opens.
         position_valves: Named<PositionValve>;
-        /// By-passes (dump valves).
+        /// By-passes (dump valves) of the hydraulic system.
         bypasses: Named<Bypass>;
-        /// Valves with four ports and three positions.
+        /// Directional valves with four ports and three positions.
         valves: Named<Valve>;
-        /// Cylinders.
+        /// Cylinders of the hydraulic system.
         cylinders: Named<Cylinder>;
         /// Locks that oil pressure releases, such as uplocks.
         pressure_locks: Named<PressureLock>;
-        /// Coupling with the mechanisms that the cylinders drive.
+        /// Settings of the coupling with the mechanisms that the cylinders drive.
         coupling: Coupling;
         /// Settings of the time integration.
         solver: Solver;

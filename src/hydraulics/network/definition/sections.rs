@@ -16,22 +16,23 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// Reservoir, or another port whose pressure is given by the input `<name>.pressure`.
+    /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure` [Pa]. The absolute pressure, which is this value plus
+        /// Start value of the input `<name>.pressure` [Pa]. The absolute pressure, which is the gauge pressure plus
         /// `fluid.ambient_pressure`, must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
-    /// Node: a line or a gallery with a volume of oil at one pressure.
+    /// A node is a line or a gallery with a volume of oil at one pressure.
     pub struct Line: Copy {
         /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start [Pa]. The absolute pressure, which is this value plus `fluid.ambient_pressure`, must
-        /// be above 0.
+        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
-        /// Volume of the hoses [m3], >= 0. This volume is a part of `volume`. 0: no hose.
+        /// Volume of the hoses at the node [m3], >= 0. The hose volume is a part of the oil volume in the key `volume`.
+        /// The value 0 means that there is no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hoses in @, part of the \
             oil volume");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -39,30 +40,30 @@ keys! {
             divided by the relative growth of the hose volume");
     }
 
-    /// Pump. The input `<name>.speed` is the relative speed of the pump: 1 is the full speed, and 0 is off. The start
-    /// value of `<name>.speed` is 1.
+    /// A pump delivers oil from the port `from` to the node `to`. The input `<name>.speed` is the relative speed of the
+    /// pump: 1 is the full speed, and 0 is off. The start value of `<name>.speed` is 1.
     pub struct Pump {
         /// Reservoir or node from which the pump takes oil.
         from: String => line().required();
         /// Node into which the pump delivers oil.
         to: String => line().required();
-        /// How the flow depends on the pressure. `compensated`: the flow falls to 0 between `full_pressure` and
+        /// How the pump flow depends on the pressure. `compensated`: the flow falls to 0 between `full_pressure` and
         /// `max_pressure`. `fixed`: the flow does not depend on the pressure.
         r#type as "type": PumpType;
-        /// Flow at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up to
-        /// `full_pressure`.
+        /// Flow of the pump at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up
+        /// to `full_pressure`.
         max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow of @ at the \
             relative speed 1 and low pressure");
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
         full_pressure: f64 = 20e6 => number(Pascal, Finite).parameter(Circuit, "Pressure up to which @ delivers its \
             full flow");
-        /// Pressure at and above which a compensated pump delivers 1 % of its full flow or less [Pa]. This pressure
-        /// must be greater than `full_pressure`.
+        /// Pressure at and above which a compensated pump delivers 1 % of its full flow or less [Pa]. The key
+        /// `max_pressure` must be greater than `full_pressure`.
         max_pressure: f64 = 20.7e6 => number(Pascal, Finite).parameter(Circuit, "Pressure at and above which @ \
             delivers 1 % of its full flow or less");
     }
 
-    /// Gas accumulator at a node.
+    /// A gas accumulator is connected to a node.
     pub struct Accumulator {
         /// Node to which the accumulator is connected.
         at: String => line().required();
@@ -70,7 +71,7 @@ keys! {
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
         /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// this value plus `fluid.ambient_pressure`, must be above 0.
+        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -80,79 +81,81 @@ keys! {
 
     /// Restrictor, orifice or line with resistance.
     pub struct Resistance {
-        /// Port at which a positive flow enters.
+        /// Port at which a positive flow enters the resistance.
         from: String => line().required();
-        /// Port at which a positive flow leaves.
+        /// Port at which a positive flow leaves the resistance.
         to: String => line().required();
-        /// Turbulent flow in the direction from port `from` to port `to`, at the rated pressure drop [m3/s], >= 0. 0:
-        /// no flow in this direction.
+        /// Turbulent flow from port `from` to port `to` at the rated pressure drop [m3/s], >= 0. With the value 0, no
+        /// oil flows from `from` to `to`.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Turbulent flow in the direction from port `to` to port `from`, at the rated pressure drop [m3/s], >= 0. 0:
-        /// no flow in this direction. Default: `rated_flow`.
+        /// Turbulent flow from port `to` to port `from` at the rated pressure drop [m3/s], >= 0. With the value 0, no
+        /// oil flows from `to` to `from`. The default is the value of `rated_flow`.
         reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in \
             the reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Conductance of a laminar resistance in series with the orifice: flow divided by pressure drop [m3/(s.Pa)],
-        /// >= 0. 0: no laminar resistance.
+        /// >= 0. The value 0 means that there is no laminar resistance.
         laminar_conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
             the laminar resistance in @; 0: no laminar pressure drop");
     }
 
-    /// Check valve: oil flows from port `from` to port `to` only.
+    /// A check valve lets oil flow only from port `from` to port `to`.
     pub struct Check {
-        /// Inlet of the check valve: oil flows from this port.
+        /// Inlet port of the check valve.
         from: String => line().required();
-        /// Outlet of the check valve: oil flows to this port.
+        /// Outlet port of the check valve.
         to: String => line().required();
-        /// Pressure drop from port `from` to port `to` at which the valve opens [Pa], >= 0.
+        /// Pressure drop from port `from` to port `to` at which the check valve opens [Pa], >= 0.
         cracking_pressure: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure drop at which @ opens");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0. This key is not used if `conductance` is
-        /// greater than 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0. The key `rated_flow` has no effect
+        /// if `conductance` is greater than 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Pressure drop to which the rated flow refers [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// Conductance of a valve with a linear law: flow divided by the pressure drop above the cracking pressure
-        /// [m3/(s.Pa)], >= 0. 0: the flow is turbulent, and the key `rated_flow` states the flow of the open valve.
+        /// Conductance of a check valve with linear flow: flow divided by the pressure drop above the cracking pressure
+        /// [m3/(s.Pa)], >= 0. With the value 0, the flow is turbulent, and the key `rated_flow` states the flow through
+        /// the open valve.
         conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
             the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
 
-    /// Relief valve: oil flows from port `from` to port `to` while the pressure at `from` is above the key `pressure`.
+    /// A relief valve lets oil flow from port `from` to port `to` while the pressure at `from` is above the key
+    /// `pressure`.
     pub struct Relief {
-        /// Port that the valve protects from high pressure.
+        /// Port that the relief valve protects from high pressure.
         from: String => line().required();
-        /// Port to which the valve discharges oil, usually a reservoir.
+        /// Port to which the relief valve discharges oil, usually a reservoir.
         to: String => line().required();
-        /// Pressure at the port `from` at which the valve starts to open [Pa], > 0.
+        /// Pressure at the port `from` at which the relief valve starts to open [Pa], > 0.
         pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ starts to open");
-        /// Width of the pressure range over which the valve starts to open smoothly [Pa], > 0.
+        /// Width of the pressure range over which the relief valve starts to open smoothly [Pa], > 0.
         width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Conductance of the valve: flow divided by the excess of the pressure at the port `from` over the key
+        /// Conductance of the relief valve: flow divided by the excess of the pressure at the port `from` over the key
         /// `pressure` [m3/(s.Pa)], > 0.
         conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow of @ divided \
             by the excess of the pressure over the opening pressure");
     }
 
-    /// Priority valve. The valve is open while the pressure at the port `from` (upstream) is above the key `pressure`.
+    /// A priority valve is open while the pressure at the upstream port `from` is above the key `pressure`.
     pub struct Priority {
-        /// Upstream port, whose pressure opens the valve.
+        /// Upstream port of the priority valve. The pressure at the upstream port opens the valve.
         from: String => line().required();
-        /// Downstream port, on the side of the consumer.
+        /// Downstream port of the valve, on the side of the consumer.
         to: String => line().required();
         /// Pressure at the port `from` at which the valve is half open [Pa], > 0.
         pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at the upstream port at which \
@@ -160,14 +163,14 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. 0: there is no check valve in parallel.
+        /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -175,27 +178,27 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve. The valve is open while the pressure at the port `pilot` is above the key `pressure`.
+    /// A sequence valve is open while the pressure at the port `pilot` is above the key `pressure`.
     pub struct Sequence {
-        /// Upstream port, on the side of the pressure source.
+        /// Upstream port of the valve, on the side of the pressure source.
         from: String => line().required();
-        /// Downstream port, on the side of the consumer.
+        /// Downstream port of the valve, on the side of the consumer.
         to: String => line().required();
-        /// Port whose pressure opens the valve.
+        /// Pilot port: the pressure at the pilot port opens the valve.
         pilot: String => line().required();
         /// Pressure at the port `pilot` at which the valve is half open [Pa], > 0.
         pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pilot pressure at which @ is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. 0: there is no check valve in parallel.
+        /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -203,27 +206,27 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Pilot operated check valve (lock valve). Oil flows freely from port `from` to port `to`. The reverse flow is
+    /// A pilot-operated check valve (lock valve) lets oil flow freely from port `from` to port `to`. Reverse flow is
     /// possible only while p_pilot > `ratio` * p_to, with the pressures p_pilot and p_to at the ports `pilot` and `to`.
     pub struct PilotCheck {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port that the valve locks: oil leaves this port only while the pilot opens the valve.
+        /// Locked port: oil leaves the port `to` through the valve only while the pilot pressure opens the valve.
         to: String => line().required();
-        /// Port whose pressure opens the valve for the reverse flow.
+        /// Pilot port: the pressure at the pilot port opens the valve for reverse flow.
         pilot: String => line().required();
-        /// Pressure ratio at which the pilot opens the valve [1], > 0: the reverse flow is possible while p_pilot >
-        /// `ratio` * p_to. Data sheets usually state the reciprocal of this ratio: the area of the pilot piston divided
+        /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot > `ratio`
+        /// * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston divided
         /// by the area of the valve seat.
         ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of the pilot pressure to the pressure \
             at the locked port above which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Pressure drop to which the rated flow refers [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -231,19 +234,18 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Counterbalance valve. Oil flows freely from port `from` to port `to`. The reverse flow is possible while p_to +
-    /// `ratio` * p_pilot is above the key `pressure`. p_to and p_pilot are the pressures at the ports `to` and
-    /// `pilot`.
+    /// A counterbalance valve lets oil flow freely from port `from` to port `to`. Reverse flow is possible while p_to +
+    /// `ratio` * p_pilot is above the key `pressure`. p_to and p_pilot are the pressures at the ports `to` and `pilot`.
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port that carries the load.
+        /// Port on the side of the load.
         to: String => line().required();
-        /// Port whose pressure helps to open the valve.
+        /// Pilot port: the pressure at the pilot port helps to open the valve.
         pilot: String => line().required();
-        /// Pilot ratio [1], > 0: the pilot pressure is multiplied by this ratio. The valve is half open when the sum
-        /// p_to + `ratio` * p_pilot is equal to the key `pressure`. p_to is the pressure at the port `to`, which
-        /// carries the load.
+        /// Pilot ratio [1], > 0: factor by which the pilot pressure is multiplied. The valve is half open when the sum
+        /// p_to + `ratio` * p_pilot is equal to the key `pressure`. p_to and p_pilot are the pressures at the ports
+        /// `to` and `pilot`.
         ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: the valve is half open when \
             the load pressure plus this ratio times the pilot pressure is equal to the opening pressure");
         /// Opening pressure: value of the sum p_to + `ratio` * p_pilot at which the valve is half open [Pa], > 0. p_to
@@ -253,10 +255,10 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Pressure drop to which the rated flow refers [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -264,33 +266,33 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Sequence valve that a cylinder operates. The key `opens` states whether the valve is open while the cylinder is
-    /// longer or shorter than the key `length`.
+    /// A position valve is a sequence valve that the position of a cylinder opens. The key `opens` states whether the
+    /// valve is open while the cylinder is longer or shorter than the key `length`.
     pub struct PositionValve {
-        /// Upstream port, on the side of the pressure source.
+        /// Upstream port of the valve, on the side of the pressure source.
         from: String => line().required();
-        /// Downstream port, on the side of the consumer.
+        /// Downstream port of the valve, on the side of the consumer.
         to: String => line().required();
-        /// Cylinder that operates the valve.
+        /// Cylinder whose position opens the valve.
         cylinder: String => line().required();
-        /// Length of the cylinder at which the valve is half open [m]. This length must be within the travel of the
-        /// cylinder.
+        /// Length of the cylinder at which the valve is half open [m]. The key `length` must be within the travel of
+        /// the cylinder.
         length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the cylinder at which @ is half \
             open").required();
         /// Cylinder lengths at which the valve is open. `above`: lengths above the key `length`. `below`: lengths below
         /// the key `length`.
         opens: Opens;
-        /// Width of the range of lengths over which the valve opens smoothly [m], > 0.
+        /// Width of the range of cylinder lengths over which the valve opens smoothly [m], > 0.
         width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of lengths over which @ \
             opens");
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. 0: there is no check valve in parallel.
+        /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -298,18 +300,19 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// By-pass (dump valve). The input `<name>.open` is the opening of the valve: 0 is closed, and 1 is fully open.
+    /// A by-pass (dump valve) connects two ports. The input `<name>.open` is the opening of the by-pass: 0 is closed,
+    /// and 1 is fully open.
     pub struct Bypass {
-        /// First port of the valve. A flow from this port to the port `to` is positive.
+        /// First port of the by-pass. A flow from port `from` to port `to` is positive.
         from: String => line().required();
-        /// Second port of the valve.
+        /// Second port of the by-pass.
         to: String => line().required();
         /// Start value of the input `<name>.open` [1], from 0 (closed) to 1 (open).
         open: f64 => number(One, UnitRange);
-        /// Flow of the open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Pressure drop to which the rated flow refers [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -317,10 +320,10 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// Valve with four ports and three positions. The input `<name>.command` is the command of the valve. A positive
-    /// command connects the supply to port a, and port b to the return.
+    /// A directional valve has four ports and three positions. The input `<name>.command` is the command of the valve.
+    /// A positive command connects the supply to port a, and port b to the return.
     pub struct Valve {
-        /// Port from which the valve takes oil.
+        /// Port that supplies the valve with oil.
         supply: String => line().required();
         /// Port to which the valve returns oil.
         r#return as "return": String => line().required();
@@ -333,127 +336,134 @@ keys! {
         /// Flow through one fully open metering edge at the rated pressure drop [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge of @ at the rated pressure drop");
-        /// Flow through one fully open metering edge at port b, at the rated pressure drop [m3/s], > 0. Default:
-        /// `rated_flow`.
+        /// Flow through one fully open metering edge at port b, at the rated pressure drop [m3/s], > 0. The default is
+        /// the value of `rated_flow`.
         rated_flow_b: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge at port b of @, at the rated pressure drop");
-        /// Flow through the fully open metering edge from port b to the return, at the rated pressure drop [m3/s], >
-        /// 0. Default: `rated_flow_b`.
+        /// Flow through the fully open metering edge from port b to the return, at the rated pressure drop [m3/s], > 0.
+        /// The default is the value of `rated_flow_b`.
         rated_flow_b_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
             fully open metering edge from port b of @ to the return, at the rated pressure drop");
-        /// Flow through the fully open metering edge from port a to the return, at the rated pressure drop [m3/s], >
-        /// 0. Default: `rated_flow`.
+        /// Flow through the fully open metering edge from port a to the return, at the rated pressure drop [m3/s], > 0.
+        /// The default is the value of `rated_flow`.
         rated_flow_a_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
             fully open metering edge from port a of @ to the return, at the rated pressure drop");
-        /// Pressure drop to which the rated flows refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// Law of the flow about `transition_pressure`. `smooth`: the flow changes smoothly from laminar to turbulent.
-        /// `switch`: the flow is proportional to the pressure drop below `transition_pressure`, and to its square root
-        /// above.
+        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
+        /// and to the square root of the pressure drop above.
         transition: Transition;
         /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
         /// `overlap`, a metering edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
             the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap: spool position at which a metering edge starts to open [1]. The spool positions are from -1 to 1. A
-        /// negative overlap is an underlap.
+        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
+        /// -1 to 1. A negative overlap is an underlap.
         overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
             starts to open");
-        /// Natural frequency of the spool [Hz], > 0. Without this key, the spool position equals the command at every
-        /// instant.
+        /// Natural frequency of the valve spool [Hz], > 0. Without the key `frequency`, the spool position is equal to
+        /// the command at every instant.
         frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool of @");
-        /// Damping ratio of the spool [1], > 0.
+        /// Damping ratio of the valve spool [1], > 0.
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
     }
 
     /// Chamber of a cylinder.
     pub struct Chamber: Copy {
-        /// Smallest oil volume of the chamber, including the oil in the lines [m3], > 0. This is the volume of chamber
-        /// A when the cylinder is fully retracted, and of chamber B when the cylinder is fully extended.
+        /// Smallest oil volume of the chamber, including the oil in the lines [m3], > 0. The volume of chamber A is
+        /// smallest when the cylinder is fully retracted, and the volume of chamber B when the cylinder is fully
+        /// extended.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of @, \
             including the oil in the lines");
-        /// Pressure at the start [Pa]. The absolute pressure, which is this value plus `fluid.ambient_pressure`, must
-        /// be above 0.
+        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
-        /// Volume of the hose [m3], >= 0. This volume is a part of `dead_volume`. 0: no hose.
+        /// Volume of the hose at the chamber [m3], >= 0. The hose volume is a part of the oil volume in the key
+        /// `dead_volume`. The value 0 means that there is no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
             dead volume; 0: no hose");
-        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. 0: no restrictor.
+        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means
+        /// that there is no restrictor.
         restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
             restrictor at the rated pressure drop; 0: no restrictor");
         /// Length of the last part of the travel in which the cushion throttles the flow out of the chamber [m], >= 0.
-        /// 0: no cushion.
+        /// The value 0 means that there is no cushion.
         cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of @; 0: no cushion");
-        /// Flow that the cushion lets out of the chamber at the end of the travel, at the rated pressure drop [m3/s],
-        /// >= 0. 0: no cushion.
+        /// Flow out of the chamber through the cushion at the end of the travel, at the rated pressure drop [m3/s], >=
+        /// 0. The value 0 means that there is no cushion.
         cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion lets \
             out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
-    /// Differential cylinder. The chambers of the cylinder are the ports `<name>.a`, on the piston side, and
-    /// `<name>.b`, on the rod side.
+    /// A differential cylinder has two chambers, to which other elements are connected: the port `<name>.a` on the
+    /// piston side, and the port `<name>.b` on the rod side.
     pub struct Cylinder {
         /// Diameter of the piston [m], > 0.
         bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
-        /// Diameter of the rod [m], >= 0. The rod must be smaller than the bore.
+        /// Diameter of the piston rod [m], >= 0. The rod diameter must be smaller than the key `bore`.
         rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
-        /// Travel of the piston [m], > 0.
+        /// Travel of the piston between the fully retracted and the fully extended position [m], > 0.
         stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
         /// Distance between the attachment points of the fully retracted cylinder [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
-        /// In a mechanism: speed of the piston after an impact on a rigid end of the travel, divided by the speed
-        /// before [1], from 0 to 1. 0: the piston does not rebound.
+        /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
+        /// before [1], from 0 to 1. With the value 0, the piston does not rebound. Only a network in a mechanism uses
+        /// the restitution.
         restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
             travel of @");
-        /// Start value of the input `<name>.length` [m], >= 0. Without this key, the cylinder starts in the middle of
-        /// the travel.
+        /// Start value of the input `<name>.length` [m], >= 0. Without the key `length`, the cylinder starts in the
+        /// middle of the travel.
         length: Option<f64> => number(Metre, NonNegative);
         /// Start value of the input `<name>.speed` [m/s].
         speed: f64 => number(MetrePerSecond, Finite);
         /// Start value of the input `<name>.reduced_mass` [kg], >= 0: the mass that the cylinder moves if no mechanism
-        /// is connected. 0: the inputs `<name>.length` and `<name>.speed` prescribe the motion.
+        /// is connected. With the value 0, the inputs `<name>.length` and `<name>.speed` prescribe the motion of the
+        /// cylinder.
         reduced_mass: f64 => number(Kilogram, NonNegative);
         /// Start value of the input `<name>.holding_force` [N]: the load on the mass `reduced_mass`, positive if the
         /// cylinder must push against the load.
         holding_force: f64 => number(Newton, Finite);
-        /// Start value of the input `<name>.lower_limit` [m], >= 0: smallest length that the stops of the mechanism
-        /// allow.
+        /// Start value of the input `<name>.lower_limit` [m], >= 0: smallest cylinder length that the stops of the
+        /// mechanism allow.
         lower_limit: f64 => number(Metre, NonNegative);
-        /// Start value of the input `<name>.upper_limit` [m], >= 0: largest length that the stops of the mechanism
-        /// allow. If `lower_limit` and `upper_limit` are both 0, the length of the cylinder is not limited.
+        /// Start value of the input `<name>.upper_limit` [m], >= 0: largest cylinder length that the stops of the
+        /// mechanism allow. If `lower_limit` and `upper_limit` are both 0, the length of the cylinder is not limited.
         upper_limit: f64 => number(Metre, NonNegative);
-        /// Pressure drop to which the flows of restrictors and cushions refer [Pa], > 0.
+        /// Rated pressure drop: the pressure drop for which the keys of the cylinder state the flows of restrictors and
+        /// cushions [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
-        /// [Pa], >= 0. 0: rigid walls.
+        /// [Pa], >= 0. With the value 0, the cylinder walls are rigid.
         wall_modulus: f64 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls of @; \
             0: rigid walls");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
         hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Modulus of the hoses of @: pressure \
             divided by the relative growth of the hose volume");
-        /// Oil volume in the elasticity of a chamber. `changes`: the volume of the chamber, which changes with the
-        /// length. `constant`: the `dead_volume`.
+        /// Oil volume from which the FMU calculates the elasticity of the oil in a chamber. `changes`: the present
+        /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
+        /// `dead_volume`.
         oil_volume: OilVolume;
         /// Chamber A, on the piston side.
         chamber_a: Chamber;
         /// Chamber B, on the rod side.
         chamber_b: Chamber;
-        /// Laminar leakage of the chambers. Without this key there is no leakage.
+        /// Laminar leakage of the chambers. Without the key `leakage`, the cylinder has no leakage.
         leakage: Option<Leakage>;
-        /// Friction of the seals. Without this key there is no seal friction.
+        /// Friction of the seals. Without the key `seal`, the cylinder has no seal friction.
         seal: Option<Seal>;
     }
 
-    /// Lock that oil pressure releases, such as an uplock. The output `<name>.engaged` is true while the lock is
-    /// engaged.
+    /// A pressure lock is a lock that oil pressure releases, such as an uplock. The output `<name>.engaged` is true
+    /// while the lock is engaged.
     pub struct PressureLock {
         /// Node or chamber whose pressure releases the lock.
         at: String => line().required();
@@ -467,11 +477,11 @@ keys! {
 }
 
 keys! {
-    /// Coupling with the mechanisms that the cylinders drive.
+    /// Settings of the coupling with the mechanisms that the cylinders drive.
     pub struct Coupling: Copy {
-        /// Start value of the parameter `coupling.mode`. This parameter selects the motion of the cylinders that the
-        /// FMU uses within a communication step. `preview`: the motion that the FMU predicts. `follow`: the motion
-        /// that the inputs `<name>.length` and `<name>.speed` prescribe.
+        /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
+        /// cylinders within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
+        /// `<name>.length` and `<name>.speed` prescribe the motion.
         mode: Mode => Key::PLAIN.parameter(Circuit, "");
     }
 }
