@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyList, PySlice};
 
-/// Names of variables that were looked up once, for simulations of one mechanism.
+/// Names of variables that were looked up once. The names can be used in all simulations of one mechanism.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct Names {
     /// Names, in the order given.

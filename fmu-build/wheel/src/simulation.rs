@@ -13,11 +13,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Simulation of a mechanism, step by step. `Mechanism.simulation` makes one.
+/// Simulation of a mechanism, step by step. `Mechanism.simulation` returns a new simulation.
 #[pyclass(frozen, weakref, module = "linkage_fmu")]
 pub struct Simulation(Mutex<Option<Run>>);
 
-/// All that determines how a simulation continues; `Simulation.save` makes one.
+/// Saved state, from which a simulation can continue. `Simulation.save` returns a state.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct State {
     snapshot: Mutex<Snapshot>,
@@ -66,24 +66,27 @@ impl Simulation {
 
 #[pymethods]
 impl Simulation {
-    /// Time since the start [s].
+    /// Time since the start of the simulation [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
         self.with(|run| Ok(run.time))
     }
 
-    /// Look names up once, for fast calls of `get` and `set`.
+    /// Look up names of variables once, so that later calls of `get` and `set` are faster.
     ///
-    /// Raises InputError if no variable has a name, or if a name occurs twice; the text lists the most similar names.
+    /// Raises InputError if a name is not the name of a variable, or if a name occurs twice. The text of the exception
+    /// lists the most similar names.
     fn prepare(&self, names: &Bound<'_, PyAny>) -> PyResult<Names> {
         self.with(|run| Names::of(&run.model, "names", names))
     }
 
-    /// Present values in SI units. Of one name a number, a truth value or a text. Of several names an array of numbers,
-    /// in which a Boolean is 1 or 0; `out` is an array that is filled instead of a new one. An output that does not
-    /// exist in the present state is NaN; `undefined` returns the reason.
+    /// Return the present values of variables in SI units. For one name, the result is a number, a truth value or a
+    /// text. For several names, the result is an array of numbers, in which a Boolean is 1 or 0. If `out` is an array,
+    /// the values are written into `out` instead of a new array. If an output has no value in the present state, its
+    /// value is NaN, and `undefined` returns the reason.
     ///
-    /// Raises InputError if no variable has a name, SimulationError if the parameters give no start.
+    /// Raises InputError if a name is not the name of a variable. Raises SimulationError if the mechanism cannot start
+    /// with the present parameters.
     #[pyo3(signature = (names, out = None))]
     fn get<'py>(&self, names: &Bound<'py, PyAny>, out: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let py = names.py();
@@ -103,13 +106,15 @@ impl Simulation {
         }
     }
 
-    /// Set inputs and parameters: one name and its value, or several names and an array or a list with their values.
-    /// A value is a number in SI units, a truth value, the name of an item, or a text such as "45 deg" or "true", as in
-    /// `start_values` of `Mechanism.simulate`. Within a run, an input or a tunable parameter acts from now on. Any
-    /// other parameter ends the run; the next step then needs `initialize`.
+    /// Set inputs and parameters. The arguments are one name and its value, or several names and an array or list of
+    /// their values. A value is a number in SI units, a truth value, the name of an enumeration item, or a text such as
+    /// "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an effect from
+    /// the present time. A new value of any other parameter ends the simulation: call `initialize` before the next
+    /// step.
     ///
-    /// Raises InputError if no variable has a name, if a name occurs twice, or if a variable is an output. Raises
-    /// InputError if a value is out of range, not finite, or of another unit, type or shape. Nothing is set then.
+    /// Raises InputError if a name is not the name of a variable, if a name occurs twice, or if a variable is an
+    /// output. Raises InputError if a value is out of range, not finite, or of a wrong unit, type or shape. After an
+    /// InputError, no value has changed.
     fn set(&self, names: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         if let Ok(name) = names.cast::<PyString>() {
             let name = text("names", name)?;
@@ -131,7 +136,8 @@ impl Simulation {
         self.with(|run| run.set(&name, value))
     }
 
-    /// Reason why an output has no value in the present state; None if it has one.
+    /// Return the reason why an output has no value in the present state. If the output has a value, the result is
+    /// None.
     fn undefined(&self, name: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
         let name = text("name", name)?;
         self.with(|run| {
@@ -140,9 +146,9 @@ impl Simulation {
         })
     }
 
-    /// Put the model at its start under the present parameters and inputs, at time 0 s.
+    /// Set the mechanism to its start position at the time 0 s, with the present parameters and inputs.
     ///
-    /// Raises SimulationError if the parameters give no model, or if the start cannot be reached.
+    /// Raises SimulationError if the present parameters are not valid, or if the start position cannot be reached.
     fn initialize(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.initialize().map_err(refused)?;
@@ -151,7 +157,7 @@ impl Simulation {
         })
     }
 
-    /// Back to the values of the definition, not initialised.
+    /// Reset all variables to the values in the definition. Call `initialize` before the next step.
     fn reset(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.reset();
@@ -160,21 +166,24 @@ impl Simulation {
         })
     }
 
-    /// Advance by `h` [s] > 0 under the present inputs. The call holds the interpreter's lock.
+    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. During the call, no other Python thread
+    /// runs (the call holds the interpreter lock).
     ///
-    /// Raises InputError if `h` is out of range, SimulationError if the model is not initialised or cannot continue.
+    /// Raises InputError if `h` is out of range. Raises SimulationError if the simulation is not initialised or cannot
+    /// continue.
     fn step(&self, h: &Bound<'_, PyAny>) -> PyResult<()> {
         let h = number("h", h)?;
         self.with(|run| run.step(h))
     }
 
-    /// Advance to `time` [s] under the present inputs. The interpreter's lock is released. With `at_event`, stop at the
-    /// first event, such as the impact on a stop, after it has been handled. Returns what happened there, one line for
-    /// each event; an empty list if `time` is reached.
+    /// Advance the simulation to the time `time` [s], with the present inputs. During the call, other Python threads
+    /// can run (the call releases the interpreter lock). If `at_event` is true, the simulation ends at the first event,
+    /// such as the impact on a stop, after the event has been handled. The result is a list with one line of text for
+    /// each event at the end. The list is empty if the simulation has reached `time`.
     ///
-    /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` internal steps.
+    /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
-    /// Raises as `step`.
+    /// Raises the same exceptions as `step`.
     #[pyo3(signature = (time, *, at_event = None), text_signature = "($self, time, *, at_event=False)")]
     fn run_until(
         &self,
@@ -187,7 +196,8 @@ impl Simulation {
         py.detach(|| self.with(|run| run.run_until(time, at_event)))
     }
 
-    /// Set a time derivative of an input, for the next step only: order 1 [unit/s] or 2 [unit/s2].
+    /// Set a time derivative of an input for the next step only. `order` is 1 for the first derivative [unit/s], or 2
+    /// for the second derivative [unit/s2].
     ///
     /// Raises InputError if no continuous input has this name, or if the order or the value is out of range.
     #[pyo3(signature = (name, derivative, order = None), text_signature = "($self, name, derivative, order=1)")]
@@ -205,7 +215,8 @@ impl Simulation {
         })
     }
 
-    /// Rate of an output in time [unit/s]; NaN where it has none in the present state.
+    /// Return the time derivative of an output [unit/s]. The result is NaN if the time derivative does not exist in the
+    /// present state.
     ///
     /// Raises InputError if no continuous output has this name.
     fn derivative(&self, name: &Bound<'_, PyAny>) -> PyResult<f64> {
@@ -216,10 +227,11 @@ impl Simulation {
         })
     }
 
-    /// Derivatives of the outputs in a direction: for each output the sum of its partial derivatives by the inputs,
-    /// each times its seed. Before `initialize`, the inputs may be parameters, and the outputs are those at the start.
+    /// Return the directional derivatives of outputs. For each output, the result is the sum of its partial derivatives
+    /// with respect to the inputs, each multiplied by the seed of the input. Before `initialize`, `inputs` can also
+    /// contain parameters, and the derivatives refer to the outputs at the start.
     ///
-    /// Raises InputError if a name is none of an output or an input, or if the seeds are not as many as the inputs.
+    /// Raises InputError if a name is not the name of an output or input, or if the numbers of seeds and inputs differ.
     fn directional_derivative<'py>(
         &self,
         py: Python<'py>,
@@ -240,7 +252,7 @@ impl Simulation {
         array(py, &found)
     }
 
-    /// Save all that determines how the simulation continues.
+    /// Save the present state, from which the simulation can continue later.
     fn save(&self) -> PyResult<State> {
         self.with(|run| {
             let snapshot = Mutex::new(run.model.snapshot());
@@ -248,7 +260,7 @@ impl Simulation {
         })
     }
 
-    /// Continue from a saved state, of this simulation or another one of the same mechanism.
+    /// Continue from a saved state. The state can also belong to another simulation of the same mechanism.
     ///
     /// Raises InputError if the state belongs to another mechanism.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -264,9 +276,9 @@ impl Simulation {
         })
     }
 
-    /// Read a state from the bytes that `State.to_bytes` has written.
+    /// Return the state that `State.to_bytes` has written as bytes.
     ///
-    /// Raises InputError if the bytes are no state of this mechanism.
+    /// Raises InputError if the bytes do not contain a state of this mechanism.
     fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {
         let Ok(bytes) = bytes.cast::<PyBytes>() else {
             return Err(wrong("bytes", bytes, "bytes of State.to_bytes"));
@@ -287,7 +299,8 @@ impl Simulation {
         })
     }
 
-    /// A simulation in the same state that continues by itself, for another thread or another variant.
+    /// Return an independent copy of the simulation in its present state, for example for another thread or another
+    /// variant.
     fn copy(&self) -> PyResult<Self> {
         self.with(|run| Ok(Self(Mutex::new(Some(run.clone())))))
     }
@@ -331,13 +344,13 @@ impl Simulation {
 
 #[pymethods]
 impl State {
-    /// Time of the state [s].
+    /// Simulation time of the state [s].
     #[getter]
     fn time(&self) -> f64 {
         self.time
     }
 
-    /// The state as bytes, which `Simulation.state_from_bytes` reads, also in another process.
+    /// Return the state as bytes. `Simulation.state_from_bytes` reads the bytes, also in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
             let mut snapshot = self.snapshot.lock().map_err(refused)?;

@@ -13,19 +13,21 @@ if TYPE_CHECKING:
 
 
 class LinkageError(Exception):
-    """Base of all exceptions of this package. The text states the quantity, the value, the limit and the remedy."""
+    """Base class of all exceptions of the package. The text of an exception states the quantity, the value, the limit
+    and the remedy."""
 
 
 class InputError(LinkageError, ValueError):
-    """An argument cannot be used: an unknown name, a value out of range or not finite, a wrong unit or shape."""
+    """An argument is wrong: a name is unknown, a value is out of range or not finite, or a unit or array shape is
+    wrong."""
 
 
 class InputTypeError(InputError, TypeError):
-    """An argument is of a type that cannot be used, such as a number where a list of names is expected."""
+    """An argument has a wrong type, for example a number instead of a list of names."""
 
 
 class MechanismError(LinkageError, ValueError):
-    """A definition that gives no model. `report` holds all findings."""
+    """The definition contains errors. The attribute `report` contains all findings."""
 
     def __init__(self, report: Report) -> None:
         super().__init__(str(report))
@@ -33,17 +35,18 @@ class MechanismError(LinkageError, ValueError):
 
 
 class SimulationError(LinkageError, RuntimeError):
-    """A run or a step cannot continue. Of `simulate`, `result` holds the rows up to there."""
+    """A simulation cannot start or cannot continue. After `simulate`, the attribute `result` contains the rows up to
+    the end of the simulation."""
 
     result: Result | None = None
 
 
 class InternalError(LinkageError, RuntimeError):
-    """A fault of the engine itself. The interpreter continues; please report the fault."""
+    """An internal fault of the package. The Python interpreter continues. Please report the fault."""
 
 
 class LinkageWarning(UserWarning):
-    """A warning about a definition or a run."""
+    """A warning about a definition or a simulation."""
 
 
 def wrong(argument: str, given: Any, expected: str) -> NoReturn:  # noqa: ANN401

@@ -15,7 +15,8 @@ from ._mechanism import Mechanism, Source
 
 
 class Info(dict[str, Any]):
-    """What a model offers to a host, as `linkage-fmu info --json` prints it. It prints as a table."""
+    """Interface of an FMU or of a definition, with the content that the command `linkage-fmu info --json` prints.
+    `print` shows the interface as a table."""
 
     def __init__(self, stated: dict[str, Any], text: str) -> None:
         super().__init__(stated)
@@ -27,13 +28,13 @@ class Info(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Validation:
-    """What is wrong with an FMU. It is true if there is no error."""
+    """Result of the check of an FMU. The result counts as true if there is no error."""
 
-    #: Why the FMU cannot be used.
+    #: Errors: reasons why the FMU cannot be used.
     errors: tuple[str, ...]
-    #: What is probably not meant.
+    #: Warnings: properties of the FMU that are probably mistakes.
     warnings: tuple[str, ...]
-    #: What the machine that loads the FMU must have.
+    #: Notes: requirements for the computer that loads the FMU.
     notes: tuple[str, ...]
 
     def __bool__(self) -> bool:
@@ -46,20 +47,21 @@ class Validation:
 
 
 def info(path: str | os.PathLike[str]) -> Info:
-    """Variables, units, platforms and needs of an FMU of any program, or of a definition.
+    """Return variables, units, platforms and requirements of an FMU (also an FMU of another program) or of a
+    definition.
 
     Raises:
-        InputError: the path leads to no model.
+        InputError: there is no FMU and no definition at the path.
     """
     text, stated = _engine.info(file("path", path))
     return Info(json.loads(stated), text)
 
 
 def validate(path: str | os.PathLike[str]) -> Validation:
-    """Whether an FMU is complete: archive, modelDescription.xml, libraries, and its definition.
+    """Check that an FMU is complete: archive, modelDescription.xml, libraries, and definition.
 
     Raises:
-        InputError: the path leads to no model.
+        InputError: there is no FMU and no definition at the path.
     """
     found: dict[str, list[str]] = json.loads(_engine.validate(file("path", path)))
     return Validation(tuple(found["errors"]), tuple(found["warnings"]), tuple(found["notes"]))
@@ -71,10 +73,11 @@ def package(
     fmi: str | int = "both",
     platforms: Sequence[str] = (),
 ) -> list[Path]:
-    """Pack a definition as FMUs into the folder `path`. The arguments are those of `Mechanism.package`.
+    """Build FMUs from a definition, and write the FMUs into the folder `path`. The arguments have the same meaning as
+    the arguments of `Mechanism.package`.
 
     Raises:
-        MechanismError: the definition gives no model.
-        InputError: the package has no library for a platform, or the folder cannot be written.
+        MechanismError: the definition contains errors.
+        InputError: the package has no library for one of the platforms, or the folder cannot be written.
     """
     return Mechanism(source).package(path, fmi, platforms)

@@ -21,7 +21,8 @@ _OF_MASSES = ("reduced_mass", "reduced_inertia", "holding_force", "holding_torqu
 
 
 class Kinematics:
-    """Values along the travel; `kinematics["crank.angle"]` is an array with one value for each position."""
+    """Values of outputs along the travel. For example, `kinematics["crank.angle"]` is an array with one angle for each
+    position."""
 
     def __init__(self, names: list[str], table: Array, units: dict[str, str]) -> None:
         #: Names of the outputs.
@@ -37,10 +38,11 @@ class Kinematics:
         return self._values[name]
 
     def influence(self, of: str, by: str) -> Array:
-        """Influence coefficient d(of) / d(by) at each position; infinite at a dead centre of `by`.
+        """Return the influence coefficient d(of) / d(by) at each position. The influence coefficient is infinite at a
+        dead centre of `by`.
 
         Raises:
-            InputError: the result has no such output.
+            InputError: the result does not contain an output of this name.
         """
         self._known(of)
         self._known(by)
@@ -49,7 +51,7 @@ class Kinematics:
         return found
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The values as a data frame, one row for each position."""
+        """Return the values as a data frame with one row for each position."""
         import pandas
 
         frame = pandas.DataFrame(self._values)

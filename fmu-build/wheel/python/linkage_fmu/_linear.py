@@ -15,7 +15,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class LinearModel:
-    """x' = A x + B u, y = C x + D u about rest at one position; x = (coordinate, its rate)."""
+    """Linear model of small motions about rest at one position: x' = A x + B u, y = C x + D u. The state x consists of
+    the coordinate and its time derivative."""
 
     #: Name of the coordinate.
     coordinate: str
@@ -23,17 +24,17 @@ class LinearModel:
     inputs: tuple[str, ...]
     #: Names of the outputs y.
     outputs: tuple[str, ...]
-    #: Value of the coordinate [rad or m].
+    #: Value of the coordinate at the position [rad or m].
     position: float
-    #: Acceleration of the coordinate, 0 at an equilibrium [rad/s2 or m/s2].
+    #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
     acceleration: float
-    #: Value of the input that holds the mechanism [N or N.m]; None without one.
+    #: Value of the input that keeps the mechanism at rest [N or N.m]. None if the argument `held_by` was not given.
     holding: float | None
-    #: Eigenfrequency of the undamped motion; NaN where the motion is no oscillation [Hz].
+    #: Eigenfrequency of the undamped motion [Hz]. NaN if the motion is not an oscillation.
     eigenfrequency: float
-    #: Damping ratio [1]; NaN where the motion is no oscillation.
+    #: Damping ratio of the motion [1]. NaN if the motion is not an oscillation.
     damping_ratio: float
-    #: Eigenvalues [1/s].
+    #: Eigenvalues of the linear model [1/s].
     eigenvalues: tuple[complex, complex]
     #: Matrix A, 2 x 2.
     A: Array

@@ -31,21 +31,22 @@ StartValue = float | bool | str
 class Variable:
     """A variable of a mechanism."""
 
-    #: Structured name, such as `crank.angle`.
+    #: Name of the variable, such as `crank.angle`.
     name: str
-    #: `Real`, `Boolean` or `Enumeration`.
+    #: Type of the variable: `Real`, `Boolean` or `Enumeration`.
     kind: str
-    #: `input`, `output`, `parameter`, `calculatedParameter`, `local` or `independent`.
+    #: Causality of the variable: `input`, `output`, `parameter`, `calculatedParameter`, `local` or `independent`.
     causality: str
-    #: When the value may change: `fixed`, `tunable`, `discrete`, `continuous`.
+    #: Variability of the variable: `fixed`, `tunable`, `discrete` or `continuous`. The variability states when the
+    #: value can change.
     variability: str
-    #: Unit; `1` for a number without unit, empty for other kinds.
+    #: Unit of the variable. The unit is `1` for a number without a unit, and empty for a Boolean or an Enumeration.
     unit: str
     #: Start value of an input or a parameter.
     start: StartValue | None
-    #: Names of the items of an Enumeration.
+    #: Names of the items, if the variable is an Enumeration.
     items: tuple[str, ...]
-    #: One line of text.
+    #: Description in one line of text.
     description: str
 
 
@@ -66,29 +67,31 @@ def read(source: Source) -> tuple[str, str, str]:
 
 
 def check(source: Source) -> Report:
-    """Check a definition: all findings and facts, also of one that gives no model.
+    """Check a definition. The report contains all findings (errors and warnings) and facts, also if the definition has
+    errors.
 
     Args:
-        source: path of a definition file, of a folder that contains one, or of an FMU; a dict; or the text.
+        source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
+            FMU. The definition can also be a dict or a JSON text.
 
     Raises:
-        InputError: the path leads to no definition.
+        InputError: there is no definition at the path.
     """
     kind, shown, text = read(source)
     return report(kind, text, shown)
 
 
 def examples() -> list[str]:
-    """Names of the mechanisms that are part of the package."""
+    """Return the names of the example mechanisms in the package."""
     folder = Path(_FOLDER or ".") / "modelDescription"
     return sorted(entry.name for entry in folder.iterdir() if (entry / "resources").is_dir())
 
 
 def example(name: str) -> Mechanism:
-    """A mechanism that is part of the package, such as `LandingGearRetraction` or `FourBar`.
+    """Open an example mechanism of the package, such as `LandingGearRetraction` or `FourBar`.
 
     Raises:
-        InputError: there is no such mechanism; the text lists all names.
+        InputError: the package has no example with this name. The text of the exception lists all names.
     """
     if not isinstance(name, str):
         wrong("name", name, "the name of an example")
@@ -124,16 +127,17 @@ def with_masses(text: str) -> str:
 
 
 class Mechanism:
-    """A planar mechanism with one degree of freedom, or a hydraulic model, from its definition.
+    """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the model.
 
     Args:
-        source: path of a definition file, of a folder that contains one, or of an FMU; a dict; or the text.
-        massless: the definition may leave out masses. Then only `check`, `view` and the positions and influence
-            coefficients of `kinematics` have a meaning; runs raise SimulationError.
+        source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
+            FMU. The definition can also be a dict or a JSON text.
+        massless: True opens a definition without masses. Without masses, only `check`, `view`, and the positions and
+            influence coefficients of `kinematics` have a meaning. A simulation without masses raises SimulationError.
 
     Raises:
-        MechanismError: the definition gives no model; the exception holds all findings.
-        InputError: the path leads to no definition.
+        MechanismError: the definition contains errors. The attribute `report` of the exception contains all findings.
+        InputError: there is no definition at the path.
     """
 
     def __init__(self, source: Source, *, massless: bool = False) -> None:
@@ -150,39 +154,43 @@ class Mechanism:
         about = self._model.about()
         #: Name of the model.
         self.name: str = about[0]
-        #: One line of text.
+        #: Description in one line of text.
         self.description: str = about[1]
         #: Stop time of the default experiment [s].
         self.stop_time: float = about[2]
-        #: Step of the default experiment [s].
+        #: Communication step of the default experiment [s].
         self.step_size: float = about[3]
-        #: Warnings about the definition.
+        #: List of warnings about the definition.
         self.warnings: list[str] = about[4]
         self._columns: dict[Any, Columns] = {}
 
     @property
     def variables(self) -> list[Variable]:
-        """All variables: inputs, outputs and parameters."""
+        """List of all variables: inputs, outputs and parameters."""
         return [Variable(**{**own, "items": tuple(own["items"])}) for own in self._model.variables()]
 
     def check(self) -> Report:
-        """Findings and facts: travel, dead centres, strokes, equilibria. It prints as `linkage-fmu check` does."""
+        """Check the definition. The report contains findings (errors and warnings) and facts, such as travel, dead
+        centres, strokes and equilibria. `print` shows the report in the same form as the command `linkage-fmu
+        check`."""
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
-        """Static equilibria along the travel under the loads at the start, stable or not, as facts.
+        """Return all static equilibria along the travel under the loads at the start, stable and unstable, as a list of
+        facts.
 
-        The quantity `stable position` or `unstable position` is the value of the coordinate `of` [rad or m].
+        In each fact, `stable position` or `unstable position` is the value of the coordinate at the equilibrium [rad or
+        m]. The attribute `of` is the name of the coordinate.
         """
         self._has_masses()
         return self.check().about("Equilibria")
 
     def to_json(self) -> str:
-        """The definition as JSON text, as it was given."""
+        """Return the definition as JSON text, exactly as it was given."""
         return self._given
 
     def to_dict(self) -> dict[str, Any]:
-        """The definition as a dict."""
+        """Return the definition as a dict."""
         found: dict[str, Any] = json.loads(self._given)
         return found
 
@@ -197,28 +205,31 @@ class Mechanism:
         output: Iterable[str] | None = None,
         set_input_derivatives: bool = False,
     ) -> Result:
-        """Simulate from the start. The arguments have the names and the meaning of `fmpy.simulate_fmu`.
+        """Simulate the mechanism from its start position. The arguments have the same names and meaning as the
+        arguments of `fmpy.simulate_fmu`.
 
         Args:
-            start_time: time at the start [s].
-            stop_time: time at the end [s]; without it, the stop time of the definition's experiment.
-            output_interval: time from one row to the next [s]; without it, the step of the experiment, doubled until
-                the result has at most 1001 rows.
-            relative_tolerance: of the integration; without it, that of the definition.
-            start_values: inputs and parameters by name: a number in SI units, a text with a unit such as "45 deg", a
-                truth value, or the name of an item.
-            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame.
-                A time that occurs twice is a jump.
-            output: names of the variables to record; without it, all outputs.
-            set_input_derivatives: pass the slopes of `input` to the model.
+            start_time: time at the start of the simulation [s].
+            stop_time: time at the end of the simulation [s]. The default is the stop time of the default experiment.
+            output_interval: time from one row of the result to the next [s]. The default is the step size of the
+                default experiment, doubled until the result has at most 1001 rows.
+            relative_tolerance: relative tolerance of the integration. The default is the tolerance in the definition.
+            start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
+                unit such as "45 deg", a truth value, or the name of an enumeration item.
+            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If a
+                time occurs twice, the inputs jump at this time.
+            output: names of the variables to record. By default, all outputs are recorded.
+            set_input_derivatives: True passes the time derivatives of `input` to the model.
 
         Returns:
-            A structured numpy array with the field `time` and one field for each variable. Ctrl-C ends a run between
-            two rows.
+            A structured numpy array with the field `time` and one field for each variable. Ctrl-C ends the simulation
+            between two rows.
 
         Raises:
-            InputError: a name, a value, a unit or a shape that cannot be used, or a result of more than 2 GB.
-            SimulationError: the run ends early; `result` of the exception holds the rows up to there.
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
+                GB.
+            SimulationError: the simulation ends early. The attribute `result` of the exception contains the rows up to
+                the end of the simulation.
         """
         self._has_masses()
         columns = self._recorded(output)
@@ -260,10 +271,11 @@ class Mechanism:
         return columns
 
     def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
-        """A simulation for steps of your own, with these start values. Call `initialize` before the first step.
+        """Return a simulation with the given start values, for a loop in which your program makes the steps. Call
+        `initialize` before the first step.
 
         Raises:
-            InputError: a name, a value or a unit that cannot be used.
+            InputError: a name, value or unit in the start values is wrong.
         """
         self._has_masses()
         return self._model.simulation(start_values)
@@ -274,16 +286,19 @@ class Mechanism:
         outputs: Iterable[str] | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> Kinematics:
-        """Positions, influence coefficients and static quantities along the travel, without time.
+        """Compute positions, influence coefficients and static quantities along the travel, without a simulation over
+        time.
 
         Args:
-            count: number of equal parts of the travel; the result has `count` + 1 positions.
-            outputs: outputs to return; without it, coordinates, lengths, markers, reduced masses and holding forces.
-            start_values: inputs and parameters, as for `simulate`.
+            count: number of equal parts into which the travel is divided. The result has `count` + 1 positions.
+            outputs: names of the outputs in the result. The default is all coordinates, lengths, markers, reduced
+                masses and holding forces.
+            start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name that is none of an output.
-            SimulationError: the mechanism has no travel that can be followed, as with a prescribed motion.
+            InputError: a name in `outputs` is not the name of an output.
+            SimulationError: the travel of the mechanism cannot be computed, for example because its motion is
+                prescribed.
         """
         from ._kinematics import kinematics
 
@@ -304,18 +319,20 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> LinearModel:
-        """Linearise at rest at the start: x' = A x + B u, y = C x + D u, x = (coordinate, its rate).
+        """Linearise the equations of motion about rest at the start position: x' = A x + B u, y = C x + D u. The state
+        x consists of the coordinate and its time derivative.
 
         Args:
-            coordinate: angle [rad] or position [m]; without it, the coordinate in the key `start`.
-            inputs: inputs u; without it, those on which the acceleration depends.
-            outputs: outputs y; without it, the coordinate.
-            held_by: force [N] or torque [N.m] of the drive that holds the mechanism.
-            start_values: inputs and parameters, as for `simulate`.
+            coordinate: name of the coordinate: an angle [rad] or a position [m]. The default is the coordinate in the
+                key `start` of the definition.
+            inputs: names of the inputs u. The default is all inputs on which the acceleration depends.
+            outputs: names of the outputs y. The default is the coordinate.
+            held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
+            start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name that cannot be used.
-            SimulationError: the mechanism has states beyond position and speed.
+            InputError: a name in the arguments is wrong.
+            SimulationError: the mechanism has more states than position and speed.
         """
         from ._linear import linearise
 
@@ -331,8 +348,9 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> list[LinearModel]:
-        """Linearise at rest at `count` + 1 positions of the travel, at most 100001; the other arguments are those of
-        `linearise`. Ctrl-C takes effect when the call returns.
+        """Linearise the equations of motion about rest at `count` + 1 positions of the travel, at most 100001. The
+        other arguments have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the call
+        returns.
         """
         from ._linear import linearise
 
@@ -345,10 +363,11 @@ class Mechanism:
         start_values: Mapping[str, StartValue] | None = None,
         height: int = 640,
     ) -> Page:
-        """The page that moves the mechanism, shown in a notebook. `Page.save` writes it to a file.
+        """Return a web page that shows the mechanism in motion. A notebook displays the page. `Page.save` writes the
+        page to a file.
 
         Raises:
-            InputError: a start value that cannot be used, or a hydraulic model without a mechanism.
+            InputError: a start value is wrong, or the model is a hydraulic model without a mechanism.
         """
         from ._page import Page
 
@@ -357,7 +376,7 @@ class Mechanism:
         return Page(self._model.page(self._shown, stop_time, start_values), height)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the definition to a file; its path.
+        """Write the definition to a file, and return the path of the file.
 
         Raises:
             OSError: the file cannot be written.
@@ -374,17 +393,19 @@ class Mechanism:
         animation: bool = True,
         results: bool = True,
     ) -> list[Path]:
-        """Pack the mechanism as FMUs into the folder `path`; the paths of the FMUs, that of FMI 2.0 first.
+        """Build FMUs of the mechanism, and write the FMUs into the folder `path`. The method returns the paths of the
+        FMUs, the FMU of FMI 2.0 first.
 
         Args:
-            path: folder for the FMUs, which is created.
-            fmi: 2, 3 or "both".
-            platforms: platforms of the libraries, such as "x86_64-windows"; without it, that of this machine.
-            animation: pack the animation of the default experiment.
-            results: pack the reference results of the default experiment.
+            path: folder for the FMUs. The method creates the folder.
+            fmi: FMI version of the FMU: 2, 3 or "both".
+            platforms: platforms of the libraries in the FMU, such as "x86_64-windows". The default is the platform of
+                this computer.
+            animation: True adds an animation of the default experiment to the FMU.
+            results: True adds reference results of the default experiment to the FMU.
 
         Raises:
-            InputError: the package has no library for a platform, or the folder cannot be written.
+            InputError: the package has no library for one of the platforms, or the folder cannot be written.
         """
         self._has_masses()
         if self._path is not None:

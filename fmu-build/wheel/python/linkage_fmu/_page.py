@@ -12,25 +12,25 @@ from ._errors import InputError, file, wrong
 
 
 class Page:
-    """One HTML page with all that it needs. A notebook shows it inline."""
+    """One HTML page that needs no other files. A notebook displays the page in the output of a cell."""
 
     def __init__(self, text: str, height: int) -> None:
         if isinstance(height, bool) or not isinstance(height, int):
             wrong("height", height, "a whole number of pixels > 0")
         if height <= 0:
             raise InputError(f"height = {height!r}: must be a whole number of pixels > 0")
-        #: The HTML text.
+        #: Text of the HTML page.
         self.html = text
         self._height = height
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the page to a file; its path."""
+        """Write the page to a file, and return the path of the file."""
         path = Path(file("path", path))
         path.write_text(self.html, encoding="utf-8")
         return path
 
     def open(self) -> None:
-        """Open the page in the browser."""
+        """Open the page in the web browser."""
         with tempfile.NamedTemporaryFile("w", suffix=".html", delete=False, encoding="utf-8") as file:
             file.write(self.html)
         webbrowser.open(Path(file.name).as_uri())

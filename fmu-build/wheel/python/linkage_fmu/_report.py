@@ -13,19 +13,19 @@ from ._errors import wrong
 
 @dataclass(frozen=True)
 class Finding:
-    """An error or a warning about one place of a definition."""
+    """An error or a warning about one place in a definition."""
 
-    #: `error` or `warning`.
+    #: Severity of the finding: `error` or `warning`.
     severity: str
-    #: Path of the key, such as `bodies.crank.length`; empty for the whole file.
+    #: Path of the key, such as `bodies.crank.length`. The path is empty if the finding concerns the whole file.
     path: str
-    #: What is wrong, with the value and the limit.
+    #: Description of the fault, with the value and the limit.
     message: str
-    #: What to do; empty where the message states it.
+    #: Correction of the fault. The text is empty if the message already states the correction.
     remedy: str
-    #: Line in the text, from 1.
+    #: Line of the finding in the text of the definition, counted from 1.
     line: int
-    #: Column in the text, from 1.
+    #: Column of the finding in the text of the definition, counted from 1.
     column: int
 
     def __str__(self) -> str:
@@ -50,13 +50,14 @@ class Quantity:
 class Fact:
     """A fact about a part of the model, such as a travel, a dead centre, a stroke or an equilibrium."""
 
-    #: Topic, under which facts are printed together.
+    #: Topic of the fact, such as `Travel`.
     topic: str
-    #: Name of the coordinate, drive, joint or the like; empty for the whole model.
+    #: Name of the coordinate, actuator (drive), joint or other element. The name is empty for a fact about the whole
+    #: model.
     of: str
-    #: Numbers with their names and units.
+    #: Numbers of the fact, with names and units.
     quantities: tuple[Quantity, ...]
-    #: What the numbers do not state; may be empty.
+    #: Further information that the numbers do not state. The text can be empty.
     text: str
 
     def __getitem__(self, name: str) -> float:
@@ -74,29 +75,30 @@ class Fact:
 
 @dataclass(frozen=True)
 class Report:
-    """All findings and facts of a definition. It prints as `linkage-fmu check` does."""
+    """All findings (errors and warnings) and facts about a definition. `print` shows the report in the same form as the
+    command `linkage-fmu check`."""
 
-    #: Name of the model; empty if the definition could not be read.
+    #: Name of the model. The name is empty if the definition could not be read.
     name: str
-    #: Errors and warnings.
+    #: List of errors and warnings.
     findings: tuple[Finding, ...]
-    #: Facts about the model, by topics.
+    #: List of facts about the model, sorted by topic.
     facts: tuple[Fact, ...]
-    #: The report in words.
+    #: Text of the report.
     text: str
 
     @property
     def errors(self) -> list[Finding]:
-        """Findings that leave no model."""
+        """List of errors: findings with which no model can be built."""
         return [finding for finding in self.findings if finding.severity == "error"]
 
     @property
     def warnings(self) -> list[Finding]:
-        """Findings about a model that runs, but is probably not the one that is meant."""
+        """List of warnings: the model runs, but the definition probably contains a mistake."""
         return [finding for finding in self.findings if finding.severity == "warning"]
 
     def about(self, topic: str) -> list[Fact]:
-        """Facts whose topic starts with this text, such as `Travel` or `Equilibri`."""
+        """Return the facts whose topic starts with the given text, such as `Travel` or `Equilibri`."""
         if not isinstance(topic, str):
             wrong("topic", topic, "a text")
         return [fact for fact in self.facts if fact.topic.startswith(topic)]

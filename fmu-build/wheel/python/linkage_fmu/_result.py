@@ -67,9 +67,10 @@ def signals(given: Any) -> Signals:  # noqa: ANN401
 
 
 class Result(np.ndarray[Any, Any]):
-    """A run: a structured array with the field `time` [s] and one field for each variable, in SI units.
+    """Result of a simulation: a structured array with the field `time` [s] and one field for each variable, in SI
+    units.
 
-    `fmpy.plot_result` and whatever else takes a result of FMPy takes it too.
+    `fmpy.plot_result` and other functions for results of FMPy can process the array.
     """
 
     #: Unit of each column.
@@ -83,7 +84,7 @@ class Result(np.ndarray[Any, Any]):
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns, `time` first."""
+        """Names of the columns. The first column is `time`."""
         return list(self.dtype.names or ())
 
     def __getitem__(self, key: Any) -> Any:  # noqa: ANN401
@@ -94,7 +95,8 @@ class Result(np.ndarray[Any, Any]):
         return super().__getitem__(key)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The rows as a data frame with the time as index; `attrs["units"]` holds the units."""
+        """Return the rows as a data frame with the time as index. `attrs["units"]` of the data frame contains the
+        units."""
         import pandas
 
         times = pandas.Index(self["time"], name="time")
@@ -103,15 +105,15 @@ class Result(np.ndarray[Any, Any]):
         return frame
 
     def plot(self, *names: str, x: str = "time", show: bool = False) -> Figure:
-        """Plot variables over the time or over another variable, by matplotlib: one axis for each unit.
+        """Plot variables over the time or over another variable with matplotlib. Each unit has a separate diagram.
 
         Args:
-            names: variables; without one, all.
-            x: variable of the horizontal axis.
-            show: open a window.
+            names: names of the variables to plot. By default, all variables are plotted.
+            x: name of the variable on the horizontal axis.
+            show: True opens a window with the plot.
 
         Raises:
-            InputError: the result has no such variable.
+            InputError: the result does not contain a variable of this name.
         """
         from matplotlib import pyplot
 
@@ -144,10 +146,10 @@ class Result(np.ndarray[Any, Any]):
         return figure
 
     def animate(self, height: int = 640) -> Page:
-        """The page that moves the mechanism through this run, shown in a notebook.
+        """Return a web page that shows the motion of the mechanism in this simulation. A notebook displays the page.
 
         Raises:
-            InputError: the run had input signals, which the page does not take.
+            InputError: the simulation had inputs over time, which the web page cannot show.
         """
         if self._origin is None or not len(self):
             raise InputError("this array is no whole result of simulate, and cannot be animated")

@@ -147,20 +147,21 @@ def sweep(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> pandas.DataFrame:
-    """Make all runs of a study: a data frame with one row for each run, in the order of the design.
+    """Make all runs of a study. The result is a data frame with one row for each run. A run that fails has a row with
+    the reason.
 
     Args:
-        study: path of a study file, or a dict with its keys. Paths in it count from the folder of the file, or from
-            the present folder.
-        mechanism: takes the place of the key `mechanism`.
-        out: folder that keeps the results (runs.parquet, runs.csv).
-        threads: number of threads; without it, one for each core.
-        progress: True shows a bar; a function is called with the numbers of runs done and of all runs. A run that
-            fails is a row with its reason.
+        study: path of a study file, or a dict with the keys of a study. Paths in a study are relative to the folder of
+            the study file or, for a dict, to the current folder.
+        mechanism: mechanism that replaces the key `mechanism` of the study.
+        out: folder for the files of results (runs.parquet, runs.csv).
+        threads: number of threads. The default is one thread for each processor core.
+        progress: True shows a progress bar. A function is called with two numbers: the number of finished runs, and the
+            number of all runs.
 
     Raises:
-        InputError: what is wrong with the study.
-        MechanismError: the mechanism gives no model.
+        InputError: the study contains an error. The text of the exception describes the error.
+        MechanismError: the definition of the mechanism contains errors.
     """
     frame: pandas.DataFrame = _made(
         _engine.sweep, study, mechanism, out, (threads, progress), lambda folder, log: _table(folder / "runs.csv", log)
@@ -172,21 +173,22 @@ def sweep(
 class Optimum:
     """The best design of a study."""
 
-    #: The mechanism with the best values.
+    #: Mechanism with the best values of the factors.
     mechanism: Mechanism
     #: Best values of the factors, in SI units.
     factors: dict[str, float]
     #: Responses of the best design.
     responses: dict[str, float]
-    #: Responses of the design as it is.
+    #: Responses of the original design.
     present: dict[str, float]
-    #: Largest excess over a limit, relative to the limit; 0 if all limits are kept.
+    #: Largest excess of a response over a limit, divided by the limit. The violation is 0 if the design satisfies all
+    #: limits.
     violation: float
-    #: Why the search has ended.
+    #: Reason why the search has ended.
     ended: str
-    #: All designs that were evaluated, in their order.
+    #: All designs that the search has evaluated, in the order of evaluation.
     evaluations: pandas.DataFrame
-    #: Picture of both designs as SVG text; empty of a hydraulic model.
+    #: Drawing of the original and the best design, as SVG text. The text is empty for a hydraulic model.
     picture: str
 
     def _repr_svg_(self) -> str | None:
@@ -201,12 +203,13 @@ def optimise(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Optimum:
-    """Search for the best design of a study. The optimiser needs the extra `studies`, or creates an environment.
+    """Search for the best design of a study. The search needs SciPy: install the package with the extra `studies`.
+    Without SciPy, the function creates a Python environment with SciPy.
 
-    The arguments are those of `sweep`.
+    The arguments have the same meaning as the arguments of `sweep`.
 
     Raises:
-        InputError: what is wrong with the study, or no run gave a value of the objective.
+        InputError: the study contains an error, or the objective has no value in any run.
     """
 
     def read(folder: Path, log: str) -> Optimum:

@@ -1,4 +1,4 @@
-"""Short definitions: a mechanism as it is drawn, in millimetres and degrees.
+"""Functions for short definitions. You state the mechanism as in a drawing, in millimetres and degrees.
 
 ```python
 from linkage_fmu import Mechanism, build
@@ -19,7 +19,7 @@ press = Mechanism(
 )
 ```
 
-`mechanism` returns the dict of a definition, to which any further key of the format can be added.
+The function `mechanism` returns the definition as a dict. You can add any other key of the file format to the dict.
 """
 
 from __future__ import annotations
@@ -34,20 +34,21 @@ Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
 
 
 def body(name: str, mass: float | None = None, inertia: float | None = None, **keys: object) -> Part:
-    """A body with its mass [kg] and its moment of inertia [kg.m2]; without `inertia`, a body with two pins is a uniform
-    rod. Any further key of a body can be given."""
+    """A body with its mass [kg] and moment of inertia [kg.m2]. Without `inertia`, a body with two pins is a uniform
+    rod. Further arguments are keys of the body."""
     _texts(name=name)
     given = {"mass": mass, "inertia": inertia, **keys}
     return "bodies", name, {key: value for key, value in given.items() if value is not None}, {}
 
 
 def pin(name: str, first: str, second: str, at: Sequence[float], **keys: object) -> Part:
-    """A revolute joint of two bodies at a point of the drawing [mm]."""
+    """A revolute joint (pin) between two bodies, at a point of the drawing [mm]."""
     return _joint("revolute", name, (first, second), at, keys)
 
 
 def slide(name: str, first: str, second: str, at: Sequence[float], **keys: object) -> Part:
-    """A prismatic joint of two bodies along the x axis of the first, at a point of the drawing [mm]."""
+    """A prismatic joint (slide) between two bodies, along the x axis of the first body, at a point of the drawing
+    [mm]."""
     return _joint("prismatic", name, (first, second), at, keys)
 
 
@@ -58,7 +59,8 @@ def actuator(
     force: float = 0.0,
     **keys: object,
 ) -> Part:
-    """A linear actuator with a push force [N] between two bodies, each with a point of the drawing [mm]."""
+    """A linear actuator between two bodies, with a force [N] that is positive if the actuator pushes. Each end is a
+    body and a point of the drawing [mm]."""
     _texts(name=name)
     for argument, end in (("first", first), ("second", second)):
         if not isinstance(end, tuple | list) or len(end) != 2:
@@ -70,37 +72,39 @@ def actuator(
 
 
 def torque(name: str, on: str, torque: float = 0.0) -> Part:
-    """A torque on a body [N.m]."""
+    """An external torque on a body [N.m]."""
     _texts(name=name, on=on)
     return "torques", name, {"on": on, "torque": torque}, {}
 
 
 def force(name: str, on: str, at: Sequence[float], **keys: object) -> Part:
-    """A force on a body at a point of the drawing [mm]."""
+    """An external force on a body at a point of the drawing [mm]."""
     _texts(name=name, on=on)
     return "forces", name, {"at": f"{on}.{name}", **keys}, {on: (name, at)}
 
 
 def stop(name: str, body: str, limit: str, angle: float, **keys: object) -> Part:
-    """A stop for the angle of a body [deg]; `limit` is "lower" or "upper"."""
+    """A stop that limits the angle of a body [deg]. The argument `limit` is "lower" or "upper"."""
     _texts(name=name, body=body)
     return "stops", name, {"body": body, "limit": limit, "angle": angle, **keys}, {}
 
 
 def start(body: str, angle: float | None = None, **keys: object) -> Part:
-    """Start of the motion: the angle of a body [deg]."""
+    """Start position of the mechanism: the angle of a body [deg]."""
     _texts(body=body)
     given = {"body": body, "angle": angle, **keys}
     return "start", "", {key: value for key, value in given.items() if value is not None}, {}
 
 
 def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
-    """The definition of a mechanism from its parts. Further keys of the format, such as `gravity`, are added as given.
+    """Return the definition of a mechanism that consists of the given parts. Further arguments are keys of the
+    definition, such as `gravity`.
 
-    Of each body, the first point is its `origin`, the second its `end`; any other has the name of its joint or load.
+    The first point of each body has the name `origin`, and the second point the name `end`. Any other point has the
+    name of its joint or load.
 
     Raises:
-        InputError: two parts of a section have the same name, or a point is not a pair of numbers.
+        InputError: two parts of the same type have the same name, or a point is not a pair of numbers.
     """
     bodies: dict[str, dict[str, Any]] = {"ground": {}}
     sections: dict[str, Any] = {}
