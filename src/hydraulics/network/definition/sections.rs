@@ -402,8 +402,8 @@ keys! {
             out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
-    /// A differential cylinder has two chambers, to which other elements are connected: the port `<name>.a` on the
-    /// piston side, and the port `<name>.b` on the rod side.
+    /// A differential cylinder has two ports: the chamber `<name>.a` on the piston side, and the chamber `<name>.b` on
+    /// the rod side.
     pub struct Cylinder {
         /// Diameter of the piston [m], > 0.
         bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
