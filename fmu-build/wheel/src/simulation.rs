@@ -106,10 +106,10 @@ impl Simulation {
         }
     }
 
-    /// Set inputs and parameters. The arguments are one name and its value, or several names and an array or list of
-    /// their values. A value is a number in SI units, a truth value, the name of an enumeration item, or a text such as
-    /// "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an effect from
-    /// the present time. A new value of any other parameter ends the simulation: call `initialize` before the next
+    /// Set inputs and parameters. The arguments `names` and `values` are one name and its value, or several names and
+    /// an array or list of their values. A value is a number in SI units, a truth value, an enumeration item, or a text
+    /// such as "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an effect
+    /// from the present time. A new value of any other parameter ends the simulation: call `initialize` before the next
     /// step.
     ///
     /// Raises InputError if a name is not the name of a variable, if a name occurs twice, or if a variable is an
@@ -260,7 +260,7 @@ impl Simulation {
         })
     }
 
-    /// Continue from a saved state. The state can also belong to another simulation of the same mechanism.
+    /// Continue from a saved state. The saved state can also come from another simulation of the same mechanism.
     ///
     /// Raises InputError if the state belongs to another mechanism.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -313,7 +313,7 @@ impl Simulation {
         self.copy()
     }
 
-    /// Release the memory of the model. Later calls raise SimulationError.
+    /// Release the memory of the simulation. Calls after `close` raise SimulationError.
     fn close(&self) -> PyResult<()> {
         *self.held()?.0 = None;
         Ok(())

@@ -25,7 +25,7 @@ class Kinematics:
     position."""
 
     def __init__(self, names: list[str], table: Array, units: dict[str, str]) -> None:
-        #: Names of the outputs.
+        #: Names of the outputs in the result.
         self.names = names
         #: Unit of each output.
         self.units = units

@@ -28,11 +28,12 @@ class LinearModel:
     position: float
     #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
     acceleration: float
-    #: Value of the input that keeps the mechanism at rest [N or N.m]. None if the argument `held_by` was not given.
+    #: Value of the input that keeps the mechanism at rest [N or N.m]. The value is None if the argument `held_by` was
+    #: not given.
     holding: float | None
-    #: Eigenfrequency of the undamped motion [Hz]. NaN if the motion is not an oscillation.
+    #: Eigenfrequency of the undamped motion [Hz]. The eigenfrequency is NaN if the motion is not an oscillation.
     eigenfrequency: float
-    #: Damping ratio of the motion [1]. NaN if the motion is not an oscillation.
+    #: Damping ratio of the motion [1]. The damping ratio is NaN if the motion is not an oscillation.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].
     eigenvalues: tuple[complex, complex]

@@ -215,11 +215,11 @@ class Mechanism:
                 default experiment, doubled until the result has at most 1001 rows.
             relative_tolerance: relative tolerance of the integration. The default is the tolerance in the definition.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
-                unit such as "45 deg", a truth value, or the name of an enumeration item.
+                unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If a
                 time occurs twice, the inputs jump at this time.
             output: names of the variables to record. By default, all outputs are recorded.
-            set_input_derivatives: True passes the time derivatives of `input` to the model.
+            set_input_derivatives: True also sets the time derivatives of the inputs in `input`.
 
         Returns:
             A structured numpy array with the field `time` and one field for each variable. Ctrl-C ends the simulation
@@ -291,8 +291,8 @@ class Mechanism:
 
         Args:
             count: number of equal parts into which the travel is divided. The result has `count` + 1 positions.
-            outputs: names of the outputs in the result. The default is all coordinates, lengths, markers, reduced
-                masses and holding forces.
+            outputs: names of the outputs in the result. By default, the result contains all coordinates, lengths,
+                markers, reduced masses and holding forces.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
@@ -325,8 +325,8 @@ class Mechanism:
         Args:
             coordinate: name of the coordinate: an angle [rad] or a position [m]. The default is the coordinate in the
                 key `start` of the definition.
-            inputs: names of the inputs u. The default is all inputs on which the acceleration depends.
-            outputs: names of the outputs y. The default is the coordinate.
+            inputs: names of the inputs u. By default, the inputs u are all inputs on which the acceleration depends.
+            outputs: names of the outputs y. The default output y is the coordinate.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
@@ -393,11 +393,11 @@ class Mechanism:
         animation: bool = True,
         results: bool = True,
     ) -> list[Path]:
-        """Build FMUs of the mechanism, and write the FMUs into the folder `path`. The method returns the paths of the
-        FMUs, the FMU of FMI 2.0 first.
+        """Build FMUs of the mechanism, and write the FMUs into the folder `path`. The method returns a list of the
+        paths of the FMUs. The FMU of FMI 2.0 is the first in the list.
 
         Args:
-            path: folder for the FMUs. The method creates the folder.
+            path: folder for the FMUs. If the folder does not exist, the method creates the folder.
             fmi: FMI version of the FMU: 2, 3 or "both".
             platforms: platforms of the libraries in the FMU, such as "x86_64-windows". The default is the platform of
                 this computer.

@@ -156,8 +156,8 @@ def sweep(
         mechanism: mechanism that replaces the key `mechanism` of the study.
         out: folder for the files of results (runs.parquet, runs.csv).
         threads: number of threads. The default is one thread for each processor core.
-        progress: True shows a progress bar. A function is called with two numbers: the number of finished runs, and the
-            number of all runs.
+        progress: True shows a progress bar. If `progress` is a function, `sweep` calls the function with the number of
+            finished runs and the number of all runs.
 
     Raises:
         InputError: the study contains an error. The text of the exception describes the error.
