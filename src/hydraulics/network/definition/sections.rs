@@ -415,8 +415,8 @@ keys! {
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
         /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
-        /// before [1], from 0 to 1. With the value 0, the piston does not rebound. Only a network in a mechanism uses
-        /// the restitution.
+        /// before [1], from 0 to 1. With the value 0, the piston does not rebound. The key `restitution` has an effect
+        /// only if the hydraulic network is a part of a mechanism.
         restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
             travel of @");
         /// Start value of the input `<name>.length` [m], >= 0. Without the key `length`, the cylinder starts in the
