@@ -64,11 +64,11 @@ keys! {
     /// relative to the ambient pressure. A port is a point to which elements are connected: a reservoir, a node, or a
     /// chamber of a cylinder (`<cylinder>.a` or `<cylinder>.b`).
     pub struct HydraulicSystem {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU ignores the key
-        /// `$schema`.
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
+        /// key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the FMU. The name consists of letters, digits and underscores, and starts with a letter or an
-        /// underscore.
+        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
+        /// underscores.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;

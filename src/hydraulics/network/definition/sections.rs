@@ -215,9 +215,9 @@ keys! {
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port opens the valve for reverse flow.
         pilot: String => line().required();
-        /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot > `ratio`
-        /// * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston divided
-        /// by the area of the valve seat.
+        /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot >
+        /// `ratio` * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston
+        /// divided by the area of the valve seat.
         ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of the pilot pressure to the pressure \
             at the locked port above which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
