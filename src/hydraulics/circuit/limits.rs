@@ -4,6 +4,7 @@
 //! steps.
 use super::{DYNAMIC, Equations};
 use crate::hydraulics::events::Guard;
+use crate::numerics::dual::Number;
 
 /// Length beyond the ends of the cylinder's travel that rounding explains [m].
 pub const SLACK: f64 = 1e-9;
@@ -12,6 +13,27 @@ pub const SLACK: f64 = 1e-9;
 const NEAR_VACUUM: f64 = 1e-3;
 /// Absolute pressure, as a part of the ambient pressure, below which a chamber cavitates.
 const CAVITATES: f64 = 0.1;
+
+/// Part of a length that is its rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Acceleration [m/s2] over a step of size h [s] that brings a mechanism to rest at the end of the cylinder on which
+/// the piston rests, by a mean force that is held: in two steps if they are equal. Way x from the end and speed v
+/// shrink as under poles at 1 - h/T of a time T = `settling`, at least h.
+pub fn settling_acceleration<T: Number>([length, end]: [T; 2], speed: T, settling: f64, h: T) -> T {
+    let mut way = length - end;
+    if way.value().abs() <= ROUNDING * length.value() {
+        way = way - T::constant(way.value());
+    }
+    let time = if settling > h.value() { T::constant(settling) } else { h };
+    (way / time + speed * (T::constant(2.0) - h / time * 0.5)) / time
+}
+
+/// Farthest way [m] from an end of the cylinder, on which the piston has come to rest, that a mechanism has after a
+/// step, with its way by its speed while it settles: a mean force that is held leaves at most this.
+pub fn settling_reach([length, speed]: [f64; 2], end: f64, settling: f64) -> f64 {
+    1.5 * (speed.abs() * settling + (length - end).abs()) + SLACK
+}
 
 /// Events of a circuit, by their index.
 pub const EVENTS: [&str; 11] = [
@@ -65,6 +87,19 @@ impl Equations {
     pub fn has_length(&self, length: f64) -> bool {
         let [least, most] = self.lengths();
         length >= least - SLACK && length <= most + SLACK
+    }
+
+    /// The end of the cylinder that is nearer to a length, and the sign of a speed towards it.
+    pub fn nearer_end(&self, length: f64) -> (f64, f64) {
+        let [least, most] = self.lengths();
+        if length - least < most - length { (least, -1.0) } else { (most, 1.0) }
+    }
+
+    /// Speed of a mass after an impact on an end of the cylinder with a speed, under a force and a load that press on
+    /// it with the sum `pressing` [N]. A flight that is lower than rounding is rest.
+    pub fn after_impact(&self, mass: f64, speed: f64, pressing: f64) -> f64 {
+        let after = -self.restitution() * speed;
+        if mass * after * after <= 2.0 * SLACK * pressing { 0.0 } else { after }
     }
 
     /// Whether both chambers have at least half of their dead volumes at a length: a step of an integration passes the

@@ -24,7 +24,7 @@ mod supply;
 mod tests;
 
 use super::definition::{Circuit, OilVolume, Transition};
-pub use limits::{EVENTS, SLACK};
+pub use limits::{EVENTS, SLACK, settling_acceleration, settling_reach};
 pub use rates::{CIRCUIT, DYNAMIC, ENERGIES, ENERGY, FREE, Rates, SPOOL, SUPPLY};
 pub use smooth::{gate, head, soft};
 use std::f64::consts::{FRAC_PI_4, TAU};

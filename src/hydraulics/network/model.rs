@@ -175,7 +175,8 @@ impl Model {
         let pressures = [state.y[chamber], state.y[chamber + 1]];
         let (motion, given) = ([get(Part::Length), get(Part::Speed)], get(Part::Acceleration));
         let force = laws.cylinders[cylinder].laws.force(pressures, motion[1]);
-        let motions = if what == Ahead::Acceleration { &foreseen.end_motions } else { &foreseen.motions };
+        let is_last = matches!(what, Ahead::Acceleration | Ahead::ForceMean);
+        let motions = if is_last { &foreseen.end_motions } else { &foreseen.motions };
         let drive = match motions[cylinder] {
             Motion::Own(drive) => drive,
             Motion::Given(_) => Drive::Given(motion),

@@ -169,12 +169,15 @@ pub fn ahead<T: Number>(
     let acceleration = |force: T, motion: [T; 2], t: T| match drive {
         Drive::Element(element) => element.acceleration(force, motion, t),
         Drive::Given(_) => given,
-        Drive::Held(_) => T::constant(0.0),
+        Drive::Held(_) | Drive::End(_) => T::constant(0.0),
     };
     match what {
         Ahead::Force => mean - rate() * h * 0.5,
         Ahead::ForceRate => rate(),
-        Ahead::ForceMean => mean,
+        Ahead::ForceMean => match drive {
+            Drive::End(rest) => rest.mean_force(motion, h),
+            _ => mean,
+        },
         Ahead::Length => end[own],
         Ahead::Speed => end[own + 1],
         Ahead::StartAcceleration => acceleration(first, motion, T::constant(0.0)),

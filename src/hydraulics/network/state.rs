@@ -2,18 +2,20 @@
 //!
 //! In: laws, inputs, a step. Out: the state after the step; the motion with one element at each cylinder over the next
 //! step of the host. It must not know variables, nor outputs.
+mod ends;
 mod setting;
 
 use super::definition::{HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS};
 use super::inputs::Inputs;
-use super::laws::{Drive, Element, Laws};
+use super::laws::{Drive, Element, Laws, Rest};
 use super::layout::{Layout, Part};
-use super::system::{Memory, Motion};
+use super::system::{Job, Memory, Motion};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::error::HydraulicsError;
 use crate::integrator::{Statistics, System};
 use crate::numerics::dual::{Dual, Number};
 
+use ends::Rested;
 pub use setting::Setting;
 
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
@@ -54,6 +56,10 @@ struct Last {
     correction: f64,
     /// Holding force at its beginning [N].
     load: f64,
+    /// Way of the cylinder in it [m].
+    way: f64,
+    /// How the piston has come to rest at an end of the cylinder.
+    rested: Option<Rested>,
 }
 
 /// Why a cylinder moves by its inputs although the mass that it moves is known.
@@ -73,6 +79,8 @@ pub struct Foreseen {
     /// What moves them at its end: a limit may hold a cylinder that moved before.
     pub end_motions: [Motion; MOST_CYLINDERS],
     corrections: [f64; MOST_CYLINDERS],
+    /// Bit set of the cylinders whose piston has been at an end of the travel.
+    met_ends: u16,
     /// Time reached [s].
     pub reached: f64,
     /// A cylinder whose mass changes too much within the step.
@@ -97,6 +105,7 @@ impl Foreseen {
             motions: [Motion::Own(Drive::Held(0.0)); MOST_CYLINDERS],
             end_motions: [Motion::Own(Drive::Held(0.0)); MOST_CYLINDERS],
             corrections: [0.0; MOST_CYLINDERS],
+            met_ends: 0,
             reached: 0.0,
             toggle: None,
             error: None,
@@ -224,6 +233,11 @@ impl State {
             return Ok(Motion::Own(Drive::Held(length)));
         }
         let element = self.element(setting, cylinder, get);
+        if let Some(at_end) = self.at_end(setting, cylinder, &element)
+            && at_end.rests
+        {
+            return Ok(Motion::Own(Drive::End(Rest { element, end: at_end.end, settling: at_end.settling.max(h) })));
+        }
         let force = self.force(setting.laws, cylinder, speed);
         let acceleration = element.acceleration(force, [length, speed], 0.0);
         let way = (speed.abs() + 0.5 * acceleration.abs() * h) * h;
@@ -247,14 +261,15 @@ impl State {
         }
         into.end.copy_from_slice(&self.y);
         begin(setting, &mut into.end);
+        let met_ends = self.begin_at_ends(setting, &into.motions, &mut into.end);
         into.memory.copy_from(&self.memory);
         into.memory.branch_off();
-        let mut job = setting.job(into.motions);
+        let mut job = Job { met_ends, ..setting.job(into.motions) };
         match job.advance(&mut into.memory, &mut into.end, h) {
             Ok(reached) => into.reached = reached,
             Err(error) => into.error = Some(error),
         }
-        into.end_motions = job.motions;
+        (into.end_motions, into.met_ends) = (job.motions, job.met_ends);
     }
 
     /// The first event within a step of size h, and its time [s], by the foreseen motion or, if the step `follows`, by
@@ -274,10 +289,11 @@ impl State {
                 }
             }
         }
-        setting.check_lengths(h, &work.motions).ok()?;
+        self.check_lengths(setting, h, &work.motions).ok()?;
         work.h = f64::NAN;
         work.end.copy_from_slice(&self.y);
         begin(setting, &mut work.end);
+        self.begin_at_ends(setting, &work.motions, &mut work.end);
         work.memory.copy_from(&self.memory);
         work.memory.branch_off();
         let mut job = setting.job(work.motions);
@@ -307,10 +323,22 @@ impl State {
             *drive = match foreseen.motions[cylinder] {
                 Motion::Given(_) => Drive::Given([of(Part::Length), of(Part::Speed)]),
                 Motion::Own(Drive::Element(_)) => Drive::Element(self.element(setting, cylinder, of)),
+                Motion::Own(Drive::End(rest)) => {
+                    let element = self.element(setting, cylinder, of);
+                    Drive::End(Rest { element, end: rest.end, settling: rest.settling })
+                }
                 Motion::Own(_) => Drive::Held(of(Part::Length)),
             };
             let own = layout.motion(cylinder);
             (change[own], change[own + 1]) = (of(Part::Length).slope[0], of(Part::Speed).slope[0]);
+            if let Some(at_end) = self.moved_at_end(setting, cylinder, foreseen.motions[cylinder]) {
+                let begun = at_end.begin(of(Part::Mass), [of(Part::Length), of(Part::Speed)]);
+                for (at, begun) in
+                    [own, own + 1, layout.impulse(cylinder), layout.impulse(cylinder) + 1].into_iter().zip(begun)
+                {
+                    (start[at], change[at]) = (begun.value, begun.slope[0]);
+                }
+            }
         }
         let ports = &inputs[..layout.flow_inputs()];
         let end = setting.job(foreseen.motions).advance_change(&start, (&change, ports), drives, foreseen.h)?;
@@ -320,6 +348,9 @@ impl State {
     /// A step by the foreseen motion, whose memory is then of no use. Returns the time reached.
     pub fn keep(&mut self, setting: &Setting<'_>, foreseen: &mut Foreseen) -> f64 {
         self.take_motion(setting.laws, setting.inputs);
+        if foreseen.met_ends != 0 {
+            self.jump_to_ends(setting, &foreseen.motions);
+        }
         self.y.copy_from_slice(&foreseen.end);
         std::mem::swap(&mut self.memory, &mut foreseen.memory);
         foreseen.reached
@@ -333,7 +364,7 @@ impl State {
     pub fn follow(&mut self, setting: &Setting<'_>, h: f64, work: &mut Foreseen) -> Result<f64, HydraulicsError> {
         work.h = f64::NAN;
         let motions = setting.given();
-        setting.check_lengths(h, &motions)?;
+        self.check_lengths(setting, h, &motions)?;
         work.end.copy_from_slice(&self.y);
         begin(setting, &mut work.end);
         work.memory.copy_from(&self.memory);
@@ -349,14 +380,19 @@ impl State {
     /// event of the host.
     pub fn arrive(&mut self, setting: &Setting<'_>, h: f64, foreseen: Option<&Predicted>, switches: bool) {
         for (cylinder, last) in self.last.iter_mut().enumerate() {
-            let known = foreseen.and_then(|foreseen| foreseen.of[cylinder]);
-            *last = known.map_or(Last::default(), |(speed, correction)| Last {
-                is_known: true,
-                start_speed: setting.get(cylinder, Part::Speed),
+            let (known, get) = (foreseen.and_then(|one| one.of[cylinder]), |part| setting.get(cylinder, part));
+            let (speed, correction) = known.unwrap_or_default();
+            *last = Last {
+                is_known: known.is_some(),
+                start_speed: get(Part::Speed),
                 speed,
                 correction,
-                load: setting.get(cylinder, Part::Load),
-            });
+                load: get(Part::Load),
+                way: (self.y[setting.laws.layout.motion(cylinder)] - get(Part::Length))
+                    .abs()
+                    .max((get(Part::Speed) * h).abs()),
+                rested: foreseen.and_then(|one| one.rested[cylinder]),
+            };
         }
         if switches {
             self.switch_locks(setting.laws, 0.0);
@@ -392,6 +428,7 @@ impl State {
             record.finite("predicted speed", &mut last.speed)?;
             record.finite("correction of the load", &mut last.correction)?;
             record.finite("load at the start of the last step", &mut last.load)?;
+            last.record_end(record)?;
         }
         if self.last_step == 0.0 && self.last.iter().any(|last| last.is_known) {
             return Err(Damaged("a motion is predicted before the first step".to_owned()));
@@ -404,15 +441,25 @@ impl State {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Predicted {
     of: [Option<(f64, f64)>; MOST_CYLINDERS],
+    rested: [Option<Rested>; MOST_CYLINDERS],
 }
 
 impl Foreseen {
-    /// What a step of this size h has foreseen, where a free cylinder was foreseen to its end.
-    pub fn predicted(&self, layout: &Layout) -> Predicted {
+    /// What a step of this size h has foreseen, where a free cylinder was foreseen to its end. `is_known`: the
+    /// mechanisms had the forces of this step. The impulse of an end of a cylinder is none of a load.
+    pub fn predicted(&self, setting: &Setting<'_>, is_known: bool) -> Predicted {
         let mut all = Predicted::default();
-        for cylinder in 0..layout.cylinders {
-            if let (Motion::Own(Drive::Element(_)), true) = (self.motions[cylinder], self.reached == self.h) {
-                all.of[cylinder] = Some((self.end[layout.motion(cylinder) + 1], self.corrections[cylinder]));
+        if self.reached != self.h {
+            return all;
+        }
+        for cylinder in 0..setting.laws.layout.cylinders {
+            let is_free = matches!(self.motions[cylinder], Motion::Own(Drive::Element(_)));
+            if is_free && is_known && self.met_ends & 1 << cylinder == 0 {
+                let own = setting.laws.layout.motion(cylinder);
+                all.of[cylinder] = Some((self.end[own + 1], self.corrections[cylinder]));
+            }
+            if let Motion::Own(Drive::End(rest)) = self.end_motions[cylinder] {
+                all.rested[cylinder] = Some(Rested::of(setting, cylinder, &rest, self.h));
             }
         }
         all

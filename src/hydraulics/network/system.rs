@@ -8,7 +8,7 @@ mod tangent;
 
 use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
 use super::inputs::{Inputs, limits};
-use super::laws::{Drive, Laws};
+use super::laws::{Cylinder, Drive, Laws, Rest};
 use super::layout::Layout;
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::FREE;
@@ -105,6 +105,8 @@ pub struct Job<'a> {
     pub motions: [Motion; MOST_CYLINDERS],
     /// Least and largest length that stops leave to each cylinder [m].
     pub limits: [[f64; 2]; MOST_CYLINDERS],
+    /// Bit set of the cylinders whose piston has been at an end of the travel.
+    pub met_ends: u16,
     pub tolerance: f64,
     /// Attempts at steps after which it is interrupted.
     pub max_steps: f64,
@@ -145,6 +147,9 @@ impl<T: Number> Drive<T> {
             Self::Given(motion) => Drive::Given(motion.map(of)),
             Self::Held(length) => Drive::Held(of(*length)),
             Self::Element(element) => Drive::Element(element.constant()),
+            Self::End(rest) => {
+                Drive::End(Rest { element: rest.element.constant(), end: rest.end, settling: rest.settling })
+            }
         }
     }
 }
@@ -179,7 +184,11 @@ impl<const N: usize> System<N> for Job<'_> {
 
     #[inline]
     fn admits(&mut self, y: &[f64; N]) -> bool {
-        self.laws.has_pressures(y)
+        let has_room = |(index, cylinder): (usize, &Cylinder)| {
+            !matches!(self.motions[index], Motion::Own(Drive::Element(_)))
+                || cylinder.laws.has_room(y[self.laws.layout.motion(index)])
+        };
+        self.laws.has_pressures(y) && self.laws.cylinders.iter().enumerate().all(has_room)
     }
 
     fn jacobian(&mut self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
@@ -256,7 +265,7 @@ impl Job<'_> {
 
     /// Integrate the state over a step of size h [s], with as many steps as `max_steps` allows. Returns the time
     /// reached; lengths and speeds that are given are those of the inputs there. A cylinder that moves an element stops
-    /// at its limit, and stays there for the rest of the step.
+    /// at its limit, and stays there for the rest of the step; at an end of its travel it may rebound.
     ///
     /// # Errors
     /// No motion was found, or a component is beyond the largest number; state and memory are then undefined.
@@ -266,7 +275,9 @@ impl Job<'_> {
             let own = self.laws.layout.motion(index);
             match motion {
                 Motion::Given(motion) => y[own..own + 2].copy_from_slice(&motion.map(|one| one.at(reached))),
-                Motion::Own(Drive::Held(length)) => y[own..own + 2].copy_from_slice(&[*length, 0.0]),
+                Motion::Own(Drive::Held(length) | Drive::End(Rest { end: length, .. })) => {
+                    y[own..own + 2].copy_from_slice(&[*length, 0.0]);
+                }
                 Motion::Own(_) => {}
             }
         }
@@ -311,9 +322,7 @@ impl Job<'_> {
                 y = step.end;
                 t = if step.reached { end } else { t + step.h };
                 if let Some((cylinder, limit)) = met {
-                    let own = system.laws.layout.motion(cylinder);
-                    (y[own], y[own + 1]) = (limit, 0.0);
-                    system.motions[cylinder] = Motion::Own(Drive::Held(limit));
+                    system.arrive(&mut y, t, cylinder, limit);
                     memory.restart();
                 }
                 if system.event.is_some() {
@@ -321,7 +330,7 @@ impl Job<'_> {
                 }
             }
         }
-        (self.motions, self.event) = (system.motions, system.event);
+        (self.motions, self.met_ends, self.event) = (system.motions, system.met_ends, system.event);
         state.copy_from_slice(&y[..state.len()]);
         Ok(t)
     }
@@ -345,11 +354,38 @@ impl Job<'_> {
     fn met<const N: usize>(&self, step: &Step<N>) -> Option<(usize, f64)> {
         (0..self.laws.layout.cylinders).find_map(|cylinder| {
             let Motion::Own(Drive::Element(_)) = self.motions[cylinder] else { return None };
-            let (own, [lower, upper]) = (self.laws.layout.motion(cylinder), self.limits[cylinder]);
+            let own = self.laws.layout.motion(cylinder);
+            let ([lower, upper], [least, most]) = (self.limits[cylinder], self.laws.cylinders[cylinder].laws.lengths());
+            let (lower, upper) = (lower.max(least), upper.min(most));
             let (start, end) = (step.start[own], step.end[own]);
             let limit = if end > upper && end > start { upper } else { lower };
             (end > upper && end > start || end < lower && end < start).then_some((cylinder, limit))
         })
+    }
+
+    /// A cylinder whose element has come to a limit, t [s] after the beginning: a stop holds it there; an end of the
+    /// cylinder gives it an impulse by the force of the cylinder, and holds it if it does not rebound.
+    fn arrive(&mut self, y: &mut [f64], t: f64, cylinder: usize, limit: f64) {
+        let (layout, laws) = (&self.laws.layout, &self.laws.cylinders[cylinder].laws);
+        let (own, impulse, chamber) = (layout.motion(cylinder), layout.impulse(cylinder), layout.chamber(cylinder));
+        y[own] = limit;
+        let Motion::Own(Drive::Element(element)) = self.motions[cylinder] else { return };
+        if self.limits[cylinder].contains(&limit) {
+            y[own + 1] = 0.0;
+            self.motions[cylinder] = Motion::Own(Drive::Held(limit));
+            return;
+        }
+        let (_, outward) = laws.nearer_end(limit);
+        let (mass, net) =
+            (element.mass_at(limit), laws.force([y[chamber], y[chamber + 1]], 0.0) - element.load_at(limit, t));
+        let after = laws.after_impact(mass, y[own + 1], net * outward);
+        let change = mass * (after - y[own + 1]);
+        y[own + 1] = after;
+        (y[impulse], y[impulse + 1]) = (y[impulse] + change, y[impulse + 1] + change * t);
+        self.met_ends |= 1 << cylinder;
+        if after == 0.0 && net * outward >= 0.0 {
+            self.motions[cylinder] = Motion::Own(Drive::End(Rest { element, end: limit, settling: 0.0 }));
+        }
     }
 
     /// Why the integration comes no further from the state y.

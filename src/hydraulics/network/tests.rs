@@ -1,6 +1,7 @@
 //! Networks against reference values, balances, differences, and other ways through the same steps.
 #![allow(clippy::unwrap_used)]
 mod derivatives;
+mod ends;
 mod events;
 mod limits;
 

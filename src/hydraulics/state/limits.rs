@@ -8,7 +8,6 @@
 //! end of the cylinder holds the mechanism by the actuator alone: while the piston rests there, the force is the load,
 //! and an impact is an impulse m (v' - v) of the force.
 use super::march::{Levels, March};
-use crate::hydraulics::circuit::SLACK;
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::systems::{Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED};
 use crate::integrator::{Direction, Integrator, Step};
@@ -56,11 +55,6 @@ pub fn passed([lower, upper]: [f64; 2], end: f64) -> Option<(f64, Direction)> {
     }
 }
 
-/// The end of the cylinder that is nearer to a length, and the sign of a speed towards it.
-pub fn nearer_end([least, most]: [f64; 2], length: f64) -> (f64, f64) {
-    if length - least < most - length { (least, -1.0) } else { (most, 1.0) }
-}
-
 impl Coupled<'_> {
     /// What holds the element at rest at a length under this sum of force and load [N].
     fn hold_at(&self, length: f64, net: f64) -> Hold {
@@ -84,7 +78,7 @@ impl Coupled<'_> {
         let is_stopped = y[SPEED] == 0.0 && holds(limits, length, net(self, y, 0.0));
         self.hold = if is_stopped { Hold::Stop } else { Hold::Free };
         let mut course = Course { held_at_start: is_stopped, ..Course::default() };
-        let (end, outward) = nearer_end(self.laws.lengths(), length);
+        let (end, outward) = self.laws.nearer_end(length);
         let is_beyond = (length - end) * outward >= 0.0;
         if is_stopped || !(rests || is_beyond) {
             return course;
@@ -96,7 +90,7 @@ impl Coupled<'_> {
             if rests {
                 y[SPEED] = 0.0;
             } else if speed * outward > 0.0 {
-                y[SPEED] = self.after_impact(speed, net * outward);
+                y[SPEED] = self.laws.after_impact(self.element.mass, speed, net * outward);
             }
             if y[SPEED] == 0.0 {
                 self.hold = self.hold_at(end, net);
@@ -108,13 +102,6 @@ impl Coupled<'_> {
         course
     }
 
-    /// Speed after an impact on an end of the cylinder with a speed, under a force and a load that press on it with the
-    /// sum `pressing` [N]. A flight that is lower than rounding is rest.
-    fn after_impact(&self, speed: f64, pressing: f64) -> f64 {
-        let after = -self.laws.restitution() * speed;
-        if self.element.mass * after * after <= 2.0 * SLACK * pressing { 0.0 } else { after }
-    }
-
     /// The element has come to a limit, t [s] after the beginning.
     fn arrive(&mut self, y: &mut [f64; ELEMENT], t: f64, (limit, direction): (f64, Direction), course: &mut Course) {
         y[LENGTH] = limit;
@@ -122,7 +109,7 @@ impl Coupled<'_> {
             y[SPEED] = 0.0;
         } else {
             let pressing = net(self, y, t) * if direction == Direction::Rising { 1.0 } else { -1.0 };
-            let after = self.after_impact(y[SPEED], pressing);
+            let after = self.laws.after_impact(self.element.mass, y[SPEED], pressing);
             let mass = self.element.mass + self.element.mass_derivative * (limit - self.element.length);
             let impulse = mass * (after - y[SPEED]);
             y[SPEED] = after;

@@ -2,10 +2,10 @@
 //!
 //! In: the state, inputs that describe the element, a step. Out: the predicted motion, its derivative along a direction
 //! of the inputs, the predicted force. It must not change the state.
-use super::limits::{Course, holds, nearer_end};
+use super::limits::{Course, holds};
 use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State, Told};
-use crate::hydraulics::circuit::{CIRCUIT, SLACK};
+use crate::hydraulics::circuit::{CIRCUIT, settling_reach};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
 use crate::hydraulics::systems::{
@@ -71,8 +71,7 @@ impl Foreseen {
     /// Farthest way [m] from an end of the cylinder, at which the motion has come to rest, that a mechanism has after
     /// the step, with its way by its speed while it settles: a mean force that is held leaves at most this.
     pub fn reach(&self) -> f64 {
-        let ([length, speed], end) = (self.start, self.end[LENGTH]);
-        1.5 * (speed.abs() * self.course.settling + (length - end).abs()) + SLACK
+        settling_reach(self.start, self.end[LENGTH], self.course.settling)
     }
 }
 
@@ -123,7 +122,7 @@ impl State {
             return Hold::Stop;
         }
         let ends = setting.laws.lengths();
-        let (end, outward) = nearer_end(ends, length);
+        let (end, outward) = setting.laws.nearer_end(length);
         let is_there = speed == 0.0 && (length - end) * outward >= 0.0;
         let rests = is_there || self.rests_on_end([length, speed]);
         if rests && holds(ends, end, net()) { Hold::End } else { Hold::Free }
@@ -297,7 +296,7 @@ impl State {
         let circuit = std::array::from_fn(|k| Dual { value: self.circuit[k], slope: [circuit[k]] });
         let mut start = with_element(&circuit, motion);
         if hold == Hold::End {
-            let (end, _) = nearer_end(lengths, motion[0].value);
+            let (end, _) = setting.laws.nearer_end(motion[0].value);
             (start[LENGTH], start[SPEED]) = (Dual::constant(end), Dual::constant(0.0));
             start[IMPULSE] = element.mass * motion[1] * -1.0;
             start[MOMENT] = element.mass * (motion[0] - Dual::constant(end));

@@ -3,12 +3,9 @@
 //! In: the element, force and motion at the beginning, the state at the end, what limits did until then. Out: the line
 //! of the force, its mean, motion and accelerations at the end. It must not know how the motion was predicted.
 use super::limits::{Course, line_from_rest};
-use crate::hydraulics::circuit::Equations;
+use crate::hydraulics::circuit::{Equations, settling_acceleration};
 use crate::hydraulics::systems::{ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED};
 use crate::numerics::dual::Number;
-
-/// Part of a length that is its rounding.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What the foreseen motion tells of a step of size h, in the words of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,16 +41,10 @@ impl<T: Number> Preview<T> {
         if course.released && ((force - element.load) * (mean - element.load)).value() < 0.0 {
             [force, rate] = line_from_rest(element.load, [end[IMPULSE], end[MOMENT]], h);
         }
-        // Where the piston rests on its end, a mean force that is held brings the mechanism there, in two steps if they
-        // are equal: way x and speed v shrink as under poles at 1 - h/T of a time T.
+        // Where the piston rests on its end, a mean force that is held brings the mechanism there.
         let mut force_mean = mean;
         if course.rests_on_end {
-            let mut way = length - end[LENGTH];
-            if way.value().abs() <= ROUNDING * length.value() {
-                way = way - T::constant(way.value());
-            }
-            let time = if course.settling > h.value() { T::constant(course.settling) } else { h };
-            let acceleration = (way / time + speed * (T::constant(2.0) - h / time * 0.5)) / time;
+            let acceleration = settling_acceleration([length, end[LENGTH]], speed, course.settling, h);
             force_mean = element.load_at(end[LENGTH], h * 0.5) - element.mass * acceleration;
         }
         let held = T::constant(0.0);

@@ -415,8 +415,7 @@ keys! {
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
         /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
-        /// before [1], from 0 to 1. With the value 0, the piston does not rebound. The key `restitution` has an effect
-        /// only if the hydraulic network is a part of a mechanism.
+        /// before [1], from 0 to 1. With the value 0, the piston does not rebound.
         restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
             travel of @");
         /// Start value of the input `<name>.length` [m], >= 0. Without the key `length`, the cylinder starts in the
@@ -435,7 +434,7 @@ keys! {
         /// mechanism allow.
         lower_limit: f64 => number(Metre, NonNegative);
         /// Start value of the input `<name>.upper_limit` [m], >= 0: largest cylinder length that the stops of the
-        /// mechanism allow. If `lower_limit` and `upper_limit` are both 0, the length of the cylinder is not limited.
+        /// mechanism allow. If `lower_limit` and `upper_limit` are both 0, no stop limits the cylinder length.
         upper_limit: f64 => number(Metre, NonNegative);
         /// Rated pressure drop: the pressure drop for which the keys of the cylinder state the flows of restrictors and
         /// cushions [Pa], > 0.

@@ -17,7 +17,7 @@ use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
 pub use events::{Surroundings, empty_words};
 pub use flows::Point;
-pub use rates::{Drive, Element};
+pub use rates::{Drive, Element, Rest};
 
 /// Part of the size of the spool position that holds where the spool is at rest.
 const SPOOL_FLOOR: f64 = 0.1;

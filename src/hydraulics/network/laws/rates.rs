@@ -3,6 +3,7 @@
 //! In: flows, motions of the cylinders. Out: rates of all components of the state; forces; what a cylinder moves, as
 //! one element. It must not know how the laws are integrated.
 use super::{Laws, Point};
+use crate::hydraulics::circuit::settling_acceleration;
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::hydraulics::network::layout::Total;
 use crate::numerics::dual::Number;
@@ -28,12 +29,22 @@ impl<T: Number> Element<T> {
     /// Acceleration [m/s2] under a force, t [s] after the beginning; NaN where the element has no mass.
     #[inline]
     pub fn acceleration(&self, force: T, [length, speed]: [T; 2], t: T) -> T {
-        let way = length - self.length;
-        let mass = self.mass + self.mass_derivative * way;
-        let load =
-            self.load + self.load_derivative * way + self.load_rate * t + self.mass_derivative * speed * speed * 0.5;
+        let mass = self.mass_at(length);
+        let load = self.load_at(length, t) + self.mass_derivative * speed * speed * 0.5;
         let mass = if mass.value() > 0.0 { mass } else { T::constant(f64::NAN) };
         (force - load) / mass
+    }
+
+    /// Mass [kg] at a length.
+    #[inline]
+    pub fn mass_at(&self, length: T) -> T {
+        self.mass + self.mass_derivative * (length - self.length)
+    }
+
+    /// Load [N] at a length and no speed, t [s] after the beginning.
+    #[inline]
+    pub fn load_at(&self, length: T, t: T) -> T {
+        self.load + self.load_derivative * (length - self.length) + self.load_rate * t
     }
 
     /// With values that nothing changes.
@@ -59,6 +70,27 @@ pub enum Drive<T> {
     Element(Element<T>),
     /// A stop or a lock holds it at this length [m].
     Held(T),
+    /// An end of the cylinder holds it.
+    End(Rest<T>),
+}
+
+/// A piston at rest on an end of its cylinder: the force of the cylinder is the load of the element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest<T> {
+    pub element: Element<T>,
+    /// Length of the cylinder there [m].
+    pub end: f64,
+    /// Time [s] in which a mean force that is held brings the element there; less than the step: the step.
+    pub settling: f64,
+}
+
+impl<T: Number> Rest<T> {
+    /// Mean force [N] over a step of size h that brings an element with this motion to rest at the end.
+    pub fn mean_force(&self, [length, speed]: [T; 2], h: T) -> T {
+        let end = T::constant(self.end);
+        let acceleration = settling_acceleration([length, end], speed, self.settling, h);
+        self.element.load_at(end, h * 0.5) - self.element.mass * acceleration
+    }
 }
 
 impl Laws {
@@ -73,6 +105,7 @@ impl Laws {
                 Drive::Given(motion) => motion,
                 Drive::Element(_) => [y[own], y[own + 1]],
                 Drive::Held(length) => [length, zero],
+                Drive::End(rest) => [T::constant(rest.end), zero],
             };
         }
         let (mut rates, mut net) = ([zero; N], [zero; N]);
@@ -100,6 +133,10 @@ impl Laws {
                 (rates[own], rates[own + 1]) = (speed, element.acceleration(force, [length, speed], t));
             }
             if !layout.is_carried {
+                let force = match drive {
+                    Drive::End(rest) => rest.element.load_at(length, t),
+                    _ => force,
+                };
                 (rates[impulse], rates[impulse + 1]) = (force, force * t);
             }
         }

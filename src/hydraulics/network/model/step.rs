@@ -4,6 +4,7 @@
 //! It must not know outputs.
 use super::{Model, Warnings};
 use crate::format::Range;
+use crate::hydraulics::circuit::SLACK;
 use crate::hydraulics::definition::{ABOVE_VACUUM, check_pressure, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::events::nearness;
@@ -28,7 +29,7 @@ impl Model {
         self.cache.clear();
         self.warnings = Warnings::default();
         self.started()?;
-        self.parameters.setting(&self.inputs).check_lengths(0.0, &self.cache.foreseen.motions)
+        self.parameters.setting(&self.inputs).check_lengths(0.0, &self.cache.foreseen.motions, |_| SLACK)
     }
 
     /// Put the network at its start if it has no state yet.
@@ -91,7 +92,7 @@ impl Model {
             return Err(HydraulicsError::NotInitialised);
         };
         let (setting, layout) = (parameters.setting(inputs), &parameters.laws.layout);
-        setting.check_lengths(0.0, &cache.foreseen.motions)?;
+        state.check_lengths(&setting, 0.0, &cache.foreseen.motions)?;
         if h < SHORTEST {
             let y = state.y.clone();
             inputs.leave(layout, h, &y);
@@ -119,8 +120,8 @@ impl Model {
             let foreseen = cache.foresee(&setting, state, h);
             warnings.foreseen(&setting, foreseen);
             // The mechanisms had another force if an event has ended the step that was announced.
-            let is_known = foreseen.error.is_none() && (h == whole || is_said(h));
-            predicted = is_known.then(|| foreseen.predicted(layout));
+            let is_known = h == whole || is_said(h);
+            predicted = foreseen.error.is_none().then(|| foreseen.predicted(&setting, is_known));
         }
         let reached = if follows {
             cache.is_foreseen = false;
@@ -131,7 +132,7 @@ impl Model {
                 (cache.is_foreseen, *warnings) = (false, warned);
                 return Err(error);
             }
-            setting.check_lengths(h, &foreseen.motions).inspect_err(|_| *warnings = warned)?;
+            state.check_lengths(&setting, h, &foreseen.motions).inspect_err(|_| *warnings = warned)?;
             state.keep(&setting, foreseen)
         };
         warnings.watch(&setting, state, h);

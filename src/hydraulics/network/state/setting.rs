@@ -10,8 +10,6 @@ use crate::hydraulics::network::laws::{Drive, Laws};
 use crate::hydraulics::network::layout::Part;
 use crate::hydraulics::network::system::{Job, Motion};
 
-/// Length beyond the ends of a cylinder's travel that rounding explains [m].
-const SLACK: f64 = 1e-9;
 /// Limits of the length where none are known [m].
 const NO_LIMITS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
@@ -39,8 +37,8 @@ impl Setting<'_> {
             true => self.limits(index),
             false => NO_LIMITS,
         });
-        let (watched, event) = (None, None);
-        Job { laws: self.laws, inputs: self.inputs, motions, limits, tolerance, max_steps, watched, event }
+        let (met_ends, watched, event) = (0, None, None);
+        Job { laws: self.laws, inputs: self.inputs, motions, limits, met_ends, tolerance, max_steps, watched, event }
     }
 
     /// Least and largest length that stops leave to a cylinder [m]; both inputs 0: none are known.
@@ -59,8 +57,14 @@ impl Setting<'_> {
     }
 
     /// Refuse lengths that the cylinders do not have at the beginning of a step of size h, and motions by the inputs
-    /// that lead to such lengths within it. `h` is 0 for the beginning alone.
-    pub fn check_lengths(&self, h: f64, motions: &[Motion]) -> Result<(), HydraulicsError> {
+    /// that lead to such lengths within it. `h` is 0 for the beginning alone; `overrun`: how far beyond the ends each
+    /// cylinder may be [m].
+    pub fn check_lengths(
+        &self,
+        h: f64,
+        motions: &[Motion],
+        overrun: impl Fn(usize) -> f64,
+    ) -> Result<(), HydraulicsError> {
         for (index, (cylinder, motion)) in self.laws.cylinders.iter().zip(motions).enumerate() {
             let [least, most] = cylinder.laws.lengths();
             let mut farthest = self.get(index, Part::Length);
@@ -75,7 +79,7 @@ impl Setting<'_> {
                 add(h);
                 speed.passages(0.0, h, &mut add);
             }
-            if beyond(farthest) > SLACK {
+            if beyond(farthest) > 0.0 && beyond(farthest) > overrun(index) {
                 let name = format!("{}.length{}", self.names[index], if h > 0.0 { " within the step" } else { "" });
                 let allowed = format!("from closed_length = {least} m to closed_length + stroke = {most} m");
                 return Err(HydraulicsError::Value { name, value: farthest, allowed });

@@ -3,7 +3,7 @@
 //! In: a step. Out: the step up to its first event. It must not know what the host does there.
 use super::{Job, Motion};
 use crate::hydraulics::events;
-use crate::hydraulics::network::laws::{Drive, Surroundings};
+use crate::hydraulics::network::laws::{Drive, Rest, Surroundings};
 use crate::integrator::{Integrator, Step};
 
 /// Distance from an end of the travel within which a limit is this end [m].
@@ -22,7 +22,7 @@ impl Job<'_> {
         let guard = |event: usize, t: f64, y: &[f64; N]| {
             let length = |cylinder: usize| match job.motions[cylinder] {
                 Motion::Given([length, _]) => length.at(t),
-                Motion::Own(Drive::Held(length)) => length,
+                Motion::Own(Drive::Held(length) | Drive::End(Rest { end: length, .. })) => length,
                 Motion::Own(_) => y[laws.layout.motion(cylinder)],
             };
             let reservoir = |index: usize| job.inputs.polynomial(index).quadratic_at(t);
