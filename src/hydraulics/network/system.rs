@@ -132,10 +132,14 @@ impl Job<'_> {
     /// What moves each cylinder at the time t [s].
     #[inline]
     fn drives<T: Number>(&self, t: f64) -> [Drive<T>; MOST_CYLINDERS] {
-        self.motions.map(|motion| match motion {
-            Motion::Given(motion) => Drive::Given(motion.map(|one| T::constant(one.at(t)))),
-            Motion::Own(drive) => drive.constant(),
-        })
+        let mut drives = [Drive::Held(T::constant(0.0)); MOST_CYLINDERS];
+        for (drive, motion) in drives.iter_mut().zip(&self.motions[..self.laws.layout.cylinders]) {
+            *drive = match motion {
+                Motion::Given(motion) => Drive::Given(motion.map(|one| T::constant(one.at(t)))),
+                Motion::Own(drive) => drive.constant(),
+            };
+        }
+        drives
     }
 }
 
