@@ -265,6 +265,8 @@ pub enum ImportForm {
     Mjcf,
     /// ROS: XML
     Urdf,
+    /// Gazebo: XML
+    Sdf,
     /// Table of joints: CSV with the columns type, x [m], y [m], angle [deg], links, driven
     Table,
 }

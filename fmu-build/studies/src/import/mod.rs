@@ -1,17 +1,19 @@
 //! `cargo fmu import`: mechanisms of other programs as definitions.
 //!
-//! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF) or ROS (URDF), or a table of joints. Out: the
-//! text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
+//! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF), ROS (URDF) or Gazebo (SDF), or a table of
+//! joints. Out: the text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
 
-mod defaults;
-mod elements;
-mod left_out;
+mod couple;
+mod masses;
+mod mjcf;
 mod planar;
 mod plus;
 mod pmks;
-mod robot;
+mod sdf;
 mod spatial;
 mod table;
+mod urdf;
+mod xml;
 
 use anyhow::{Context, Result, bail};
 use fmu_build::files;
@@ -52,7 +54,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         None => form_of(path, &text).with_context(|| format!("{shown}"))?,
     };
     let stem = path.file_stem().filter(|_| link.is_none()).unwrap_or_default().to_string_lossy();
-    let imported = import(form, &stem, &text).with_context(|| format!("{shown}"))?;
+    let folder = path.parent().unwrap_or_else(|| Path::new("")).to_owned();
+    let beside = |file: &str| -> Result<String> {
+        String::from_utf8(files::read(&folder.join(file), LARGEST)?)
+            .ok()
+            .with_context(|| format!("{file}: is not UTF-8 text; save the file as UTF-8"))
+    };
+    let imported = import_with(form, &stem, &text, &beside).with_context(|| format!("{shown}"))?;
     for note in &imported.notes {
         eprintln!("note: {note}");
     }
@@ -76,18 +84,20 @@ fn form_of(path: &Path, text: &str) -> Result<Form> {
     Ok(match (ending.as_str(), bare(text).trim_start()) {
         (_, text) if plus::is_plus(text) => Form::PmksPlus,
         (_, text) if text.starts_with('{') && text.contains("\"TypeOfJoint\"") => Form::Pmks,
-        ("urdf", _) => Form::Urdf,
+        ("urdf" | "xacro", _) => Form::Urdf,
+        ("sdf" | "world", _) => Form::Sdf,
         ("mjcf", _) => Form::Mjcf,
         ("csv", _) => Form::Table,
         (_, text) if text.starts_with("M[") => Form::Pyslvs,
         (_, text) if text.contains("<mujoco") => Form::Mjcf,
+        (_, text) if text.contains("<sdf") => Form::Sdf,
         (_, text) if text.contains("<robot") => Form::Urdf,
         ("txt" | "pmks", _) => Form::Pmks,
         (_, text) if text.contains("mech=") => Form::Pmks,
         _ => {
             bail!(
                 "the format of this file is unknown; state the format with --form pmks, pmks-plus, pyslvs, mjcf, \
-                urdf or table"
+                urdf, sdf or table"
             )
         }
     })
@@ -103,14 +113,23 @@ fn bare(text: &str) -> &str {
 /// # Errors
 /// The text is not of this form, or holds what no planar mechanism has; the message says where.
 pub fn import(form: Form, name: &str, text: &str) -> Result<Imported> {
+    import_with(form, name, text, &|file| bail!("{file}: included files are read where the import has a path"))
+}
+
+/// As [`import`], with the texts of files that the file includes, by their paths in it.
+///
+/// # Errors
+/// Those of [`import`], and those of an included file.
+pub fn import_with(form: Form, name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Imported> {
     let text = bare(text);
     let linkage = match form {
         Form::Pmks => table::linkage(name, &pmks::of_pmks(text)?)?,
         Form::PmksPlus => plus::of_plus(name, text)?,
         Form::Pyslvs => table::linkage(name, &table::of_pyslvs(text)?)?,
         Form::Table => table::linkage(name, &table::of_csv(text)?)?,
-        Form::Mjcf => spatial::project(robot::of_mjcf(name, text)?)?,
-        Form::Urdf => spatial::project(robot::of_urdf(name, text)?)?,
+        Form::Mjcf => spatial::project(mjcf::of_mjcf(name, text, include)?)?,
+        Form::Urdf => spatial::project(urdf::of_urdf(name, text)?)?,
+        Form::Sdf => spatial::project(sdf::of_sdf(name, text)?)?,
     };
     Ok(Imported { definition: linkage.definition()?, notes: linkage.notes })
 }

@@ -22,12 +22,14 @@ pub struct Linkage {
     pub gravity: Option<f64>,
     /// Joints with a drive, by index.
     pub drives: Vec<(String, usize)>,
+    /// Drives with all their keys.
+    pub actuators: Vec<(String, Value)>,
+    pub couplings: Vec<(String, Value)>,
     pub springs: Vec<(String, Value)>,
     pub stops: Vec<(String, Value)>,
     /// Speed at the start of the first drive, if it is hinged on the ground [rad/s].
     pub start_speed: Option<f64>,
-    /// Forces whose direction stays: name, body, place, components.
-    pub forces: Vec<(String, usize, [f64; 2], [f64; 2])>,
+    pub forces: Vec<(String, Value)>,
     /// Points to be watched: name, body, place.
     pub markers: Vec<(String, usize, [f64; 2])>,
     /// What of the file is not here, and what was added.
@@ -58,6 +60,8 @@ pub struct Joint {
     pub first: usize,
     pub second: usize,
     pub place: [f64; 2],
+    /// Place on the second body, where the two are apart at the position of the file.
+    pub other: Option<[f64; 2]>,
     /// Of a prismatic joint the direction of sliding in the first body.
     pub axis: Option<f64>,
 }
@@ -114,14 +118,21 @@ impl Linkage {
     /// Names that are taken.
     pub fn names(&self) -> impl Iterator<Item = String> {
         let bodies = self.bodies.iter().map(|body| &body.name).chain(self.joints.iter().map(|joint| &joint.name));
-        let groups = [&self.springs, &self.stops].into_iter().flatten().map(|(name, _)| name);
+        let groups = [&self.springs, &self.stops, &self.actuators, &self.couplings, &self.forces];
+        let groups = groups.into_iter().flatten().map(|(name, _)| name);
         let drives = self.drives.iter().map(|(name, _)| name);
-        let points = self.markers.iter().map(|(name, ..)| name).chain(self.forces.iter().map(|(name, ..)| name));
+        let points = self.markers.iter().map(|(name, ..)| name);
         bodies.chain(groups).chain(drives).chain(points).cloned()
     }
 
+    /// A name like the wanted one that nothing has.
+    pub fn free_name(&self, wanted: &str) -> String {
+        let taken: Vec<String> = self.names().collect();
+        identifier(wanted, "part", &taken.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
     /// `body.point` of a point at this place.
-    fn reference(&mut self, body: usize, place: [f64; 2]) -> String {
+    pub fn reference(&mut self, body: usize, place: [f64; 2]) -> String {
         let index = self.point(body, place);
         let name = &self.bodies[body].name;
         if index == 0 { format!("{name}.origin") } else { format!("{name}.p{index}") }
@@ -130,7 +141,9 @@ impl Linkage {
     /// The body and the angle, or the joint and the position, that state the start: of a drive, else of a joint at the
     /// ground.
     fn start(&self) -> Value {
-        let driven = self.drives.first().map(|(_, joint)| *joint);
+        let by_name = |value: &Value| self.joints.iter().position(|joint| value["joint"] == joint.name.as_str());
+        let other = || self.actuators.iter().find_map(|(_, value)| by_name(value));
+        let driven = self.drives.first().map(|(_, joint)| *joint).or_else(other);
         let grounded = self.joints.iter().position(|joint| joint.first == 0 || joint.second == 0);
         let Some(joint) = driven.or(grounded).map(|index| &self.joints[index]) else {
             return json!("equilibrium");
@@ -155,17 +168,14 @@ impl Linkage {
     /// A number is not finite, such as the inertia of a body of 1e200 m.
     pub fn definition(&self) -> Result<String> {
         let mut own = self.clone();
+        // Bodies whose joints are open at this position are no drawing: they are assembled from their angles here.
+        let is_drawn = own.joints.iter().all(|joint| joint.other.is_none());
         let joints: Vec<(String, Value)> = own.joints.clone().into_iter().map(|joint| own.joint(joint)).collect();
         let markers = own.markers.clone().into_iter().map(|(name, body, place)| {
             let at = own.reference(body, place);
             (name, json!({ "at": at }))
         });
         let markers: Vec<(String, Value)> = markers.collect();
-        let forces = own.forces.clone().into_iter().map(|(name, body, place, force)| {
-            let at = own.reference(body, place);
-            (name, json!({ "at": at, "force": force }))
-        });
-        let forces: Vec<(String, Value)> = forces.collect();
         let fixed: Vec<(usize, usize)> =
             own.bodies.iter().enumerate().filter_map(|(index, body)| Some((index, body.fixed_to?))).collect();
         let fixed: Vec<(usize, String)> = fixed
@@ -177,7 +187,7 @@ impl Linkage {
             .collect();
         let bodies = own.bodies.iter().enumerate().map(|(index, body)| {
             let to = fixed.iter().find(|(fixed, _)| *fixed == index).map(|(_, to)| to.as_str());
-            (body.name.clone(), body.value(to))
+            (body.name.clone(), body.value(to, is_drawn))
         });
         let bodies: Vec<(String, Value)> = bodies.collect();
         let drive = |(name, joint): &(String, usize)| {
@@ -192,8 +202,9 @@ impl Linkage {
         let groups = [
             ("bodies", bodies),
             ("joints", joints),
-            ("actuators", self.drives.iter().map(drive).collect()),
-            ("forces", forces),
+            ("couplings", own.couplings.clone()),
+            ("actuators", self.drives.iter().map(drive).chain(own.actuators.clone()).collect()),
+            ("forces", own.forces.clone()),
             ("springs", own.springs.clone()),
             ("stops", own.stops.clone()),
             ("markers", markers),
@@ -204,6 +215,12 @@ impl Linkage {
             }
         }
         parts.push(("start".to_owned(), Part::One(self.start())));
+        if !is_drawn {
+            let turning = own.bodies.iter().skip(1).filter(|body| body.fixed_to.is_none()).map(|body| &body.name);
+            let sliding = self.joints.iter().filter(|joint| joint.axis.is_some()).map(|joint| &joint.name);
+            let guess: Named<Value> = turning.chain(sliding).map(|name| (name.clone(), json!(0.0))).collect();
+            parts.push(("guess".to_owned(), Part::Group(guess)));
+        }
         let parts: Named<Part> = parts.into_iter().collect();
         if let Some(key) = unnumbered(&serde_json::to_value(&parts)?) {
             bail!(
@@ -216,7 +233,7 @@ impl Linkage {
 
     fn joint(&mut self, joint: Joint) -> (String, Value) {
         let first = self.reference(joint.first, joint.place);
-        let second = self.reference(joint.second, joint.place);
+        let second = self.reference(joint.second, joint.other.unwrap_or(joint.place));
         let value = match joint.axis {
             Some(0.0) => json!({ "type": "prismatic", "first": first, "second": second }),
             Some(axis) => json!({ "type": "prismatic", "first": first, "second": second, "axis_angle": axis }),
@@ -228,7 +245,7 @@ impl Linkage {
 
 impl Body {
     /// The body as the definition has it.
-    fn value(&self, fixed_to: Option<&str>) -> Value {
+    fn value(&self, fixed_to: Option<&str>, is_drawn: bool) -> Value {
         let named = |from: usize, origin: [f64; 2]| -> Value {
             let points = self.points.iter().enumerate().skip(from);
             let place = |p: &[f64; 2]| json!([p[0] - origin[0], p[1] - origin[1]]);
@@ -250,6 +267,15 @@ impl Body {
         }
         if let Some(to) = fixed_to {
             value["fixed_to"] = json!(to);
+        }
+        if !is_drawn {
+            if self.points.len() > 1 {
+                value["points"] = named(1, origin);
+            }
+            if let Some(center) = self.center {
+                value["center"] = json!([center[0] - origin[0], center[1] - origin[1]]);
+            }
+            return value;
         }
         value["drawn"] = json!({ "origin": origin });
         if self.points.len() > 1 {

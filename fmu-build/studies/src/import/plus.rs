@@ -6,6 +6,7 @@
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use super::pmks::unescaped;
 use anyhow::{Context, Result, bail, ensure};
+use serde_json::json;
 use std::f64::consts::PI;
 
 /// Digits of a number.
@@ -272,7 +273,8 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     ensure!(length > 0.0, "the force has no direction: move one of its points in PMKS+");
     let taken: Vec<String> = own.names().chain(pins.iter().map(|pin| pin.name.clone())).collect();
     let name = identifier(name, "force", &taken.iter().map(String::as_str).collect::<Vec<_>>());
-    own.forces.push((name, at + 1, from, along.map(|part| size * part / length)));
+    let at = own.reference(at + 1, from);
+    own.forces.push((name, json!({ "at": at, "force": along.map(|part| size * part / length) })));
     Ok(())
 }
 
@@ -440,7 +442,7 @@ impl<'a> Builder<'a> {
 
     fn join(&mut self, pin: &Pin, suffix: &str, (first, second): (usize, usize), axis: Option<f64>) {
         let name = self.name(pin, suffix);
-        self.own.joints.push(Joint { name, first, second, place: pin.place, axis });
+        self.own.joints.push(Joint { name, first, second, place: pin.place, other: None, axis });
     }
 
     /// A free name for what stands for a joint.

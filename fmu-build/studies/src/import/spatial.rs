@@ -3,9 +3,11 @@
 //! In: bodies and joints by places and directions in space. Out: the planar linkage. What does not move in one plane is
 //! refused.
 
+use super::couple;
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
+use std::f64::consts::TAU;
 
 pub type Vector = [f64; 3];
 /// A rotation by its columns: the axes of the turned frame.
@@ -64,26 +66,65 @@ pub struct Solid {
     pub center: Vector,
     /// Tensor of inertia about the centre, in the frame of space, by its columns.
     pub inertia: [Vector; 3],
+    /// Part of its weight that a force at its centre carries.
+    pub lift: f64,
+}
+
+/// A linear spring with a damper: preload + stiffness (value - free) + damping rate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spring {
+    /// What is added to the name of the joint.
+    pub suffix: &'static str,
+    pub stiffness: f64,
+    pub damping: f64,
+    /// Value at which it has its preload.
+    pub free: f64,
+    pub preload: f64,
+}
+
+/// What acts along a coordinate: of a joint, counted from the position of the file, or of a distance of two points.
+#[derive(Clone, Debug, Default)]
+pub struct Acting {
+    pub springs: Vec<Spring>,
+    /// Least and largest value.
+    pub range: Option<[f64; 2]>,
+    /// Force or torque of a drive at the start; none without a drive.
+    pub drive: Option<f64>,
+    /// Inertia that only the rate of the coordinate moves.
+    pub armature: f64,
 }
 
 /// A joint in space.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Hinge {
     pub name: String,
     /// Bodies; 0 is the ground.
     pub first: usize,
     pub second: usize,
     pub place: Vector,
+    /// Place on the second body, where it is another one.
+    pub other: Option<Vector>,
     /// Direction of the axis or of the slide; none of a connection of two points.
     pub axis: Option<Vector>,
     pub slides: bool,
-    pub stiffness: f64,
-    pub damping: f64,
-    /// Value of the joint at which its spring is slack.
-    pub free: f64,
-    /// Least and largest value, from the position of the file.
-    pub range: Option<[f64; 2]>,
-    pub is_driven: bool,
+    pub acting: Acting,
+}
+
+/// What acts between two points of bodies.
+#[derive(Clone, Debug)]
+pub struct Strut {
+    pub name: String,
+    pub ends: [(usize, Vector); 2],
+    pub acting: Acting,
+}
+
+/// A coupling of two joints: the coordinate of the first is ratio times that of the second, and an offset.
+#[derive(Clone, Debug)]
+pub struct Ratio {
+    pub first: usize,
+    pub second: usize,
+    pub ratio: f64,
+    pub offset: f64,
 }
 
 /// A mechanism in space.
@@ -93,19 +134,40 @@ pub struct Space {
     /// The ground first.
     pub solids: Vec<Solid>,
     pub hinges: Vec<Hinge>,
+    pub struts: Vec<Strut>,
+    pub ratios: Vec<Ratio>,
+    /// Points to be watched: name, body, place.
+    pub sites: Vec<(String, usize, Vector)>,
     pub gravity: Vector,
     pub notes: Vec<String>,
+}
+
+impl Space {
+    /// Fix two bodies to each other, and what is fixed to them.
+    pub fn weld(&mut self, one: usize, other: usize) {
+        let root = |mut body: usize| {
+            while let Some(to) = self.solids[body].fixed_to {
+                body = to;
+            }
+            body
+        };
+        let (one, other) = (root(one), root(other));
+        if one != other {
+            self.solids[one.max(other)].fixed_to = Some(one.min(other));
+        }
+    }
 }
 
 /// Project to the plane of the motion.
 ///
 /// # Errors
-/// There is no joint; axes, slides and gravity are not those of one plane.
+/// There is no joint; axes, slides, struts and gravity are not those of one plane; a coupling that gears cannot have.
 pub fn project(space: Space) -> Result<Linkage> {
     let [along, up, normal] = plane(&space)?;
     let flat = |v: Vector| [dot(v, along), dot(v, up)];
     let mut own = Linkage { name: identifier(&space.name, "Mechanism", &[]), ..Linkage::default() };
     own.notes = space.notes;
+    let weight = flat(space.gravity);
     // What is fixed to the ground is the ground.
     let mut index_of: Vec<usize> = Vec::new();
     for (index, solid) in space.solids.iter().enumerate() {
@@ -130,18 +192,47 @@ pub fn project(space: Space) -> Result<Linkage> {
             fixed_to,
             ..Body::default()
         });
+        if moves && solid.lift * mass != 0.0 && weight != [0.0; 2] {
+            let at = own.reference(own.bodies.len() - 1, flat(solid.center));
+            let name = own.free_name(&format!("{}_lift", solid.name));
+            let force = weight.map(|part| -solid.lift * mass * part);
+            own.forces.push((name, json!({ "at": at, "force": force, "constant": true })));
+        }
     }
-    let weight = dot(space.gravity, space.gravity).sqrt();
-    if weight > 0.0 {
-        if dot(space.gravity, normal).abs() > OFF * weight {
+    let size = dot(space.gravity, space.gravity).sqrt();
+    if size > 0.0 {
+        if dot(space.gravity, normal).abs() > OFF * size {
             own.notes.push("the component of gravity perpendicular to the plane of motion is left out".to_owned());
         }
-        let [x, y] = flat(space.gravity);
-        own.gravity = Some(x.hypot(y));
+        own.gravity = Some(weight[0].hypot(weight[1]));
     }
+    let mut joints = Vec::new();
     for hinge in &space.hinges {
         let ends = [hinge.first, hinge.second].map(|body| index_of[body]);
-        add_hinge(&mut own, hinge, ends, normal, flat);
+        let gap = dot(add(hinge.other.unwrap_or(hinge.place), scaled(hinge.place, -1.0)), normal);
+        ensure!(
+            gap.abs() <= 1e-3,
+            "the joint {} connects points that are {gap:.3} m apart across the plane of motion: move them into one plane",
+            hinge.name
+        );
+        joints.push(add_hinge(&mut own, hinge, ends, normal, flat)?);
+    }
+    couple::add(&mut own, &space.ratios, &joints)?;
+    for strut in &space.struts {
+        let between = add(strut.ends[0].1, scaled(strut.ends[1].1, -1.0));
+        ensure!(
+            dot(between, normal).abs() <= OFF * dot(between, between).sqrt(),
+            "{} leaves the plane of motion: move its ends into one plane",
+            strut.name
+        );
+        let [first, second] = strut.ends.map(|(body, place)| own.reference(index_of[body], flat(place)));
+        let on = json!({ "first": first, "second": second });
+        let name = own.free_name(&strut.name);
+        act(&mut own, &name, &on, "length", &strut.acting, 1.0);
+    }
+    for (name, body, place) in &space.sites {
+        let name = own.free_name(name);
+        own.markers.push((name, index_of[*body], flat(*place)));
     }
     Ok(own)
 }
@@ -181,16 +272,19 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
     Ok([along, cross(normal, along), normal])
 }
 
+/// Add a joint and what acts in it; its sign is -1 where its axis points against the normal.
 fn add_hinge(
     own: &mut Linkage,
     hinge: &Hinge,
     [first, second]: [usize; 2],
     normal: Vector,
     flat: impl Fn(Vector) -> [f64; 2],
-) {
-    let bodies = own.bodies.iter().map(|body| body.name.as_str());
-    let taken: Vec<&str> = bodies.chain(own.joints.iter().map(|joint| joint.name.as_str())).collect();
-    let name = identifier(&hinge.name, "joint", &taken);
+) -> Result<Option<couple::Coordinate>> {
+    if first == second {
+        own.notes.push(format!("the joint {} is inside one rigid body and is left out", hinge.name));
+        return Ok(None);
+    }
+    let name = own.free_name(&hinge.name);
     let place = flat(hinge.place);
     let axis = hinge.axis.filter(|_| hinge.slides).map(|axis| {
         let [x, y] = flat(axis);
@@ -201,37 +295,61 @@ fn add_hinge(
         Some(axis) if !hinge.slides && dot(axis, normal) < 0.0 => -1.0,
         _ => 1.0,
     };
-    let index = own.joints.len();
-    own.joints.push(Joint { name: name.clone(), first, second, place, axis });
-    let all = |own: &Linkage| -> Vec<String> {
-        let groups = [&own.springs, &own.stops].into_iter().flatten().map(|(name, _): &(String, Value)| name.clone());
-        let named = own.bodies.iter().map(|body| body.name.clone()).chain(own.joints.iter().map(|j| j.name.clone()));
-        named.chain(groups).chain(own.drives.iter().map(|(name, _)| name.clone())).collect()
-    };
-    let free_name = |own: &Linkage, wanted: String| {
-        let taken = all(own);
-        identifier(&wanted, "part", &taken.iter().map(String::as_str).collect::<Vec<_>>())
-    };
-    let quantity = if hinge.slides { "length" } else { "angle" };
-    if hinge.stiffness != 0.0 || hinge.damping != 0.0 {
-        let mut spring = json!({ "joint": name, "stiffness": hinge.stiffness, "damping": hinge.damping });
-        if hinge.stiffness != 0.0 {
-            spring[format!("free_{quantity}")] = json!(sign * hinge.free);
-        }
-        let wanted = free_name(own, format!("{name}_spring"));
-        own.springs.push((wanted, spring));
+    let mut acting = hinge.acting.clone();
+    if !hinge.slides && acting.armature != 0.0 {
+        ensure!(
+            first == 0 || second == 0,
+            "the armature {} of the joint {name} acts between two moving bodies, which no element of a definition \
+             does: set armature to 0 to import the mechanism without it",
+            acting.armature
+        );
+        // The rotor turns as the body does.
+        own.bodies[first.max(second)].inertia += std::mem::take(&mut acting.armature);
     }
-    if let Some(range) = hinge.range {
+    let index = own.joints.len();
+    let other = hinge.other.map(&flat).filter(|other| (0..2).any(|k| (other[k] - place[k]).abs() > 1e-12));
+    own.joints.push(Joint { name: name.clone(), first, second, place, other, axis });
+    let quantity = if hinge.slides { "position" } else { "angle" };
+    act(own, &name, &json!({ "joint": name }), quantity, &acting, sign);
+    Ok(Some(couple::Coordinate { joint: index, sign }))
+}
+
+/// Springs, stops, a drive and a rotor along a coordinate that counts by `sign`.
+fn act(own: &mut Linkage, name: &str, on: &Value, quantity: &str, acting: &Acting, sign: f64) {
+    let with = |fields: Value| {
+        let mut all = on.clone();
+        fields.as_object().into_iter().flatten().for_each(|(key, value)| all[key.as_str()] = value.clone());
+        all
+    };
+    for spring in
+        acting.springs.iter().filter(|spring| **spring != Spring { suffix: spring.suffix, ..Spring::default() })
+    {
+        let mut value = json!({ "stiffness": spring.stiffness, "damping": spring.damping });
+        if spring.stiffness != 0.0 {
+            let word = if quantity == "angle" { "free_angle" } else { "free_length" };
+            value[word] = json!(sign * spring.free);
+        }
+        if spring.preload != 0.0 {
+            value["preload"] = json!(sign * spring.preload);
+        }
+        let wanted = own.free_name(&format!("{name}_{}", spring.suffix));
+        own.springs.push((wanted, with(value)));
+    }
+    if let Some(range) = acting.range {
         let mut ends = range.map(|value| sign * value);
         ends.sort_by(f64::total_cmp);
-        let quantity = if hinge.slides { "position" } else { "angle" };
         for (limit, value) in ["lower", "upper"].into_iter().zip(ends).filter(|(_, value)| value.is_finite()) {
-            let wanted = free_name(own, format!("{name}_{limit}"));
-            own.stops.push((wanted, json!({ "joint": name, "limit": limit, quantity: value })));
+            let wanted = own.free_name(&format!("{name}_{limit}"));
+            own.stops.push((wanted, with(json!({ "limit": limit, quantity: value }))));
         }
     }
-    if hinge.is_driven {
-        let wanted = free_name(own, format!("{name}_drive"));
-        own.drives.push((wanted, index));
+    if let Some(start) = acting.drive {
+        let wanted = own.free_name(&format!("{name}_drive"));
+        let word = if quantity == "angle" { "torque" } else { "force" };
+        own.actuators.push((wanted, with(json!({ word: sign * start }))));
+    }
+    if acting.armature != 0.0 {
+        let wanted = own.free_name(&format!("{name}_armature"));
+        own.actuators.push((wanted, with(json!({ "screw": { "lead": TAU, "inertia": acting.armature } }))));
     }
 }

@@ -20,26 +20,29 @@ fn gears_and_bounds_of_drives() {
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, drive);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["line 20: <motor \"m\">: these attributes are left out: gear 50 (", ", ctrlrange -1 1, forcerange -9 9"],
+        &[
+            "line 20: <motor \"m\">: the input of the drive bearing_drive is the force or torque itself, 50 times",
+            "<motor> ctrlrange is left out: the drive follows its input at once and without limits (line 20)",
+            "<motor> forcerange is left out",
+        ],
     );
     let same = replaced(MJCF, r#"<motor joint="bearing"/>"#, r#"<motor joint="bearing" gear="1"/>"#);
     assert!(!notes(Form::Mjcf, &same).contains("gear"));
-    let by_default = r#"<default><default class="strong"><motor ctrlrange="-2 2"/></default></default><option"#;
-    assert_says(
-        &notes(Form::Mjcf, &replaced(MJCF, "<option", by_default)),
-        &["<motor>: these attributes are left out: ctrlrange -2 2"],
-    );
+    let by_default = r#"<default><motor ctrlrange="-2 2"/></default><option"#;
+    assert_says(&notes(Form::Mjcf, &replaced(MJCF, "<option", by_default)), &["<motor> ctrlrange is left out"]);
     let joint = replaced(MJCF, r#"name="pin""#, r#"name="pin" actuatorfrcrange="-1 1""#);
-    assert_says(&notes(Form::Mjcf, &joint), &["<joint \"pin\">: actuatorfrcrange is left out"]);
+    assert_says(&notes(Form::Mjcf, &joint), &["<joint> actuatorfrcrange is left out"]);
 }
 
 #[test]
 fn medium_softness_and_second_drives() {
     assert!(!notes(Form::Mjcf, MJCF).contains("density"));
-    let text = replaced(MJCF, "<option", r#"<option density="1.2" wind="1 0 0""#);
-    assert_says(&notes(Form::Mjcf, &text), &["<option>: these attributes are left out: density, wind"]);
+    let text = replaced(MJCF, "<option", r#"<option density="0" wind="1 0 0""#);
+    assert_says(&notes(Form::Mjcf, &text), &["<option> wind is left out"]);
+    let text = text.replace(r#"density="0""#, r#"density="1.2""#);
+    assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set it to 0"]);
     let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
-    assert_says(&notes(Form::Mjcf, &text), &["<joint \"pin\">: these attributes are left out: margin, solreflimit"]);
+    assert_says(&notes(Form::Mjcf, &text), &["<joint> margin is left out", "<joint> solreflimit is left out"]);
     let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
     assert_says(
@@ -62,14 +65,17 @@ fn contact_between_geoms() {
 #[test]
 fn limits_of_urdf() {
     let told = notes(Form::Urdf, URDF);
-    assert_says(&told, &["the limit effort of swing is left out", "the limit velocity of swing"]);
+    assert_says(&told, &["<limit> effort is left out", "<limit> velocity is left out"]);
     assert!(!told.contains("collision"));
     let bare = replaced(URDF, r#" effort="1" velocity="1""#, "");
-    assert!(!notes(Form::Urdf, &bare).contains("limit"));
+    assert!(!notes(Form::Urdf, &bare).contains("<limit>"));
     let shapes = URDF.replace("<inertial>", "<collision/><inertial>");
-    assert_says(&notes(Form::Urdf, &shapes), &["<collision> of arm, bob is left out"]);
+    assert_says(
+        &notes(Form::Urdf, &shapes),
+        &["<collision> is left out: these links can pass through each other (line 3, line 5)"],
+    );
     let safe = URDF.replacen("<limit ", r#"<safety_controller k_velocity="1"/><limit "#, 1);
-    assert_says(&notes(Form::Urdf, &safe), &["<safety_controller> of", "is left out"]);
+    assert_says(&notes(Form::Urdf, &safe), &["<safety_controller> is left out"]);
 }
 
 #[test]

@@ -1,0 +1,349 @@
+//! Equalities, tendons and actuators of MJCF.
+//!
+//! In: elements that name bodies, joints and sites. Out: connections, couplings, struts, springs and drives.
+
+use super::super::spatial::{Acting, Hinge, Ratio, Spring, Strut, add, dot, scaled, turned};
+use super::super::xml::Element;
+use super::{Frame, Mjcf};
+use anyhow::{Context, Result, bail, ensure};
+
+/// Largest difference of a pose that is rounding of the file.
+const OFF: f64 = 1e-6;
+
+/// What an actuator does to its length at the control 0: bias b0 + b1 length + b2 speed; its gain.
+struct Law {
+    bias: [f64; 3],
+    gain: f64,
+}
+
+impl Mjcf {
+    pub(super) fn acting(&mut self, root: &Element) -> Result<()> {
+        let sections = |tag: &'static str| root.all(tag).flat_map(|section| &section.children);
+        for node in sections("equality") {
+            let is_active = node.get("active") != Some("false");
+            if is_active && self.enabled.equality {
+                self.equality(node)?;
+            } else {
+                self.space.notes.push(format!("{}: this equality is not active and is left out", node.at()));
+            }
+        }
+        for node in sections("tendon").filter(|node| node.tag == "spatial") {
+            self.spatial(node)?;
+        }
+        for node in sections("actuator") {
+            self.drive(node)?;
+        }
+        Ok(())
+    }
+
+    fn equality(&mut self, node: &Element) -> Result<()> {
+        match node.tag.as_str() {
+            "connect" => self.connect(node),
+            "weld" => self.weld(node),
+            "joint" => self.coupling(node),
+            // The table rejects them.
+            _ => Ok(()),
+        }
+    }
+
+    fn body_named(&self, node: &Element, key: &'static str) -> Result<usize> {
+        let Some(name) = node.get(key) else { return Ok(0) };
+        let found = self.space.solids.iter().skip(1).position(|solid| solid.name == name);
+        match found {
+            Some(index) => Ok(index + 1),
+            None if name == "world" => Ok(0),
+            None => {
+                bail!("{}: {key} = \"{}\": there is no such body; correct the name", node.at(), name.escape_debug())
+            }
+        }
+    }
+
+    fn site_named(&self, node: &Element, name: &str) -> Result<(usize, Frame)> {
+        let found = self.sites.iter().find(|(own, ..)| own == name);
+        let (_, body, frame) = found
+            .with_context(|| format!("{}: there is no site {}; correct the name", node.at(), name.escape_debug()))?;
+        Ok((*body, *frame))
+    }
+
+    fn hinge_named(&self, node: &Element, key: &'static str) -> Result<Option<usize>> {
+        let Some(name) = node.get(key) else { return Ok(None) };
+        let found = self.space.hinges.iter().position(|hinge| hinge.name == name);
+        let no = || format!("{}: there is no joint {}; correct the name", node.at(), name.escape_debug());
+        found.with_context(no).map(Some)
+    }
+
+    /// Bodies that an equality holds together, and the frames of its sites.
+    fn ends(&self, node: &Element) -> Result<([usize; 2], Option<[Frame; 2]>)> {
+        match (node.get("site1"), node.get("site2")) {
+            (Some(one), Some(other)) => {
+                let ((first, a), (second, b)) = (self.site_named(node, one)?, self.site_named(node, other)?);
+                Ok(([first, second], Some([a, b])))
+            }
+            (None, None) => Ok(([self.body_named(node, "body1")?, self.body_named(node, "body2")?], None)),
+            _ => bail!("{}: site1 or site2 is missing: add it", node.at()),
+        }
+    }
+
+    fn connect(&mut self, node: &Element) -> Result<()> {
+        let ([first, second], sites) = self.ends(node)?;
+        let (place, other) = match sites {
+            Some([a, b]) => (a.0, Some(b.0)),
+            None => {
+                let anchor = node.fixed("anchor")?;
+                let anchor = anchor.with_context(|| format!("{}: anchor is missing: add the anchor", node.at()))?;
+                let frame = self.frames[first];
+                (add(frame.0, turned(&frame.1, anchor)), None)
+            }
+        };
+        let count = self.space.hinges.len();
+        let name = node.get("name").map_or_else(|| format!("connect_{count}"), str::to_owned);
+        self.refs.push(0.0);
+        self.space.hinges.push(Hinge { name, first, second, place, other, ..Hinge::default() });
+        Ok(())
+    }
+
+    fn weld(&mut self, node: &Element) -> Result<()> {
+        let ([first, second], sites) = self.ends(node)?;
+        ensure!(
+            node.one("torquescale")? != Some(0.0),
+            "{}: a weld with torquescale = 0 is a connection: write <connect>",
+            node.at()
+        );
+        let [one, mut other] = [self.frames[first], self.frames[second]];
+        let mut wanted = other;
+        let pose = node.fixed::<7>("relpose")?.filter(|pose| pose[3..] != [0.0; 4]);
+        if let Some([a, b]) = sites {
+            (other, wanted) = (b, a);
+        } else if let Some([x, y, z, q @ ..]) = pose {
+            let rotation = super::after(&one.1, &super::of_quaternion(q));
+            // The pose is that of the anchor, which the second body states in its own frame.
+            let anchor = node.fixed("anchor")?.unwrap_or([0.0; 3]);
+            let place = add(one.0, turned(&one.1, [x, y, z]));
+            wanted = (add(place, scaled(turned(&rotation, anchor), -1.0)), rotation);
+        } else {
+            // It holds at the position of the file, wherever its anchor is.
+            node.get("anchor");
+        }
+        let apart = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = (0..3).map(|k| apart(other.1[k], wanted.1[k])).fold(apart(other.0, wanted.0), f64::max);
+        ensure!(
+            off <= OFF,
+            "{}: at the position of the file the two bodies do not stand as this weld holds them (difference {off:.2e}): \
+             write the bodies in the welded position",
+            node.at()
+        );
+        self.space.weld(first, second);
+        Ok(())
+    }
+
+    fn coupling(&mut self, node: &Element) -> Result<()> {
+        let first = self.hinge_named(node, "joint1")?;
+        let first = first.with_context(|| format!("{}: joint1 is missing: add it", node.at()))?;
+        let stated = node.numbers("polycoef")?.unwrap_or_else(|| vec![0.0, 1.0]);
+        let part = |k: usize| stated.get(k).copied().unwrap_or(if k == 1 { 1.0 } else { 0.0 });
+        let Some(second) = self.hinge_named(node, "joint2")? else {
+            ensure!(
+                part(0) == 0.0,
+                "{}: polycoef holds the joint at {} from the position of the file: write the body in this position",
+                node.at(),
+                part(0)
+            );
+            let Hinge { first, second, .. } = self.space.hinges[first];
+            self.space.weld(first, second);
+            return Ok(());
+        };
+        ensure!(
+            (2..5).all(|k| part(k) == 0.0),
+            "{}: polycoef: a coupling whose ratio varies is not supported: set the last three numbers to 0, or add a cam \
+             to the definition",
+            node.at()
+        );
+        self.space.ratios.push(Ratio { first, second, ratio: part(1), offset: part(0) });
+        Ok(())
+    }
+
+    /// A tendon between two sites.
+    fn spatial(&mut self, node: &Element) -> Result<()> {
+        let path: Vec<&str> = node.children.iter().map(|part| part.tag.as_str()).collect();
+        ensure!(
+            path == ["site"; 2],
+            "{}: only tendons between two sites are supported, without geoms, pulleys or other sites",
+            node.at()
+        );
+        let mut ends = Vec::new();
+        for site in node.all("site") {
+            let name = site.get("site").with_context(|| format!("{}: the name of the site is missing", site.at()))?;
+            let (body, frame) = self.site_named(site, name)?;
+            ends.push((body, frame.0));
+        }
+        let [first, second] = [ends[0], ends[1]];
+        let between = add(first.1, scaled(second.1, -1.0));
+        let mut acting = self.passive(node)?;
+        let rest = node.numbers("springlength")?.unwrap_or_default();
+        ensure!(
+            rest.len() < 2 || rest[0] == rest[1],
+            "{}: springlength: a range without force is not supported: write one length",
+            node.at()
+        );
+        if let Some(spring) = acting.springs.first_mut() {
+            let moved =
+                self.space.hinges.iter().any(|hinge| {
+                    hinge.acting.springs.iter().any(|spring| spring.suffix == "spring" && spring.free != 0.0)
+                });
+            let by_reference = rest.first().is_none_or(|length| *length < 0.0);
+            ensure!(
+                !(by_reference && moved && spring.stiffness != 0.0),
+                "{}: springlength is missing, and joints have springref: write the length at rest",
+                node.at()
+            );
+            spring.free = if by_reference { dot(between, between).sqrt() } else { rest[0] };
+        }
+        acting.range = self.range(node)?;
+        let count = self.space.struts.len() + 1;
+        let name = node.get("name").map_or_else(|| format!("tendon_{count}"), str::to_owned);
+        self.space.struts.push(Strut { name, ends: [first, second], acting });
+        Ok(())
+    }
+
+    fn drive(&mut self, node: &Element) -> Result<()> {
+        if !self.enabled.actuation {
+            self.space.notes.push(format!("{}: actuation is disabled: this actuator is left out", node.at()));
+            return Ok(());
+        }
+        let Law { bias, gain } = law(node)?;
+        let joint = match self.hinge_named(node, "joint")? {
+            None => self.hinge_named(node, "jointinparent")?,
+            joint => joint,
+        };
+        let gear = node.numbers("gear")?.and_then(|gear| gear.first().copied()).unwrap_or(1.0);
+        let strut = match node.get("tendon") {
+            Some(name) => {
+                let found = self.space.struts.iter().position(|strut| strut.name == name);
+                Some(found.with_context(|| {
+                    format!("{}: the tendon {} is no tendon between two sites", node.at(), name.escape_debug())
+                })?)
+            }
+            None => None,
+        };
+        let friction = node.numbers("damping")?.unwrap_or_default();
+        ensure!(
+            friction.iter().skip(1).all(|value| *value == 0.0),
+            "{}: damping: only the first, linear coefficient is supported: set the others to 0",
+            node.at()
+        );
+        let damping = if self.enabled.damper { friction.first().copied().unwrap_or(0.0) } else { 0.0 };
+        let armature = node.one("armature")?.unwrap_or(0.0);
+        let (acting, name, origin): (&mut Acting, &str, f64) = match (joint, strut) {
+            (Some(at), _) => {
+                let hinge = &mut self.space.hinges[at];
+                (&mut hinge.acting, hinge.name.as_str(), self.refs[at])
+            }
+            (None, Some(at)) => {
+                let strut = &mut self.space.struts[at];
+                // A tendon pulls its ends together where the force is negative.
+                (&mut strut.acting, strut.name.as_str(), 0.0)
+            }
+            (None, None) => {
+                ensure!(
+                    bias == [0.0; 3],
+                    "{}: an actuator that controls a site or a slider-crank is not supported: let it act on a joint or a \
+                     tendon",
+                    node.at()
+                );
+                self.space.notes.push(format!("{}: this actuator acts on no joint and is left out", node.at()));
+                return Ok(());
+            }
+        };
+        let [b0, b1, b2] = bias.map(|part| gear * part);
+        let spring = Spring {
+            suffix: "control",
+            stiffness: -b1 * gear,
+            damping: -b2 * gear + damping * gear * gear,
+            free: -origin,
+            preload: -b0,
+        };
+        ensure!(
+            spring.stiffness >= 0.0 && spring.damping >= 0.0,
+            "{}: the control law pushes away from its position or drives with its speed, which no spring or damper does: \
+             correct the signs of its bias",
+            node.at()
+        );
+        acting.springs.push(spring);
+        acting.armature += armature * gear * gear;
+        let mut notes = Vec::new();
+        if acting.drive.replace(0.0).is_some() {
+            notes.push(format!(
+                "{}: this actuator acts on the joint {}, on which another actuator acts too: the import combines both \
+                 actuators into one drive",
+                node.at(),
+                name.escape_debug()
+            ));
+        } else if gain * gear != 1.0 {
+            notes.push(format!(
+                "{}: the input of the drive {name}_drive is the force or torque itself, {} times the control of MuJoCo",
+                node.at(),
+                gain * gear
+            ));
+        }
+        self.space.notes.extend(notes);
+        Ok(())
+    }
+}
+
+/// The law of an actuator.
+fn law(node: &Element) -> Result<Law> {
+    let number = |key: &'static str, absent: f64| -> Result<f64> { Ok(node.one(key)?.unwrap_or(absent)) };
+    let first = |key: &'static str, absent: f64| -> Result<f64> {
+        Ok(node.numbers(key)?.and_then(|all| all.first().copied()).unwrap_or(absent))
+    };
+    let affine = |key: &'static str| -> Result<[f64; 3]> {
+        let all = node.numbers(key)?.unwrap_or_default();
+        Ok(std::array::from_fn(|k| all.get(k).copied().unwrap_or(0.0)))
+    };
+    let damped = |kp: f64| -> Result<Law> {
+        ensure!(
+            number("dampratio", 0.0)? == 0.0,
+            "{}: dampratio depends on the inertia at one position: write kv in its place",
+            node.at()
+        );
+        Ok(Law { bias: [0.0, -kp, -number("kv", 0.0)?], gain: kp })
+    };
+    Ok(match node.tag.as_str() {
+        "motor" | "adhesion" => Law { bias: [0.0; 3], gain: 1.0 },
+        "damper" => {
+            number("kv", 1.0)?;
+            Law { bias: [0.0; 3], gain: 1.0 }
+        }
+        "general" => {
+            let bias = match node.get("biastype").unwrap_or("none") {
+                "none" => [0.0; 3],
+                "affine" => affine("biasprm")?,
+                other => bail!("{}: biastype = {other} is not supported: write none or affine", node.at()),
+            };
+            let gain = match node.get("gaintype").unwrap_or("fixed") {
+                "fixed" => first("gainprm", 1.0)?,
+                "affine" => affine("gainprm")?[0],
+                other => bail!("{}: gaintype = {other} is not supported: write fixed or affine", node.at()),
+            };
+            Law { bias, gain }
+        }
+        "position" => damped(number("kp", first("gainprm", 1.0)?)?)?,
+        "intvelocity" => damped(number("kp", 1.0)?)?,
+        "velocity" => {
+            let kv = number("kv", first("gainprm", 1.0)?)?;
+            Law { bias: [0.0, 0.0, -kv], gain: kv }
+        }
+        "cylinder" => {
+            let area = match node.one("diameter")? {
+                Some(diameter) => 0.25 * std::f64::consts::PI * diameter * diameter,
+                None => number("area", 1.0)?,
+            };
+            Law { bias: affine("bias")?, gain: area }
+        }
+        other => bail!(
+            "{}: the control law of <{other}> is not supported: write <motor>, and let the simulation tool compute its \
+             force",
+            node.at()
+        ),
+    })
+}

@@ -1,0 +1,430 @@
+//! MuJoCo's MJCF as a mechanism in space: settings, bodies, joints.
+//!
+//! In: XML. Out: bodies and joints in space, with notes. What a planar mechanism of rigid bodies cannot have is
+//! rejected or noted, as the table of this format says.
+
+mod acting;
+mod defaults;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use super::masses::{Part, Shape, bounded, in_space, symmetric, together};
+use super::spatial::{Acting, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
+use super::spatial::{about, add, after, cross, dot, scaled, turned, unit};
+use super::xml::{Element, unread};
+use anyhow::{Context, Result, bail, ensure};
+pub use table::{TABLE, group};
+
+/// Density of MuJoCo's geoms where none is stated [kg/m3].
+const DENSITY: f64 = 1000.0;
+
+/// A place and a rotation in space.
+type Frame = (Vector, Rotation);
+
+/// Parts of MuJoCo's computation that `<flag>` can disable.
+#[derive(Clone, Copy)]
+struct Enabled {
+    spring: bool,
+    damper: bool,
+    limit: bool,
+    equality: bool,
+    friction: bool,
+    actuation: bool,
+}
+
+/// Which bodies take their masses from geoms.
+#[derive(Clone, Copy, PartialEq)]
+enum FromGeoms {
+    Never,
+    Always,
+    Where,
+}
+
+struct Mjcf {
+    space: Space,
+    in_degrees: bool,
+    sequence: String,
+    autolimits: bool,
+    from_geoms: FromGeoms,
+    groups: [f64; 2],
+    /// Whether the body at hand takes its mass from its geoms.
+    needs_geoms: bool,
+    least: [f64; 2],
+    enabled: Enabled,
+    /// Frame of each solid and value of each hinge at the position of the file.
+    frames: Vec<Frame>,
+    refs: Vec<f64>,
+    /// Sites by name: body, frame.
+    sites: Vec<(String, usize, Frame)>,
+}
+
+/// A mechanism in MJCF; `include` gives the text of an included file.
+///
+/// # Errors
+/// It is no MJCF; what is no planar mechanism of hinges and slides.
+pub fn of_mjcf(name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Space> {
+    let mut root = Element::parse(text, "")?;
+    ensure!(root.tag == "mujoco", "{}: MJCF starts with <mujoco>", root.at());
+    defaults::included(&mut root, include, &mut Vec::new())?;
+    defaults::written_out(&mut root)?;
+    read(name, &root)
+}
+
+fn read(name: &str, root: &Element) -> Result<Space> {
+    let all = Enabled { spring: true, damper: true, limit: true, equality: true, friction: true, actuation: true };
+    let mut reader = Mjcf {
+        space: Space { name: root.get("model").unwrap_or(name).to_owned(), ..Space::default() },
+        in_degrees: true,
+        sequence: "xyz".to_owned(),
+        autolimits: true,
+        from_geoms: FromGeoms::Where,
+        groups: [0.0, 5.0],
+        needs_geoms: false,
+        least: [0.0; 2],
+        enabled: all,
+        frames: vec![([0.0; 3], SAME)],
+        refs: Vec::new(),
+        sites: Vec::new(),
+    };
+    reader.space.gravity = [0.0, 0.0, -9.81];
+    let total = reader.settings(root)?;
+    reader.space.solids.push(Solid { name: "world".to_owned(), ..Solid::default() });
+    for world in root.all("worldbody") {
+        reader.body(world, 0, ([0.0; 3], SAME), None)?;
+    }
+    ensure!(reader.space.solids.len() > 1, "<worldbody> contains no <body>, so there is no mechanism");
+    if let Some(total) = total {
+        let sum: f64 = reader.space.solids.iter().map(|solid| solid.mass).sum();
+        for solid in &mut reader.space.solids {
+            solid.mass *= total / sum;
+            solid.inertia = solid.inertia.map(|column| scaled(column, total / sum));
+        }
+    }
+    // Connections, tendons and drives name bodies, sites and joints that stand anywhere.
+    reader.acting(root)?;
+    let world = |site: &&(String, usize, Frame)| site.1 > 0;
+    let sites = reader.sites.iter().filter(world).map(|(name, body, frame)| (name.clone(), *body, frame.0));
+    reader.space.sites = sites.collect();
+    reader.space.notes.extend(unread(root, TABLE, &group)?);
+    reader.space.notes.extend(table::contact(root));
+    Ok(reader.space)
+}
+
+impl Mjcf {
+    /// Settings, whatever their place in the file; the total mass.
+    fn settings(&mut self, root: &Element) -> Result<Option<f64>> {
+        let mut total = None;
+        for node in root.all("compiler") {
+            if let Some(unit) = node.get("angle") {
+                self.in_degrees = unit != "radian";
+            }
+            if let Some(sequence) = node.get("eulerseq") {
+                let is_axis = |letter: char| "xyzXYZ".contains(letter);
+                let right = sequence.len() == 3 && sequence.chars().all(is_axis);
+                ensure!(right, "{}: eulerseq must be three letters of xyzXYZ", node.at());
+                sequence.clone_into(&mut self.sequence);
+            }
+            if let Some(word) = node.get("autolimits") {
+                self.autolimits = word == "true";
+            }
+            match node.get("inertiafromgeom") {
+                Some("true") => self.from_geoms = FromGeoms::Always,
+                Some("false") => self.from_geoms = FromGeoms::Never,
+                Some(_) => self.from_geoms = FromGeoms::Where,
+                None => {}
+            }
+            self.groups = node.fixed("inertiagrouprange")?.unwrap_or(self.groups);
+            let [mass, inertia] = [node.one("boundmass")?, node.one("boundinertia")?];
+            self.least = [mass.unwrap_or(self.least[0]), inertia.unwrap_or(self.least[1])];
+            total = node.one("settotalmass")?.or(total);
+        }
+        let mut falls = true;
+        for node in root.all("option") {
+            self.space.gravity = node.fixed("gravity")?.unwrap_or(self.space.gravity);
+            for flag in node.all("flag") {
+                let on = |key: &'static str, was: bool| flag.get(key).map_or(was, |word| word != "disable");
+                let own = &mut self.enabled;
+                let constrained = on("constraint", true);
+                own.spring = on("spring", own.spring);
+                own.damper = on("damper", own.damper);
+                own.limit = on("limit", own.limit) && constrained;
+                own.equality = on("equality", own.equality) && constrained;
+                own.friction = on("frictionloss", own.friction) && constrained;
+                own.actuation = on("actuation", own.actuation);
+                falls = on("gravity", falls);
+            }
+        }
+        if !falls {
+            self.space.gravity = [0.0; 3];
+        }
+        Ok(total.filter(|total| *total > 0.0))
+    }
+
+    fn angle(&self, value: f64) -> f64 {
+        if self.in_degrees { value.to_radians() } else { value }
+    }
+
+    /// Place and rotation that an element states in the frame of its parent.
+    fn frame(&self, node: &Element, (place, rotation): Frame) -> Result<Frame> {
+        let own = node.fixed("pos")?.unwrap_or([0.0; 3]);
+        let direction = |v: Vector, key: &str| {
+            unit(v).with_context(|| {
+                format!("{}: the vector of {key} is zero: write a vector whose length is not zero", node.at())
+            })
+        };
+        let mut inner = SAME;
+        if let Some(quat) = node.fixed("quat")? {
+            inner = of_quaternion(quat);
+        } else if let Some([x, y, z, angle]) = node.fixed("axisangle")? {
+            inner = about(direction([x, y, z], "axisangle")?, self.angle(angle));
+        } else if let Some(angles) = node.fixed::<3>("euler")? {
+            for (letter, angle) in self.sequence.chars().zip(angles) {
+                let axis = SAME["xyz".find(letter.to_ascii_lowercase()).unwrap_or_default()];
+                let turn = about(axis, self.angle(angle));
+                // Small letters turn about the axes that have turned already.
+                inner = if letter.is_ascii_lowercase() { after(&inner, &turn) } else { after(&turn, &inner) };
+            }
+        } else if let Some([a, b, c, d, e, f]) = node.fixed("xyaxes")? {
+            let x = direction([a, b, c], "xyaxes")?;
+            let y = direction(add([d, e, f], scaled(x, -dot(x, [d, e, f]))), "xyaxes")?;
+            inner = [x, y, cross(x, y)];
+        } else if let Some(z) = node.fixed("zaxis")? {
+            inner = least_turn(direction(z, "zaxis")?);
+        }
+        Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
+    }
+
+    /// What stands in a body that has the index `own`, or in a frame there, which adds to the parts of its body.
+    fn body(&mut self, node: &Element, own: usize, frame: Frame, parts: Option<&mut Vec<Part>>) -> Result<()> {
+        let is_body = parts.is_none();
+        if is_body {
+            let stated = node.child("inertial").is_some() && self.from_geoms != FromGeoms::Always;
+            self.needs_geoms = own > 0 && !stated && self.from_geoms != FromGeoms::Never;
+        }
+        let needs_geoms = self.needs_geoms;
+        let mut of_body = Vec::new();
+        let parts = parts.unwrap_or(&mut of_body);
+        for inner in &node.children {
+            match inner.tag.as_str() {
+                "geom" => parts.extend(self.geom(inner, frame)?),
+                "freejoint" => bail!("{}: a free body is not part of a mechanism: remove this element", inner.at()),
+                "site" => {
+                    let at = match inner.fixed("fromto")? {
+                        Some(ends) => along(inner, ends, frame)?.0,
+                        None => self.frame(inner, frame)?,
+                    };
+                    let count = self.sites.len() + 1;
+                    let name = inner.get("name").map_or_else(|| format!("site_{count}"), str::to_owned);
+                    self.sites.push((name, own, at));
+                }
+                "frame" => self.body(inner, own, self.frame(inner, frame)?, Some(&mut *parts))?,
+                "body" => {
+                    self.inner_body(inner, own, frame)?;
+                    self.needs_geoms = needs_geoms;
+                }
+                _ => {}
+            }
+        }
+        if is_body && own > 0 {
+            let inertial = node.child("inertial").filter(|_| self.from_geoms != FromGeoms::Always);
+            let part = match inertial {
+                Some(inertial) => self.inertial(inertial, frame)?,
+                None => together(parts),
+            };
+            let [mass, inertia] = self.least;
+            let part = bounded(part, mass, inertia).with_context(|| node.at())?;
+            let solid = &mut self.space.solids[own];
+            (solid.mass, solid.center, solid.inertia) = part;
+        }
+        Ok(())
+    }
+
+    fn inertial(&self, node: &Element, frame: Frame) -> Result<Part> {
+        let (center, rotation) = self.frame(node, frame)?;
+        let mass = node.one("mass")?.with_context(|| format!("{}: mass is missing: add the mass", node.at()))?;
+        let own = match (node.fixed::<3>("diaginertia")?, node.fixed("fullinertia")?) {
+            (_, Some(full)) => symmetric(full),
+            (Some([x, y, z]), None) => symmetric([x, y, z, 0.0, 0.0, 0.0]),
+            (None, None) => [[0.0; 3]; 3],
+        };
+        Ok((mass, center, in_space(&rotation, &own)))
+    }
+
+    fn inner_body(&mut self, inner: &Element, own: usize, frame: Frame) -> Result<()> {
+        let frame = self.frame(inner, frame)?;
+        let unnamed = format!("body_{}", self.space.solids.len());
+        let name = inner.get("name").map_or(unnamed, str::to_owned);
+        let mut base = own;
+        let mut joints = Vec::new();
+        self.joints_of(inner, frame, &mut joints)?;
+        let is_fixed = joints.is_empty();
+        let count = joints.len();
+        let mut hinges = Vec::new();
+        for (joint, left) in joints.into_iter().zip((0..count).rev()) {
+            // Several joints of one body act one after the other, with bodies without mass between them.
+            let name = if left == 0 { name.clone() } else { format!("{name}_{}", self.space.solids.len()) };
+            let index = self.space.solids.len();
+            self.space.solids.push(Solid { name, place: frame.0, ..Solid::default() });
+            self.frames.push(frame);
+            hinges.push((joint, (base, index)));
+            base = index;
+        }
+        if is_fixed {
+            base = self.space.solids.len();
+            self.space.solids.push(Solid { name, place: frame.0, fixed_to: Some(own), ..Solid::default() });
+            self.frames.push(frame);
+        }
+        let lift = inner.one("gravcomp")?.unwrap_or(0.0);
+        self.space.solids[base].lift = if self.enabled.spring || self.enabled.damper { lift } else { 0.0 };
+        for ((joint, at), ends) in hinges {
+            self.joint(joint, ends, at)?;
+        }
+        self.body(inner, base, frame, None)
+    }
+
+    /// The joints of a body, also those in its frames.
+    fn joints_of<'a>(&self, node: &'a Element, frame: Frame, found: &mut Vec<(&'a Element, Frame)>) -> Result<()> {
+        for inner in &node.children {
+            match inner.tag.as_str() {
+                "joint" => found.push((inner, frame)),
+                "frame" => self.joints_of(inner, self.frame(inner, frame)?, found)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn joint(&mut self, node: &Element, (first, second): (usize, usize), body: Frame) -> Result<()> {
+        let slides = match node.get("type").unwrap_or("hinge") {
+            "hinge" => false,
+            "slide" => true,
+            other => bail!(
+                "{}: a joint of the type {other} is not planar; hinge and slide are supported: write one of these",
+                node.at()
+            ),
+        };
+        let value = |value: f64| if slides { value } else { self.angle(value) };
+        let axis = unit(node.fixed("axis")?.unwrap_or([0.0, 0.0, 1.0]));
+        let axis = axis.with_context(|| {
+            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
+        })?;
+        let origin = value(node.one("ref")?.unwrap_or(0.0));
+        let mut acting = self.passive(node)?;
+        if let Some([spring]) = acting.springs.first_chunk_mut::<1>() {
+            spring.free = value(node.one("springref")?.unwrap_or(0.0)) - origin;
+        }
+        acting.range = self.range(node)?.map(|range| range.map(|end| value(end) - origin));
+        self.refs.push(origin);
+        self.space.hinges.push(Hinge {
+            name: node.get("name").map_or_else(|| format!("joint_{second}"), str::to_owned),
+            first,
+            second,
+            place: add(body.0, turned(&body.1, node.fixed("pos")?.unwrap_or([0.0; 3]))),
+            axis: Some(turned(&body.1, axis)),
+            slides,
+            acting,
+            ..Hinge::default()
+        });
+        Ok(())
+    }
+
+    /// Spring, damper and rotor of a joint or a tendon; its free value is still 0.
+    fn passive(&self, node: &Element) -> Result<Acting> {
+        let linear = |key: &'static str, is_on: bool| -> Result<f64> {
+            let all = node.numbers(key)?.unwrap_or_default();
+            let rest = all.iter().skip(1).any(|value| *value != 0.0);
+            ensure!(
+                !rest,
+                "{}: {key}: only the first, linear coefficient is supported: set the others to 0",
+                node.at()
+            );
+            let value = all.first().copied().unwrap_or(0.0);
+            ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative", node.at());
+            Ok(if is_on { value } else { 0.0 })
+        };
+        let friction = node.one("frictionloss")?.unwrap_or(0.0);
+        ensure!(
+            friction == 0.0 || !self.enabled.friction,
+            "{}: frictionloss = {friction}: a constant friction force or torque is not part of a definition: set \
+             frictionloss to 0, and add friction with a pin radius to the definition",
+            node.at()
+        );
+        let stiffness = linear("stiffness", self.enabled.spring)?;
+        let damping = linear("damping", self.enabled.damper)?;
+        let spring = Spring { suffix: "spring", stiffness, damping, ..Spring::default() };
+        Ok(Acting { springs: vec![spring], armature: node.one("armature")?.unwrap_or(0.0), ..Acting::default() })
+    }
+
+    /// The limits of a joint or a tendon, in the unit of the file.
+    fn range(&self, node: &Element) -> Result<Option<[f64; 2]>> {
+        let stated = node.fixed::<2>("range")?;
+        let is_limit = match node.get("limited") {
+            Some("true") => true,
+            Some("false") => false,
+            _ => self.autolimits,
+        };
+        let limited = node.is("limited", "true");
+        // A range without width is none, unless it is said to be a limit.
+        let stated = stated.filter(|[lower, upper]| is_limit && self.enabled.limit && (lower != upper || limited));
+        stated.map(|range| node.ascending("range", range)).transpose()
+    }
+
+    /// Mass, centre and inertia of a geom.
+    fn geom(&self, node: &Element, frame: Frame) -> Result<Option<Part>> {
+        let group = node.one("group")?.unwrap_or(0.0);
+        let [mass, density] = [node.one("mass")?, node.one("density")?];
+        let kind = node.get("type").unwrap_or(if node.get("mesh").is_some() { "mesh" } else { "sphere" });
+        let size = node.numbers("size")?.unwrap_or_default();
+        let has_mass = self.needs_geoms && (self.groups[0]..=self.groups[1]).contains(&group);
+        let mut at = self.frame(node, frame)?;
+        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", node.at()));
+        let mut length = None;
+        if let Some(ends) = node.fixed("fromto")? {
+            let (placed, between) = along(node, ends, frame)?;
+            at = placed;
+            length = Some(between);
+        }
+        let across = usize::from(length.is_none());
+        let long = |k: usize| length.map_or_else(|| part(k).map(|half| 2.0 * half), Ok);
+        if !has_mass || mass.or(density) == Some(0.0) {
+            return Ok(None);
+        }
+        let shape = match kind {
+            "sphere" => Shape::Sphere(part(0)?),
+            "cylinder" => Shape::Cylinder(part(0)?, long(1)?),
+            "capsule" => Shape::Capsule(part(0)?, long(1)?),
+            // Between two ends the first size counts for both directions across.
+            "box" => Shape::Cuboid([2.0 * part(0)?, 2.0 * part(across)?, long(2)?]),
+            "ellipsoid" => Shape::Ellipsoid([part(0)?, part(across)?, 0.5 * long(2)?]),
+            "plane" | "hfield" => return Ok(None),
+            other => bail!("{}: the mass of a {other} is unknown: give the body an <inertial>", node.at()),
+        };
+        let is_shell = node.is("shellinertia", "true");
+        ensure!(!is_shell, "{}: shellinertia is not supported: give the body an <inertial>", node.at());
+        Ok(Some(shape.part(mass, density.unwrap_or(DENSITY), at.0, &at.1)))
+    }
+}
+
+/// The rotation of a quaternion of any length.
+fn of_quaternion([w, x, y, z]: [f64; 4]) -> Rotation {
+    let half = (x * x + y * y + z * z).sqrt();
+    unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)))
+}
+
+/// The smallest turn that brings z to a direction.
+fn least_turn(z: Vector) -> Rotation {
+    let axis = cross(SAME[2], z);
+    let angle = dot(axis, axis).sqrt().atan2(z[2]);
+    about(unit(axis).unwrap_or(SAME[0]), angle)
+}
+
+/// Frame and length of a shape between two ends.
+fn along(node: &Element, [ax, ay, az, bx, by, bz]: [f64; 6], frame: Frame) -> Result<(Frame, f64)> {
+    let (a, b) = ([ax, ay, az], [bx, by, bz]);
+    let between = add(a, scaled(b, -1.0));
+    let direction = unit(between)
+        .with_context(|| format!("{}: the two ends in fromto are at the same place: move one end", node.at()))?;
+    let place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
+    Ok(((place, after(&frame.1, &least_turn(direction))), dot(between, between).sqrt()))
+}

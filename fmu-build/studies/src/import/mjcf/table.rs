@@ -1,0 +1,212 @@
+//! What becomes of each element and attribute of MJCF.
+//!
+//! The page of the reference is written from this table. A test compares it with what the importer reads, and with the
+//! elements and attributes that MuJoCo has.
+
+use super::super::xml::{Element, Fate, Row};
+use Fate::{LeftOut, NoEffect, Read, Rejected};
+
+/// Actuators, whose defaults share attributes.
+pub const ACTUATORS: [&str; 12] = [
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "orientation",
+    "pid",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "dcmotor",
+];
+/// Attributes that defaults of all actuators share.
+pub const SHARED: [&str; 13] = [
+    "gear",
+    "damping",
+    "armature",
+    "ctrllimited",
+    "ctrlrange",
+    "forcelimited",
+    "forcerange",
+    "cranklength",
+    "delay",
+    "nsample",
+    "interp",
+    "group",
+    "user",
+];
+
+/// Elements in bodies and in frames of bodies are of one kind.
+pub fn group(tag: &str) -> String {
+    if matches!(tag, "worldbody" | "frame") { "body".to_owned() } else { tag.to_owned() }
+}
+
+const POSE: &str = "position and orientation, in the unit and order of `compiler`";
+const SOFT: &str = "limits, connections and couplings of a definition are rigid";
+const TOUCH: &str = "property of contacts, which are left out";
+const LOOK: &str = "drawing, or a name for other programs";
+const SOLVER: &str = "numerical method";
+const DRIVE: &str = "the drive follows its input at once and without limits";
+
+#[rustfmt::skip]
+pub const TABLE: &[Row] = &[
+    ("mujoco/compiler", "", Read, "settings of the file"),
+    ("mujoco/compiler", "angle eulerseq", Read, "unit of the angles, and order of the turns of `euler`"),
+    ("mujoco/compiler", "autolimits", Read, "whether a `range` alone is a limit"),
+    ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "which masses come from geoms, and from which of them"),
+    ("mujoco/compiler", "settotalmass", Read, "all masses are scaled to this sum"),
+    ("mujoco/compiler", "boundmass boundinertia", Read, "smallest mass and moment of inertia of a body"),
+    ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a newer MuJoCo"),
+    ("mujoco/compiler", "balanceinertia", LeftOut, "it changes only moments of inertia that no rigid body has"),
+    ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough savecanonical \
+        savecompiled saveinertial strippath texturedir usethread", NoEffect, "files, drawing, or the program itself"),
+    ("compiler/lengthrange", "", NoEffect, "ranges of muscles"),
+    ("mujoco/option", "", Read, "settings of the computation"),
+    ("mujoco/option", "gravity", Read, "gravity in the plane"),
+    ("mujoco/option", "density viscosity", Rejected("0"), "a medium is not imported: set it to 0, and add the key air to the definition"),
+    ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "it acts with a medium, on sensors or on groups of actuators"),
+    ("mujoco/option", "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations \
+        ls_tolerance noslip_iterations noslip_tolerance o_friction o_margin o_solimp o_solref sdf_initpoints \
+        sdf_iterations sleep_tolerance solver timestep tolerance collision apirate mpr_iterations mpr_tolerance",
+        NoEffect, SOLVER),
+    ("option/flag", "", Read, "parts of the computation"),
+    ("option/flag", "gravity spring damper limit equality frictionloss actuation constraint", Read,
+        "`disable` leaves out gravity, springs, dampers, limits, equalities, friction losses or actuators; \
+         `constraint` stands for limits, equalities and friction losses"),
+    ("option/flag", "contact", Read, "`disable`: contacts are not expected"),
+    ("option/flag", "clampctrl autoreset diagexact energy eulerdamp filterparent fwdinv invdiscrete ipc island midphase \
+        multiccd nativeccd override refsafe sensor sleep speculative warmstart passive", NoEffect, SOLVER),
+    ("mujoco/size mujoco/statistic mujoco/visual mujoco/custom mujoco/asset", "", NoEffect, LOOK),
+    ("mujoco/default", "", NoEffect, "its attributes are those of the elements of its classes, also of nested ones"),
+    ("mujoco/include", "file", Read, "the file is read, from the folder of the imported file"),
+    ("mujoco/extension mujoco/deformable", "", Rejected(""), "plugins and deformable bodies are not rigid bodies: remove them"),
+    ("mujoco/contact", "", LeftOut, "contacts are left out"),
+    ("mujoco/sensor", "", LeftOut, "the definition has its own outputs"),
+    ("mujoco/keyframe", "", LeftOut, "the position of the bodies in the file is the start"),
+
+    ("mujoco/worldbody", "", Read, "the body `ground`"),
+    ("mujoco/worldbody", "name childclass", Read, "class of the elements in it"),
+    ("body/body", "", Read, "a body; without joints it is fixed to its parent"),
+    ("body/body body/frame", "pos quat axisangle euler xyaxes zaxis", Read, POSE),
+    ("body/body", "name childclass", Read, "name; class of the elements in it"),
+    ("body/body", "gravcomp", Read, "a constant force that carries this part of the weight"),
+    ("body/body", "mocap", LeftOut, "the body stays at its place"),
+    ("body/body", "fuse simple sleep user", NoEffect, SOLVER),
+    ("body/frame", "", Read, "position and orientation of all that is in it"),
+    ("body/frame", "childclass", Read, "class of the elements in it"),
+    ("body/frame", "name", NoEffect, LOOK),
+    ("body/replicate body/attach body/composite", "", Rejected(""), "the import does not copy models: save the compiled model with \
+        mj_saveLastXML of MuJoCo, and import the saved file"),
+    ("body/flexcomp body/plugin geom/plugin", "", Rejected(""), "plugins and deformable bodies are not rigid bodies: remove them"),
+    ("body/inertial", "", Read, "mass, centre and moment of inertia of the body"),
+    ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass, moments of inertia, position and orientation"),
+    ("body/joint", "", Read, "a revolute or prismatic joint; several joints of a body have bodies without mass between them"),
+    ("body/joint", "name class type pos axis", Read, "name, class, kind (`hinge` or `slide`), place and axis; other kinds are rejected"),
+    ("body/joint", "range limited", Read, "two rigid stops"),
+    ("body/joint", "stiffness springref damping", Read, "a spring with a damper; coefficients of higher order are rejected"),
+    ("body/joint", "ref", Read, "value of the joint in the position of the file, from which ranges, springs and controls count"),
+    ("body/joint", "armature", Read, "moment of inertia of the body, where the joint is on the ground; for a slide the inertia of a screw; rejected between two moving bodies"),
+    ("body/joint", "frictionloss", Read, "rejected, unless 0: a definition has no constant friction torque"),
+    ("body/joint", "springdamper springyield", Rejected("0"), "write stiffness and damping in its place"),
+    ("body/joint", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
+    ("body/joint", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
+    ("body/joint", "actuatorgravcomp group user", NoEffect, LOOK),
+    ("body/freejoint", "", Rejected(""), "a free body is not part of a mechanism: remove this element"),
+    ("body/geom", "", Read, "mass of its body, where the body has no `inertial`"),
+    ("body/geom", "class type size fromto pos quat axisangle euler xyaxes zaxis mass density group", Read, "mass, centre and moment of inertia of `sphere`, \
+        `capsule`, `cylinder`, `box`, `ellipsoid`"),
+    ("body/geom", "mesh", Read, "rejected where the body has no `inertial`: the mass of a mesh is unknown"),
+    ("body/geom", "shellinertia", Read, "rejected where the mass of the geom counts"),
+    ("body/geom", "fluidcoef fluidshape", LeftOut, "there is no medium"),
+    ("body/geom", "adhesion conaffinity condim contype friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
+    ("body/geom", "name castshadow fitscale hfield material rgba user", NoEffect, LOOK),
+    ("body/site", "", Read, "a marker, if its body moves"),
+    ("body/site", "name class pos quat axisangle euler xyaxes zaxis fromto", Read, "name, position and orientation"),
+    ("body/site", "group material mesh rgba size type user", NoEffect, LOOK),
+    ("body/camera body/light", "", NoEffect, LOOK),
+
+    ("mujoco/equality", "", Read, "connections and couplings"),
+    ("equality/connect", "", Read, "a revolute joint, if its bodies move in one plane"),
+    ("equality/connect", "name class active body1 body2 anchor site1 site2", Read, "ends of the joint; sites may be apart in the file: `check` assembles them"),
+    ("equality/weld", "", Read, "two bodies become one rigid body"),
+    ("equality/weld", "class active body1 body2 anchor relpose site1 site2 torquescale", Read, "ends of the weld; they must stand in the welded position"),
+    ("equality/joint", "", Read, "a coupling by gears or a rack; joints that share no body are rejected"),
+    ("equality/joint", "class active joint1 joint2 polycoef", Read, "joints, offset and ratio; a ratio that varies is rejected"),
+    ("equality/weld equality/joint", "name", NoEffect, LOOK),
+    ("equality/*", "solimp solref", LeftOut, SOFT),
+    ("equality/tendon equality/flex equality/flexstrain equality/flexvert equality/distance", "", Rejected(""), "only connect, weld and joint are supported among the \
+        equalities: remove it"),
+
+    ("mujoco/tendon", "", Read, "tendons"),
+    ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or pulleys are rejected"),
+    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "as of a joint; `springlength` is the length at rest"),
+    ("tendon/spatial", "springyield", Rejected("0"), "springs do not yield: set it to 0"),
+    ("tendon/spatial", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
+    ("tendon/spatial", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
+    ("tendon/spatial", "group material rgba user width", NoEffect, LOOK),
+    ("spatial/site", "", Read, "end of the tendon"),
+    ("spatial/site", "site", Read, "name of the site"),
+    ("tendon/fixed", "", Rejected(""), "a tendon of several joints is not supported: couple the joints by an equality, or let drives act on joints"),
+
+    ("mujoco/actuator", "", Read, "drives"),
+    ("actuator/general actuator/motor actuator/position actuator/velocity actuator/intvelocity actuator/damper actuator/cylinder actuator/adhesion",
+        "", Read, "a drive of a joint or a tendon, whose input is the force or torque"),
+    ("actuator/general", "biastype biasprm gaintype gainprm", Read, "the bias becomes a spring and a damper, as if the control were 0; the note states the gain"),
+    ("actuator/position actuator/intvelocity", "kp kv dampratio", Read, "a spring and a damper, as if the control were 0; `dampratio` is rejected"),
+    ("actuator/velocity", "kv", Read, "a damper"),
+    ("actuator/position actuator/velocity", "gainprm", Read, "default of `general` for `kp` or `kv`"),
+    ("actuator/damper", "kv", Read, "no force at the control 0"),
+    ("actuator/cylinder", "area diameter bias", Read, "the bias becomes a spring and a damper; the note states the area"),
+    ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "what the drive acts on; damper and inertia of the motor"),
+    ("actuator/*", "actdim actearly actlimited actrange ctrllimited ctrlrange delay dynprm dyntype ffrange forcelimited forcerange gain \
+        imax inheritrange posrange slewmax timeconst velrange", LeftOut, DRIVE),
+    ("actuator/*", "body cranklength cranksite refsite site slidersite", LeftOut, "the drive acts on no joint"),
+    ("actuator/*", "group input interp lengthrange name nsample user", NoEffect, LOOK),
+    ("actuator/orientation actuator/pid actuator/muscle actuator/dcmotor actuator/plugin", "", Rejected(""), "the control law is not supported: write <motor>, \
+        and let the simulation tool compute its force"),
+];
+
+/// The contact between geoms of two bodies of which neither carries the other.
+pub fn contact(root: &Element) -> Option<String> {
+    let is_off = |flag: &Element| flag.is("contact", "disable") || flag.is("constraint", "disable");
+    if root.all("option").flat_map(|option| option.all("flag")).filter(|flag| is_off(flag)).count() > 0 {
+        return None;
+    }
+    let mut geoms: Vec<(usize, usize, &Element)> = Vec::new();
+    let mut count = 0;
+    root.all("worldbody").for_each(|world| collect(world, (0, 0), &mut count, &mut geoms));
+    let pairs = geoms.iter().enumerate().flat_map(|(at, one)| geoms[at + 1..].iter().map(move |other| (one, other)));
+    let mut apart = pairs
+        .filter(|((a, of_a, _), (b, of_b, _))| a != b && (*of_a != *b || *of_a == 0) && (*of_b != *a || *of_b == 0));
+    let ((.., first), (.., other)) = apart.next()?;
+    Some(format!(
+        "contact between geoms, such as {} and {}, is left out: bodies of the imported mechanism can pass through each \
+         other; add stops that end the travel",
+        first.at(),
+        other.at()
+    ))
+}
+
+/// Geoms that may touch others, with their body and the body that carries it.
+fn collect<'a>(
+    node: &'a Element,
+    (own, parent): (usize, usize),
+    count: &mut usize,
+    geoms: &mut Vec<(usize, usize, &'a Element)>,
+) {
+    for inner in &node.children {
+        match inner.tag.as_str() {
+            "geom" if ["contype", "conaffinity"].iter().any(|key| inner.get(key) != Some("0")) => {
+                geoms.push((own, parent, inner));
+            }
+            "frame" => collect(inner, (own, parent), count, geoms),
+            "body" => {
+                *count += 1;
+                collect(inner, (*count, own), count, geoms);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Imported mechanisms beside MuJoCo: accelerations that `mujoco_values.py` computed.
+
+use fmu_studies::import::{Form, Imported, import, import_with};
+use linkage_fmu::simulation::Simulation;
+use serde_json::{Value, json};
+
+/// Accelerations agree to this part of their size.
+const SAME: f64 = 1e-9;
+
+/// Accelerations of a definition at its start, with a speed and inputs.
+fn accelerations(case: &Value, imported: &Imported) -> Vec<(String, f64)> {
+    let mut definition: Value = serde_json::from_str(&imported.definition).unwrap();
+    if let Some(speed) = case["speed"].as_f64() {
+        // Hinges about y count against the angles of the plane.
+        let sign = if definition["start"]["body"].is_string() { -1.0 } else { 1.0 };
+        definition["start"]["speed"] = json!(sign * speed);
+    }
+    let opened = Simulation::open(&definition.to_string());
+    let mut simulation = opened.unwrap_or_else(|error| panic!("{}: {error} in\n{}", case["name"], imported.definition));
+    for (name, value) in case["input"].as_object().into_iter().flatten() {
+        simulation.set(name, value.as_f64().unwrap()).unwrap();
+    }
+    simulation.initialize().unwrap();
+    let names = case["accelerations"].as_object().unwrap().keys();
+    names.map(|name| (name.clone(), simulation.get(name).unwrap())).collect()
+}
+
+#[test]
+fn accelerations_of_mujoco() {
+    let cases: Value = serde_json::from_str(include_str!("files/mujoco.json")).unwrap();
+    let mut wrong = Vec::new();
+    for case in cases.as_array().unwrap() {
+        let include = |file: &str| Ok(case["files"][file].as_str().unwrap().to_owned());
+        let mut all = vec![(Form::Mjcf, case["mjcf"].as_str().unwrap())];
+        all.extend(case["urdf"].as_str().map(|text| (Form::Urdf, text)));
+        all.extend(case["sdf"].as_str().map(|text| (Form::Sdf, text)));
+        for (form, text) in all {
+            let imported = match import_with(form, "Imported", text, &include) {
+                Ok(imported) => imported,
+                Err(error) => {
+                    wrong.push(format!("{} {form:?}: {error:#}", case["name"]));
+                    continue;
+                }
+            };
+            for (name, own) in accelerations(case, &imported) {
+                let expected = case["accelerations"][&name].as_f64().unwrap();
+                if (own - expected).abs() > SAME * expected.abs().max(1.0) {
+                    wrong.push(format!("{} {form:?}: {name} = {own}, but {expected} in MuJoCo", case["name"]));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(cases.as_array().unwrap().len() > 40);
+}

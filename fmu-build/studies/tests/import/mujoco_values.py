@@ -1,0 +1,260 @@
+"""Accelerations of small mechanisms by MuJoCo, for the tests of the import: writes `files/mujoco.json`.
+
+    pip install mujoco==4.0.0 numpy && python mujoco_values.py
+
+A case is MJCF, the joint that is held while loops are closed, its speed, controls, and outputs of the imported
+definition as sums over joints. MuJoCo's own constraints are soft; here its mass matrix, forces and constraint
+Jacobian give the accelerations of rigid ones.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+ARM = '<geom type="capsule" fromto="0 0 0 .5 0 0" size=".02" mass="1"/>'
+
+
+def model(body: str, rest: str = "", settings: str = "") -> str:
+    return f'<mujoco model="case">{settings}<worldbody>{body}</worldbody>{rest}</mujoco>'
+
+
+def arm(joint: str = "", geom: str = ARM, body: str = "", inner: str = "") -> str:
+    return f'<body name="arm" {body}><joint name="swing" axis="0 1 0" {joint}/>{geom}{inner}</body>'
+
+
+SWING = {"arm.acceleration": {"swing": -1}}
+PAIR = {"arm.acceleration": {"swing": -1}, "other.acceleration": {"turn": -1}}
+
+
+def pair(axis: str = "0 1 0", place: str = ".7 0 .1") -> str:
+    geom = '<geom type="capsule" fromto="0 0 0 .2 0 .3" size=".03" mass="2"/>'
+    return arm() + f'<body name="other" pos="{place}"><joint name="turn" axis="{axis}"/>{geom}</body>'
+
+
+def equality(polycoef: str, first: str = "turn", second: str = "swing") -> str:
+    return f'<equality><joint joint1="{first}" joint2="{second}" polycoef="{polycoef} 0 0 0"/></equality>'
+
+
+def four_bar(end: str, rest: str) -> str:
+    rod = f'<body name="rod" pos=".1 0 .2"><joint name="pin" axis="0 1 0"/>{end}</body>'
+    crank = '<geom type="capsule" fromto="0 0 0 .1 0 .2" size=".01" mass=".4"/>'
+    left = f'<body name="crank"><joint name="bearing" axis="0 1 0"/>{crank}{rod}</body>'
+    bar = '<geom type="box" pos="0 0 .15" size=".02 .01 .15" mass=".7"/>'
+    site = '<site name="tip" pos="0 0 .3"/>'
+    right = f'<body name="rocker" pos=".5 0 0"><joint name="pivot" axis="0 1 0" damping=".2"/>{bar}{site}</body>'
+    return model(left + right, rest)
+
+
+ROD = '<geom type="capsule" fromto="0 0 0 .4 0 .1" size=".01" density="3000"/>'
+FOUR_BAR = {
+    "crank.acceleration": {"bearing": -1},
+    "rod.acceleration": {"bearing": -1, "pin": -1},
+    "rocker.acceleration": {"pivot": -1},
+}
+KNEE = (
+    '<body name="shank" pos=".5 0 0"><joint name="knee" axis="0 -1 0"/>'
+    '<geom type="cylinder" fromto="0 0 0 .1 0 -.4" size=".03" mass="1.5"/></body>'
+)
+WHEEL = (
+    '<body name="wheel" pos="0 0 .1" euler="0 10 0"><joint name="roll" type="slide" axis="1 0 0"/>'
+    '<joint name="spin" axis="0 1 0"/><geom type="cylinder" size=".1 .02" euler="90 0 0" mass="3"/>'
+    '<geom type="sphere" size=".02" pos=".05 0 0" mass=".5"/></body>'
+)
+SLIDES = (
+    '<body name="one"><joint name="left" type="slide" axis="1 0 0"/><geom size=".1" mass="2"/></body>'
+    '<body name="two" pos="1 0 0"><joint name="right" type="slide" axis="1 0 1"/><geom size=".1" mass="3"/></body>'
+)
+SITES = '<site name="tip" pos=".4 0 0"/>'
+POST = '<site name="post" pos=".1 0 .6"/>'
+TENDON = (
+    '<tendon><spatial name="cord" springlength=".3" {}><site site="post"/><site site="tip"/></spatial></tendon>'
+)
+URDF_PAIR = """<robot name="case"><link name="base"/>
+<link name="arm"><inertial><origin xyz=".25 0 0"/><mass value="1"/>
+<inertia ixx="1" iyy="{iyy}" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="other"><inertial><origin xyz=".1 0 .15"/><mass value="2"/>
+<inertia ixx="1" iyy="{other}" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="swing" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint>
+<joint name="turn" type="continuous"><parent link="base"/><child link="other"/><origin xyz=".7 0 .1"/>
+<axis xyz="0 1 0"/><mimic joint="swing" multiplier="-1.6" offset="0"/></joint></robot>"""
+INERTIAL = '<inertial pos=".25 0 0" mass="7" diaginertia="1 1 1"/>'
+CLASSES = (
+    '<default><joint damping=".1"/><default class="heavy"><geom density="4000" type="capsule" size=".02"/>'
+    '<joint stiffness="3" springref="20"/><default class="light"><geom density="500"/></default></default></default>'
+)
+
+
+def cases() -> list[dict]:
+    """Names, texts, and what is read."""
+    position = '<position name="servo" joint="swing" kp="40" kv="3" gear="2"/>'
+    general = (
+        '<general name="servo" joint="swing" gainprm="5" biastype="affine" biasprm="1.5 -20 -2" gear="3" damping=".3" '
+        'armature=".02"/>'
+    )
+    list_ = [
+        ("capsule", model(arm()), SWING),
+        ("gravity disabled", model(arm(), settings='<option><flag gravity="disable"/></option>'), SWING),
+        ("gravity in the plane", model(arm(), settings='<option gravity="3 0 -2"/>'), SWING),
+        ("spring disabled", model(arm('stiffness="9" damping="2" springref="40"'),
+                                  settings='<option><flag spring="disable"/></option>'), SWING, {"speed": 0.7}),
+        ("damper disabled", model(arm('stiffness="9" damping="2" springref="40"'),
+                                  settings='<option><flag damper="disable"/></option>'), SWING, {"speed": 0.7}),
+        ("spring and damper", model(arm('stiffness="9" damping="2" springref="40"')), SWING, {"speed": 0.7}),
+        ("frame in a body", model(arm(geom=f'<frame pos=".1 0 .2" euler="0 30 0">{ARM}</frame>')), SWING),
+        ("joint in a frame", model(f'<body name="arm"><frame pos=".1 0 .2"><joint name="swing" axis="0 1 0"/></frame>'
+                                   f'{ARM}</body>'), SWING),
+        ("frame in the world", model(f'<frame pos="1 0 0" euler="0 40 0">{arm()}</frame>'), SWING),
+        ("class of a frame", model(f'<frame childclass="heavy"><body name="arm"><joint name="swing" axis="0 1 0"/>'
+                                   '<frame childclass="light"><geom fromto="0 0 0 .3 0 0"/></frame>'
+                                   '<geom fromto="0 0 0 0 0 .2"/></body></frame>', settings=CLASSES),
+         SWING, {"speed": -0.4}),
+        ("include", '<mujoco><include file="arm.xml"/></mujoco>', SWING,
+         {"files": {"arm.xml": '<mujoco><worldbody><body name="arm"><joint name="swing" axis="0 1 0"/>'
+                               '<include file="geoms.xml"/></body></worldbody></mujoco>',
+                    "geoms.xml": f'<mujoco>{ARM}<geom size=".1" pos="0 0 .4"/></mujoco>'}}),
+        ("masses from geoms", model(arm('stiffness="5" ref="20"', geom=INERTIAL + ARM),
+                                    settings='<compiler inertiafromgeom="true"/>'), SWING),
+        ("stated masses", model(arm(geom=INERTIAL + ARM)), SWING),
+        ("groups of geoms", model(arm(geom=ARM + '<geom size=".2" group="4"/>', joint='stiffness="5" springref="9"'),
+                                  settings='<compiler inertiagrouprange="0 3"/>'), SWING),
+        ("total mass", model(arm('stiffness="5" springref="30"'), settings='<compiler settotalmass="10"/>'), SWING),
+        ("bounds", model(arm('stiffness="5" springref="30"', geom='<geom size=".01" pos=".2 0 0"/>'),
+                         settings='<compiler boundmass=".5" boundinertia=".01"/>'), SWING),
+        ("reference", model(arm('ref="30" springref="10" stiffness="4"')), SWING),
+        ("reference in radians", model(arm('ref=".5" springref=".1" stiffness="4"'),
+                                       settings='<compiler angle="radian"/>'), SWING),
+        ("armature", model(arm('armature="0.5"')), SWING),
+        ("zaxis", model(arm(body='zaxis="1 0 2"', geom='<geom type="box" size=".3 .05 .1" pos=".2 0 .1" mass="2" '
+                                                       'zaxis="1 0 1"/>')), SWING),
+        ("xyaxes", model(arm(body='xyaxes="1 0 1 0 1 0"', geom='<geom type="ellipsoid" size=".3 .05 .1" pos=".2 0 .1" '
+                                                              'mass="2" xyaxes="1 0 .3 0 1 0"/>')), SWING),
+        ("order of the turns", model(f'<body name="arm" euler="90 0 30"><joint name="swing" axis="0 0 1"/>{ARM}</body>',
+                                     settings='<compiler eulerseq="XYZ"/>'), {"arm.acceleration": {"swing": 1}}),
+        ("turns of axes", model(f'<body name="arm" euler="30 90 0"><joint name="swing" axis="0 0 1"/>{ARM}</body>',
+                                settings='<compiler eulerseq="yxz"/>'), {"arm.acceleration": {"swing": 1}}),
+        ("axis and angle, quaternion", model(arm(body='axisangle="0 2 0 25"', geom='<geom type="box" size=".3 .05 .1" '
+                                                 'pos=".2 0 .1" mass="2" quat="2 0 1 0"/>')), SWING),
+        ("shapes between ends", model(arm(geom='<geom type="box" fromto="0 0 0 .3 0 .1" size=".02 .02"/>'
+                                               '<geom type="ellipsoid" fromto=".3 0 .1 .5 0 0" size=".03 .03"/>'
+                                               '<geom type="sphere" size=".05" pos=".5 0 0" density="300"/>')), SWING),
+        ("full inertia", model(arm(geom='<inertial pos=".2 0 .1" mass="2" '
+                                        'fullinertia=".1 .2 .15 .01 .02 .03"/>')), SWING),
+        ("weight carried", model(arm(body='gravcomp=".6"')), SWING),
+        ("control of the position", model(arm('ref="15"'), f"<actuator>{position}</actuator>"), SWING,
+         {"speed": 0.5, "control": {"servo": 0.3}, "input": {"swing_drive.torque": -0.3 * 80}}),
+        ("general control", model(arm('ref="15"'), f"<actuator>{general}</actuator>"), SWING,
+         {"speed": 0.5, "control": {"servo": 0.2}, "input": {"swing_drive.torque": -0.2 * 15}}),
+        ("defaults of drives", model(arm(), '<actuator><velocity name="servo" joint="swing"/></actuator>',
+                                     '<default><general gear="3" gainprm="2"/></default>'), SWING, {"speed": 0.5}),
+        ("actuation disabled", model(arm(), f"<actuator>{position}</actuator>",
+                                     '<option><flag actuation="disable"/></option>'), SWING, {"speed": 0.5}),
+        ("spring between sites", model(arm(inner=SITES) + POST, TENDON.format('stiffness="80" damping="6"')), SWING,
+         {"speed": 0.9}),
+        ("drive between sites", model(arm(inner=SITES) + POST, TENDON.format('armature="3"')
+                                      + '<actuator><motor name="jack" tendon="cord" gear="2"/></actuator>'), SWING,
+         {"speed": 0.9, "control": {"jack": 5}, "input": {"cord_drive.force": 10}}),
+        ("gears", model(pair(), equality("0 -1.6")), PAIR, {"urdf": URDF_PAIR}),
+        ("gears with equal direction", model(pair(), equality("0 .8")), PAIR),
+        ("gears with an offset", model(pair("0 -1 0"), equality(".3 .8")), {"arm.acceleration": {"swing": -1},
+                                                                           "other.acceleration": {"turn": 1}}),
+        ("gears with one centre", model(pair(place="0 .1 0"), equality("0 -.7")), PAIR),
+        ("coupled knee", model(arm(inner=KNEE), equality("0 1.4", "knee", "swing")),
+         {"arm.acceleration": {"swing": -1}, "shank.acceleration": {"swing": -1, "knee": 1}}, {"speed": 1.1}),
+        ("rolling wheel", model(WHEEL, equality("0 .1", "roll", "spin")),
+         {"wheel.acceleration": {"spin": -1}, "roll.acceleration": {"roll": 1}}, {"speed": 2.0, "held": "roll"}),
+        ("coupled slides", model(SLIDES, equality("0 -2", "right", "left"), '<option gravity="1 0 -9"/>'),
+         {"left.acceleration": {"left": 1}, "right.acceleration": {"right": 1}}, {"held": "left"}),
+        ("inertia of a slide", model('<body name="one"><joint name="left" type="slide" axis="1 0 1" armature="2"/>'
+                                     '<geom size=".1" mass="2"/></body>'), {"left.acceleration": {"left": 1}},
+         {"held": "left"}),
+        ("four-bar by bodies", four_bar(ROD, '<equality><connect body1="rod" body2="rocker" anchor=".4 0 .1"/></equality>'),
+         FOUR_BAR, {"held": "bearing", "speed": 1.5}),
+        ("four-bar by sites", four_bar(ROD + '<site name="end" pos=".36 0 .12"/>',
+                                       '<equality><connect site1="end" site2="tip"/></equality>'),
+         FOUR_BAR, {"held": "bearing", "speed": 1.5}),
+        ("weld", four_bar(ROD, '<equality><connect body1="rod" body2="rocker" anchor=".4 0 .1"/>'
+                               '<weld body1="flag" body2="rod"/></equality>').replace(
+            "</worldbody>", '<body name="flag" pos=".3 0 .6"><joint name="wave" type="slide" axis="0 0 1"/>'
+                            '<joint name="wave2" type="slide" axis="1 0 0"/><joint name="wave3" axis="0 1 0"/>'
+                            '<geom size=".05" mass=".3"/></body></worldbody>'),
+         FOUR_BAR, {"held": "bearing", "speed": 1.5}),
+    ]
+    return [dict(zip(("name", "mjcf", "outputs"), case, strict=False)) | (case[3] if len(case) > 3 else {})
+            for case in list_]
+
+
+class Rigid:
+    """A model with rigid constraints."""
+
+    def __init__(self, case: dict) -> None:
+        files = {name: text.encode() for name, text in case.get("files", {}).items()}
+        self.model = mujoco.MjModel.from_xml_string(case["mjcf"], files)
+        self.data = mujoco.MjData(self.model)
+        for name, value in case.get("control", {}).items():
+            self.data.ctrl[self.model.actuator(name).id] = value
+        self.held = self.model.joint(case.get("held", "swing")).dofadr[0]
+        self.close()
+        _, jacobian = self.constraints(self.data.qpos)
+        hold = np.eye(1, self.model.nv, self.held)
+        speed = np.append(np.zeros(len(jacobian)), case.get("speed", 0.0))
+        self.data.qvel[:] = np.linalg.lstsq(np.vstack([jacobian, hold]), speed, rcond=None)[0]
+
+    def constraints(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals and Jacobian of the equalities at a position."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = qpos
+        mujoco.mj_forward(self.model, data)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        return data.efc_pos[rows], data.efc_J.reshape(-1, self.model.nv)[rows]
+
+    def close(self) -> None:
+        """Close the loops, the held joint as in the file."""
+        for _ in range(30):
+            gap, jacobian = self.constraints(self.data.qpos)
+            hold = np.eye(1, self.model.nv, self.held)
+            step = np.linalg.lstsq(np.vstack([jacobian, hold]), np.append(-gap, 0.0), rcond=None)[0]
+            self.data.qpos += step
+
+    def acceleration(self) -> np.ndarray:
+        model, data = self.model, self.data
+        mujoco.mj_forward(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        force = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+        _, jacobian = self.constraints(data.qpos)
+        h = 1e-3
+
+        def rate(h: float) -> np.ndarray:
+            ahead, behind = (self.constraints(data.qpos + sign * h * data.qvel)[1] for sign in (1, -1))
+            return (ahead - behind) @ data.qvel / (2 * h)
+
+        drift = (4 * rate(h / 2) - rate(h)) / 3
+        count = len(jacobian)
+        whole = np.block([[mass, jacobian.T], [jacobian, np.zeros((count, count))]])
+        return np.linalg.lstsq(whole, np.append(force, -drift), rcond=1e-12)[0][: model.nv]
+
+
+def main() -> None:
+    written = []
+    for case in cases():
+        rigid = Rigid(case)
+        found = rigid.acceleration()
+        place = {rigid.model.joint(i).name: rigid.model.joint(i).dofadr[0] for i in range(rigid.model.njnt)}
+        value = {name: sum(sign * found[place[joint]] for joint, sign in of.items())
+                 for name, of in case.pop("outputs").items()}
+        if "urdf" in case:
+            inertia = [rigid.model.body_inertia[1:3, k] for k in range(3)]
+            case["urdf"] = case["urdf"].format(iyy=repr(float(max(inertia[0][0], inertia[1][0]))),
+                                               other=repr(float(max(inertia[0][1], inertia[1][1]))))
+        written.append(case | {"accelerations": {name: float(number) for name, number in value.items()}})
+        print(case["name"], written[-1]["accelerations"])
+    path = Path(__file__).parent / "files" / "mujoco.json"
+    path.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
