@@ -3,15 +3,20 @@
 //! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF), ROS (URDF) or Gazebo (SDF), or a table of
 //! joints. Out: the text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
 
+mod bars;
 mod couple;
 mod masses;
 mod mjcf;
 mod planar;
 mod plus;
+mod plus_old;
 mod pmks;
+mod pyslvs;
 mod sdf;
 mod spatial;
 mod table;
+#[cfg(test)]
+mod tests;
 mod urdf;
 mod xml;
 
@@ -82,13 +87,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn form_of(path: &Path, text: &str) -> Result<Form> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     Ok(match (ending.as_str(), bare(text).trim_start()) {
-        (_, text) if plus::is_plus(text) => Form::PmksPlus,
+        (_, text) if plus::is_plus(text) || plus_old::is_old_plus(text) => Form::PmksPlus,
         (_, text) if text.starts_with('{') && text.contains("\"TypeOfJoint\"") => Form::Pmks,
         ("urdf" | "xacro", _) => Form::Urdf,
         ("sdf" | "world", _) => Form::Sdf,
         ("mjcf", _) => Form::Mjcf,
         ("csv", _) => Form::Table,
-        (_, text) if text.starts_with("M[") => Form::Pyslvs,
+        (_, text) if text.starts_with("M[") || text.contains("mechanism:") && text.contains("M[") => Form::Pyslvs,
         (_, text) if text.contains("<mujoco") => Form::Mjcf,
         (_, text) if text.contains("<sdf") => Form::Sdf,
         (_, text) if text.contains("<robot") => Form::Urdf,
@@ -124,8 +129,9 @@ pub fn import_with(form: Form, name: &str, text: &str, include: &dyn Fn(&str) ->
     let text = bare(text);
     let linkage = match form {
         Form::Pmks => table::linkage(name, &pmks::of_pmks(text)?)?,
+        Form::PmksPlus if plus_old::is_old_plus(text) => plus_old::of_old_plus(name, text)?,
         Form::PmksPlus => plus::of_plus(name, text)?,
-        Form::Pyslvs => table::linkage(name, &table::of_pyslvs(text)?)?,
+        Form::Pyslvs => table::linkage(name, &pyslvs::of_pyslvs(text)?)?,
         Form::Table => table::linkage(name, &table::of_csv(text)?)?,
         Form::Mjcf => spatial::project(mjcf::of_mjcf(name, text, include)?)?,
         Form::Urdf => spatial::project(urdf::of_urdf(name, text)?)?,

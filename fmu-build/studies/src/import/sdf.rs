@@ -26,7 +26,9 @@ pub const TABLE: &[Row] = &[
     ("sdf/model world/model", "canonical_link", Read, "the ground, if no joint holds a link on the world"),
     ("sdf/model world/model", "placement_frame", Rejected(""), "write the pose of the model frame in its place"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "position and orientation"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "relative_to degrees rotation_format", Read, "frame, unit and form of the pose"),
+    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and form of the pose"),
+    ("link/pose joint/pose frame/pose", "relative_to", Read, "frame of the pose"),
+    ("model/pose inertial/pose", "relative_to", Rejected(""), "only the world or the link is its frame: remove relative_to"),
     ("model/static", "", Read, "links of a static model are the ground"),
     ("model/frame", "", Read, "a frame for poses"),
     ("model/frame", "name attached_to", Read, "name, and what the frame is fixed to"),
@@ -84,7 +86,11 @@ pub fn of_sdf(name: &str, text: &str) -> Result<Space> {
     read(name, &Element::parse(text, "")?)
 }
 
-fn read(name: &str, root: &Element) -> Result<Space> {
+/// The mechanism of a document.
+///
+/// # Errors
+/// As of its text.
+pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "sdf", "{}: SDF starts with <sdf>", root.at());
     let world = root.child("world");
     let models: Vec<&Element> = root.all("model").chain(world.iter().flat_map(|world| world.all("model"))).collect();

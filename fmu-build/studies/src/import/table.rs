@@ -1,7 +1,7 @@
-//! Joints in a table, as PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it
+//! Joints in a table, as CSV, PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it
 //! joins.
 //!
-//! In: text of Pyslvs or CSV. Out: rows, and the linkage that rows give. No such program has masses.
+//! In: text of CSV. Out: rows, and the linkage that rows give. No such program has masses.
 
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use anyhow::{Context, Result, bail};
@@ -59,68 +59,6 @@ pub fn number(word: Option<&str>, what: &str) -> Result<f64> {
     let value: f64 =
         word.parse().ok().with_context(|| format!("{what} = \"{}\" is not a number", word.escape_debug()))?;
     if value.is_finite() { Ok(value) } else { bail!("{what} = {word} is not finite") }
-}
-
-/// An expression of Pyslvs: `M[J[R, P[x, y], L[ground, a]], J[P, A[degrees], P[x, y], L[a, b]], ...]`.
-///
-/// # Errors
-/// Another form; the message tells the part.
-pub fn of_pyslvs(text: &str) -> Result<Table> {
-    let bare: String = text.lines().map(|line| line.split('#').next().unwrap_or_default()).collect();
-    let bare = bare.trim();
-    let inner = bare.strip_prefix("M[").and_then(|rest| rest.strip_suffix(']'));
-    let inner = inner.context("an expression of Pyslvs has the form M[J[...], J[...]]")?;
-    let mut rows = Vec::new();
-    for (part, of) in parts(inner)?.into_iter().zip(1..) {
-        let row = || -> Result<Row> {
-            let joint = inside(part, "J").context("a joint has the form J[kind, P[x, y], L[links]]")?;
-            let fields = parts(joint)?;
-            let kind = fields.first().and_then(|word| kind(word)).context("the type of a joint must be R, P or RP")?;
-            let field = |name: &str| fields.iter().find_map(|field| inside(field, name));
-            let mut place = field("P").context("a joint needs its coordinates as P[x, y]")?.split(',').map(str::trim);
-            let place = [number(place.next(), "x")?, number(place.next(), "y")?];
-            let axis = match field("A") {
-                Some(angle) => number(Some(angle.trim()), "A")?.to_radians(),
-                None if kind == Kind::Revolute => 0.0,
-                None => bail!("a slide (P, RP) needs its angle as A[degrees]"),
-            };
-            let links = field("L").context("a joint needs its links as L[a, b]")?;
-            let links = links.split(',').map(str::trim).filter(|link| !link.is_empty());
-            Ok(Row { kind, place, axis, links: links.map(str::to_owned).collect(), is_driven: false })
-        };
-        rows.push(row().with_context(|| format!("joint {of}: {}", part.escape_debug()))?);
-    }
-    Ok(Table { rows, ..Table::default() })
-}
-
-/// What stands in the brackets of `name[...]`.
-fn inside<'a>(part: &'a str, name: &str) -> Option<&'a str> {
-    part.trim().strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']')
-}
-
-/// The parts between commas that are in no brackets.
-fn parts(text: &str) -> Result<Vec<&str>> {
-    let (mut all, mut depth, mut from) = (Vec::new(), 0i32, 0);
-    for (at, letter) in text.char_indices() {
-        match letter {
-            '[' | '(' => depth += 1,
-            ']' | ')' => depth -= 1,
-            ',' if depth == 0 => {
-                all.push(text[from..at].trim());
-                from = at + 1;
-            }
-            _ => {}
-        }
-        if depth < 0 {
-            bail!("there is a surplus closing bracket before \"{}\"", text[at..].escape_debug());
-        }
-    }
-    if depth != 0 {
-        bail!("a closing bracket is missing: add ] at the end");
-    }
-    all.push(text[from..].trim());
-    all.retain(|part| !part.is_empty());
-    Ok(all)
 }
 
 /// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven`

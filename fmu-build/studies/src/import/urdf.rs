@@ -55,7 +55,11 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     read(name, &Element::parse(text, "")?)
 }
 
-fn read(name: &str, root: &Element) -> Result<Space> {
+/// The mechanism of a document.
+///
+/// # Errors
+/// As of its text.
+pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "robot", "{}: URDF starts with <robot>", root.at());
     if let Some(macro_) = xacro(root) {
         bail!(
@@ -106,8 +110,8 @@ fn read(name: &str, root: &Element) -> Result<Space> {
         } else {
             // A fixed joint has a name, an axis and limits in many files; they do not act.
             joint.get("name");
-            for child in &joint.children {
-                ["xyz", "lower", "upper", "damping"].map(|key| child.get(key).is_some());
+            for (tag, key) in [("axis", "xyz"), ("limit", "lower"), ("limit", "upper"), ("dynamics", "damping")] {
+                joint.child(tag).and_then(|child| child.get(key));
             }
         }
     }

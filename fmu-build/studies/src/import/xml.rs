@@ -151,12 +151,14 @@ impl Element {
         Ok([lower, upper])
     }
 
-    /// Attributes that were read in this element and in those below it, as `parent/tag attribute`.
+    /// What was read in the elements below this one, as `parent/tag name`, by attributes and children.
     #[cfg(test)]
-    pub fn read(&self, group: &str, of: &dyn Fn(&str) -> String, into: &mut BTreeSet<String>) {
-        let key = format!("{group}/{}", self.tag);
-        into.extend(self.asked.borrow().iter().map(|name| format!("{key} {name}")));
-        self.children.iter().for_each(|child| child.read(&of(&self.tag), of, into));
+    pub fn read(&self, group: &dyn Fn(&str) -> String, into: &mut BTreeSet<String>) {
+        for child in &self.children {
+            let key = format!("{}/{}", group(&self.tag), child.tag);
+            into.extend(child.asked.borrow().iter().map(|name| format!("{key} {name}")));
+            child.read(group, into);
+        }
     }
 }
 

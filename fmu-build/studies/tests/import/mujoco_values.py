@@ -1,5 +1,7 @@
 """Accelerations of small mechanisms by MuJoCo, for the tests of the import: writes `files/mujoco.json`.
 
+It also writes `files/mujoco_schema.txt`, the elements and attributes of MJCF.
+
     pip install mujoco==4.0.0 numpy && python mujoco_values.py
 
 A case is MJCF, the joint that is held while loops are closed, its speed, controls, and outputs of the imported
@@ -10,6 +12,7 @@ Jacobian give the accelerations of rigid ones.
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import mujoco
@@ -88,6 +91,36 @@ CLASSES = (
 )
 
 
+SDF_FOUR_BAR = """<sdf version="1.9"><world name="w"><gravity>0 0 -9.81</gravity>
+<model name="floor"><static>true</static><link name="plane"/></model>
+<model name="case"><pose>1 0 2 0 0 0</pose><frame name="shifted" attached_to="crank"><pose>.1 0 .2 0 0 0</pose></frame>
+<link name="crank"><inertial><pose>.05 0 .1 0 {crank_angle} 0</pose><mass>.4</mass><inertia><ixx>{crank_x}</ixx>
+<iyy>{crank}</iyy><izz>{crank_x}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial></link>
+<link name="rod"><pose relative_to="shifted">0 0 0 0 30 0</pose><inertial><pose>{rod_x} 0 {rod_z} 0 0 0</pose>
+<mass>{rod_mass}</mass><inertia><ixx>1</ixx><iyy>{rod}</iyy><izz>1</izz></inertia></inertial></link>
+<link name="rocker"><pose degrees="true">.5 0 0 0 0 0</pose><inertial><pose>0 0 .15 0 0 0</pose><mass>.7</mass>
+<inertia><ixx>1</ixx><iyy>{rocker}</iyy><izz>1</izz></inertia></inertial></link>
+<joint name="bearing" type="revolute"><parent>world</parent><child>crank</child><axis><xyz>0 1 0</xyz>
+<limit><lower>-1e16</lower><upper>1e16</upper></limit></axis></joint>
+<joint name="pin" type="continuous"><parent>crank</parent><child>rod</child><axis><xyz expressed_in="__model__">0 1 0</xyz>
+</axis></joint>
+<joint name="pivot" type="revolute"><parent>world</parent><child>rocker</child><axis><xyz>0 1 0</xyz>
+<dynamics><damping>.2</damping><spring_stiffness>0</spring_stiffness><spring_reference>0</spring_reference></dynamics>
+</axis></joint>
+<joint name="close" type="revolute"><pose>0 0 .3 0 0 0</pose><parent>rod</parent><child>rocker</child>
+<axis><xyz>0 1 0</xyz></axis></joint></model></world></sdf>"""
+SDF_PAIR = """<sdf version="1.11"><model name="case"><link name="base"><gravity>true</gravity></link>
+<link name="arm"><pose>0 0 0 0 0 0</pose><inertial><pose rotation_format="quat_xyzw">.25 0 0 0 0 0 1</pose><mass>1</mass>
+<inertia><iyy>{iyy}</iyy></inertia></inertial></link>
+<link name="other"><pose>.7 0 .1 0 0 0</pose><inertial><pose>.1 0 .15 0 0 0</pose><mass>2</mass>
+<inertia><iyy>{other}</iyy></inertia></inertial></link>
+<joint name="swing" type="continuous"><parent>base</parent><child>arm</child><axis><xyz>0 1 0</xyz></axis></joint>
+<joint name="turn" type="continuous"><parent>base</parent><child>other</child><axis><xyz>0 1 0</xyz>
+<use_parent_model_frame>true</use_parent_model_frame>
+<mimic joint="swing"><multiplier>-1.6</multiplier><offset>.8</offset><reference>-.5</reference></mimic></axis></joint>
+</model></sdf>"""
+
+
 def cases() -> list[dict]:
     """Names, texts, and what is read."""
     position = '<position name="servo" joint="swing" kp="40" kv="3" gear="2"/>'
@@ -157,7 +190,7 @@ def cases() -> list[dict]:
         ("drive between sites", model(arm(inner=SITES) + POST, TENDON.format('armature="3"')
                                       + '<actuator><motor name="jack" tendon="cord" gear="2"/></actuator>'), SWING,
          {"speed": 0.9, "control": {"jack": 5}, "input": {"cord_drive.force": 10}}),
-        ("gears", model(pair(), equality("0 -1.6")), PAIR, {"urdf": URDF_PAIR}),
+        ("gears", model(pair(), equality("0 -1.6")), PAIR, {"urdf": URDF_PAIR, "sdf": SDF_PAIR}),
         ("gears with equal direction", model(pair(), equality("0 .8")), PAIR),
         ("gears with an offset", model(pair("0 -1 0"), equality(".3 .8")), {"arm.acceleration": {"swing": -1},
                                                                            "other.acceleration": {"turn": 1}}),
@@ -172,7 +205,7 @@ def cases() -> list[dict]:
                                      '<geom size=".1" mass="2"/></body>'), {"left.acceleration": {"left": 1}},
          {"held": "left"}),
         ("four-bar by bodies", four_bar(ROD, '<equality><connect body1="rod" body2="rocker" anchor=".4 0 .1"/></equality>'),
-         FOUR_BAR, {"held": "bearing", "speed": 1.5}),
+         FOUR_BAR, {"held": "bearing", "speed": 1.5, "sdf": SDF_FOUR_BAR}),
         ("four-bar by sites", four_bar(ROD + '<site name="end" pos=".36 0 .12"/>',
                                        '<equality><connect site1="end" site2="tip"/></equality>'),
          FOUR_BAR, {"held": "bearing", "speed": 1.5}),
@@ -238,6 +271,19 @@ class Rigid:
         return np.linalg.lstsq(whole, np.append(force, -drift), rcond=1e-12)[0][: model.nv]
 
 
+def schema() -> list[str]:
+    """Elements by their paths, each with its attributes."""
+    lines, path = [], []
+    for line in mujoco.mj_printSchema(False, False).splitlines():
+        found = re.match(r"( *)([(\w)]+) \([!?*R]\) *(.*)", line)
+        if found:
+            path = [*path[: len(found[1]) // 3], found[2].replace("(world)body", "worldbody/body")]
+            lines.append(["/".join(path), found[3]])
+        elif line.strip():
+            lines[-1][1] += " " + line.strip()
+    return [f"{path}: {' '.join(names.split())}".strip() for path, names in lines if "/default/" not in path]
+
+
 def main() -> None:
     written = []
     for case in cases():
@@ -246,14 +292,22 @@ def main() -> None:
         place = {rigid.model.joint(i).name: rigid.model.joint(i).dofadr[0] for i in range(rigid.model.njnt)}
         value = {name: sum(sign * found[place[joint]] for joint, sign in of.items())
                  for name, of in case.pop("outputs").items()}
-        if "urdf" in case:
-            inertia = [rigid.model.body_inertia[1:3, k] for k in range(3)]
-            case["urdf"] = case["urdf"].format(iyy=repr(float(max(inertia[0][0], inertia[1][0]))),
-                                               other=repr(float(max(inertia[0][1], inertia[1][1]))))
+        inertia = {name: repr(float(max(rigid.model.body(name).inertia)))
+                   for name in ("arm", "other", "crank", "rod", "rocker") if f'name="{name}"' in case["mjcf"]}
+        for key in ("urdf", "sdf"):
+            if key in case and "other" in inertia:
+                case[key] = case[key].format(iyy=inertia["arm"], other=inertia["other"])
+            elif key in case:
+                # The rod of SDF stands turned by 30 rad about y, and its centre with it.
+                at, sin, cos = [.2, .05], np.sin(30.0), np.cos(30.0)
+                case[key] = case[key].format(
+                    **inertia, crank_angle=0.3, crank_x=inertia["crank"], rod_mass=repr(float(rigid.model.body("rod").mass[0])),
+                    rod_x=repr(float(cos * at[0] - sin * at[1])), rod_z=repr(float(sin * at[0] + cos * at[1])))
         written.append(case | {"accelerations": {name: float(number) for name, number in value.items()}})
         print(case["name"], written[-1]["accelerations"])
-    path = Path(__file__).parent / "files" / "mujoco.json"
-    path.write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+    folder = Path(__file__).parent / "files"
+    (folder / "mujoco.json").write_text(json.dumps(written, indent=1) + "\n", encoding="utf-8")
+    (folder / "mujoco_schema.txt").write_text("\n".join(schema()) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

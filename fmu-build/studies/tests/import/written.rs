@@ -247,3 +247,49 @@ fn file_of_a_spreadsheet() {
     assert_eq!(definition(Form::Table, &format!("\u{feff}{text}")), definition(Form::Table, plain));
     assert_says(&refusal(Form::Table, &plain.replace("no\n", "maybe\n")), &["line 6", "driven = \"maybe\""]);
 }
+
+/// A slider-crank in a link of PMKS+ from 2022, as its template writes one.
+#[test]
+fn old_link_of_pmks_plus() {
+    let link = "https://pmks.example/?j=A,0,0,AB,R,t,0,0.1,t,%0AB,8,6,AB%7CBC,R,f,0,0.1,f,%0AC,36,0,BC,P,t,0,0.1,f,%0A&l=\
+                AB,1.5,0.0025,4,3,A%7CB,,l,0,0,8,0,8,6,0,6%0ABC,0.9,0.009,22,3,B%7CC,,l,8,0,36,0,36,6,8,6%0A\
+                &f=F1,BC,20,1,20,4,t,true,0,100%0A&pp=&tp=&s=20,true,false,cm";
+    let mut hand = slider_crank();
+    let rod = f64::hypot(0.28, 0.06);
+    hand["bodies"]["crank"] = json!({ "length": 0.1, "mass": 1.5, "center": [0.05, 0], "inertia": 0.0025 });
+    hand["bodies"]["rod"] = json!({ "length": rod, "mass": 0.9, "center": [0.5 * rod, 0], "inertia": 0.009 });
+    hand["bodies"]["slider"] = json!({});
+    hand["start"]["speed"] = json!(-20.0 * 2.0 * PI / 60.0);
+    let pairs =
+        [("AB.speed", "crank.speed", 0.0), ("BC.speed", "rod.speed", 0.0), ("C.position", "guide.position", 0.36)];
+    let inputs = [("drive.torque", 0.4), ("motor.torque", 0.4)];
+    let notes = compare(Form::PmksPlus, link, &hand, inputs, &pairs);
+    assert_says(&notes.join("\n"), &["lengths are read in cm", "F1,BC", "their direction differs"]);
+    // The first links have neither angles nor friction.
+    let short = link.replace("0,0.1,t,%0A", "Null,t%0A").replace("0,0.1,f,%0A", "Null,f%0A");
+    assert_eq!(definition(Form::PmksPlus, link), definition(Form::PmksPlus, &short));
+    assert_says(
+        &refusal(Form::PmksPlus, &link.replace("P,t,0,", "P,t,30,")),
+        &["j: C,36,0", "angle 30", "--form table"],
+    );
+    assert_says(
+        &refusal(Form::PmksPlus, &link.replace("s=20,true,false,cm", "s=20,true,false,ft")),
+        &["\"ft\" is unknown"],
+    );
+}
+
+/// Projects of Pyslvs, in blocks and on one line.
+#[test]
+fn project_of_pyslvs() {
+    let expected = definition(Form::Pyslvs, include_str!("files/quick_return.pyslvs"));
+    for text in [include_str!("files/project.pyslvs"), include_str!("files/project_compressed.pyslvs")] {
+        let imported = import(Form::Pyslvs, "Imported", text).unwrap();
+        let own: Value = serde_json::from_str(&imported.definition).unwrap();
+        assert_eq!([&own["bodies"], &own["joints"]], [&expected["bodies"], &expected["joints"]]);
+        // The input is the second pivot on the ground, not the first.
+        assert_eq!(own["actuators"]["drive"]["joint"], "joint_3");
+        assert_says(&imported.notes.join("\n"), &["path is left out: recorded paths", "storage is left out"]);
+    }
+    let text = include_str!("files/project.pyslvs");
+    assert_says(&refusal(Form::Pyslvs, &text.replace("- - 2", "- - 9")), &["the project has 4 points", "[9"]);
+}

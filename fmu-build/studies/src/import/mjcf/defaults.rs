@@ -46,8 +46,9 @@ pub fn written_out(root: &mut Element) -> Result<()> {
     }
     for section in &mut root.children {
         if section.tag != "default" {
-            let group = section.tag.clone();
-            section.children.iter_mut().try_for_each(|child| complete(child, &group, None, &classes))?;
+            let (group, around) = (section.tag.clone(), section.get("childclass").map(str::to_owned));
+            let mut children = section.children.iter_mut();
+            children.try_for_each(|child| complete(child, &group, around.as_deref(), &classes))?;
         }
     }
     Ok(())

@@ -6,8 +6,6 @@
 mod acting;
 mod defaults;
 mod table;
-#[cfg(test)]
-mod tests;
 
 use super::masses::{Part, Shape, bounded, in_space, symmetric, together};
 use super::spatial::{Acting, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
@@ -64,14 +62,26 @@ struct Mjcf {
 /// # Errors
 /// It is no MJCF; what is no planar mechanism of hinges and slides.
 pub fn of_mjcf(name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Space> {
+    read(name, &document(text, include)?)
+}
+
+/// The document with its included files and the attributes of its classes.
+///
+/// # Errors
+/// It is no MJCF; a file or a class is missing.
+pub fn document(text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Element> {
     let mut root = Element::parse(text, "")?;
     ensure!(root.tag == "mujoco", "{}: MJCF starts with <mujoco>", root.at());
     defaults::included(&mut root, include, &mut Vec::new())?;
     defaults::written_out(&mut root)?;
-    read(name, &root)
+    Ok(root)
 }
 
-fn read(name: &str, root: &Element) -> Result<Space> {
+/// The mechanism of a document.
+///
+/// # Errors
+/// What is no planar mechanism of hinges and slides.
+pub fn read(name: &str, root: &Element) -> Result<Space> {
     let all = Enabled { spring: true, damper: true, limit: true, equality: true, friction: true, actuation: true };
     let mut reader = Mjcf {
         space: Space { name: root.get("model").unwrap_or(name).to_owned(), ..Space::default() },
@@ -199,8 +209,8 @@ impl Mjcf {
     fn body(&mut self, node: &Element, own: usize, frame: Frame, parts: Option<&mut Vec<Part>>) -> Result<()> {
         let is_body = parts.is_none();
         if is_body {
-            let stated = node.child("inertial").is_some() && self.from_geoms != FromGeoms::Always;
-            self.needs_geoms = own > 0 && !stated && self.from_geoms != FromGeoms::Never;
+            let is_free = self.from_geoms == FromGeoms::Always || own > 0 && node.child("inertial").is_none();
+            self.needs_geoms = own > 0 && is_free && self.from_geoms != FromGeoms::Never;
         }
         let needs_geoms = self.needs_geoms;
         let mut of_body = Vec::new();

@@ -87,7 +87,8 @@ pub const TABLE: &[Row] = &[
     ("mujoco/keyframe", "", LeftOut, "the position of the bodies in the file is the start"),
 
     ("mujoco/worldbody", "", Read, "the body `ground`"),
-    ("mujoco/worldbody", "name childclass", Read, "class of the elements in it"),
+    ("mujoco/worldbody", "childclass", Read, "class of the elements in it"),
+    ("mujoco/worldbody", "name", NoEffect, LOOK),
     ("body/body", "", Read, "a body; without joints it is fixed to its parent"),
     ("body/body body/frame", "pos quat axisangle euler xyaxes zaxis", Read, POSE),
     ("body/body", "name childclass", Read, "name; class of the elements in it"),
@@ -120,7 +121,8 @@ pub const TABLE: &[Row] = &[
     ("body/geom", "mesh", Read, "rejected where the body has no `inertial`: the mass of a mesh is unknown"),
     ("body/geom", "shellinertia", Read, "rejected where the mass of the geom counts"),
     ("body/geom", "fluidcoef fluidshape", LeftOut, "there is no medium"),
-    ("body/geom", "adhesion conaffinity condim contype friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
+    ("body/geom", "contype conaffinity", Read, "whether a note about contacts names the geom"),
+    ("body/geom", "adhesion condim friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
     ("body/geom", "name castshadow fitscale hfield material rgba user", NoEffect, LOOK),
     ("body/site", "", Read, "a marker, if its body moves"),
     ("body/site", "name class pos quat axisangle euler xyaxes zaxis fromto", Read, "name, position and orientation"),
@@ -148,6 +150,7 @@ pub const TABLE: &[Row] = &[
     ("tendon/spatial", "group material rgba user width", NoEffect, LOOK),
     ("spatial/site", "", Read, "end of the tendon"),
     ("spatial/site", "site", Read, "name of the site"),
+    ("spatial/geom spatial/pulley", "", Rejected(""), "only tendons between two sites are supported: remove it"),
     ("tendon/fixed", "", Rejected(""), "a tendon of several joints is not supported: couple the joints by an equality, or let drives act on joints"),
 
     ("mujoco/actuator", "", Read, "drives"),
