@@ -67,6 +67,21 @@ impl Component {
         Ok(self.exchanged().map_err(NoValue::Refused)?.derivatives()?)
     }
 
+    /// The time at which values are asked for in model exchange [s].
+    pub fn set_time(&mut self, time: f64) {
+        if let Self::Mechanism(model) = self {
+            model.set_time(time);
+        }
+    }
+
+    /// The next event that is known before, in model exchange [s].
+    pub fn next_event(&self) -> Option<f64> {
+        match self {
+            Self::Mechanism(model) => model.next_event(),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
     /// A step of the host's solver is complete: whether event mode is to be entered. Refused: not initialised.
     pub fn completed_step(&mut self) -> Result<bool, Refused> {
         Ok(self.exchanged()?.completed_step()?)

@@ -43,13 +43,14 @@ impl Instance {
         ))
     }
 
-    /// The time at which derivatives and outputs are asked for [s]. No law depends on it.
+    /// The time at which derivatives and outputs are asked for [s].
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.exchanges()?;
         if !time.is_finite() {
             return Err(Refusal::error(format!("time is {} s; it must be finite", Decimal(time))));
         }
         self.clock.time = time;
+        self.component.set_time(time);
         Ok(())
     }
 

@@ -102,6 +102,7 @@ impl Instance {
             self.component.set_tolerance(tolerance)?;
         }
         self.component.initialize()?;
+        self.component.set_time(self.clock.time);
         self.phase = if self.usage.event_mode { Phase::Event } else { Phase::Step };
         if let Some(warning) = self.component.start_warning() {
             self.logger.remark(&warning);

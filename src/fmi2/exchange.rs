@@ -13,13 +13,15 @@ exported_exchange! {
     /// From continuous-time mode to event mode.
     fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
 
-    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough; no event is
-    /// known before its time.
+    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough. The next kink of
+    /// a prescribed motion is the next event that is known before its time.
     // SAFETY: `info` leads to memory for the struct (3.2.2).
     fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
         let info = output("eventInfo", info, 1)?;
         let values_changed = i.update_discrete_states()?.into();
-        info[0].write(EventInfo { values_changed, ..EventInfo::default() });
+        let next = i.component.next_event();
+        let (next_event_time_defined, next_event_time) = (next.is_some().into(), next.unwrap_or_default());
+        info[0].write(EventInfo { values_changed, next_event_time_defined, next_event_time, ..EventInfo::default() });
         Ok(())
     };
 }

@@ -242,10 +242,17 @@ impl Host {
 
     /// `fmi2NewDiscreteStates`, and whether the states have jumped.
     pub fn update_discrete_states(&self) -> (Status, bool) {
+        let (status, has_jumped, _) = self.update();
+        (status, has_jumped)
+    }
+
+    /// [`Self::update_discrete_states`], and the time of the next event, if one is known [s].
+    pub fn update(&self) -> (Status, bool, Option<f64>) {
         let mut info = EventInfo::default();
         // SAFETY: the component is valid; the pointer leads to the struct.
         let status = unsafe { fmi2NewDiscreteStates(self.c, &mut info) };
-        (status, info.values_changed != FALSE)
+        let next = (info.next_event_time_defined != FALSE).then_some(info.next_event_time);
+        (status, info.values_changed != FALSE, next)
     }
 
     /// Value reference of a variable; `u32::MAX` for a name that does not exist.

@@ -326,8 +326,8 @@ exported! {
     fn fmi3EvaluateDiscreteStates() in INITIALIZATION | EVENT => |_i| Ok(());
 
     /// Handle the event to which a step has led: the impact takes place, and a lock catches. `*values_changed`: whether
-    /// the state has jumped. One call is enough; there is no next event that is known before, so that `*next_event` is
-    /// not written.
+    /// the state has jumped. One call is enough. `*next_event` is the next kink of a prescribed motion in model exchange;
+    /// otherwise no event is known before, and `*next_event` is not written.
     // SAFETY: each pointer leads to memory for one value (2.3.5).
     fn fmi3UpdateDiscreteStates(
         update_needed: *mut Boolean, terminate: *mut Boolean, nominals_changed: *mut Boolean,
@@ -336,13 +336,18 @@ exported! {
         let flags = [
             output("discreteStatesNeedUpdate", update_needed, 1)?, output("terminateSimulation", terminate, 1)?,
             output("nominalsOfContinuousStatesChanged", nominals_changed, 1)?,
-            output("nextEventTimeDefined", next_event_defined, 1)?,
         ];
         let values_changed = output("valuesOfContinuousStatesChanged", values_changed, 1)?;
-        output("nextEventTime", next_event, 1)?;
+        let next_event_defined = output("nextEventTimeDefined", next_event_defined, 1)?;
+        let next_event = output("nextEventTime", next_event, 1)?;
         values_changed[0].write(i.update_discrete_states()?.into());
         for flag in flags {
             flag[0].write(FALSE);
+        }
+        let next = i.component.next_event();
+        next_event_defined[0].write(next.is_some().into());
+        if let Some(time) = next {
+            next_event[0].write(time);
         }
         Ok(())
     };

@@ -275,12 +275,18 @@ impl Calls {
 
     /// `fmi3UpdateDiscreteStates`, and whether the state has jumped.
     pub fn update_discrete_states(&self) -> (Status, bool) {
+        let (status, has_jumped, _) = self.update();
+        (status, has_jumped)
+    }
+
+    /// [`Self::update_discrete_states`], and the time of the next event, if one is known [s].
+    pub fn update(&self) -> (Status, bool, Option<f64>) {
         let (mut flags, mut next) = ([FALSE; 5], f64::NAN);
         let [update, terminate, nominals, values, defined] = &mut flags;
         // SAFETY: the instance is valid; each pointer leads to one value.
         let status =
             unsafe { fmi3UpdateDiscreteStates(self.c.get(), update, terminate, nominals, values, defined, &mut next) };
-        (status, flags[3] != FALSE)
+        (status, flags[3] != FALSE, (flags[4] != FALSE).then_some(next))
     }
 
     /// `fmi3DoStep` of size `h` [s] from a communication point [s].

@@ -272,12 +272,11 @@ impl fmt::Display for ModelError {
                 f64::MAX
             ),
             Self::Prescribed { name, value, time, why } => {
-                let (value, time) = (Decimal::rounded(*value), Decimal::rounded(*time));
-                write!(
-                    f,
-                    "{name} = {value} {} is prescribed {time} s after the start of the step: {why}",
-                    unit_of(name)
-                )
+                write!(f, "{name} = {} {} is prescribed", Decimal::rounded(*value), unit_of(name))?;
+                if *time > 0.0 {
+                    write!(f, " {} s after the start of the step", Decimal::rounded(*time))?;
+                }
+                write!(f, ": {why}")
             }
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {

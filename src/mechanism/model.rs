@@ -388,6 +388,19 @@ impl Model {
         }
     }
 
+    /// The state that outputs show, with the reduced model.
+    fn shown(&mut self) -> Result<(&State, &Reduced), ModelError> {
+        self.state()?;
+        let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised);
+        };
+        let state = match state {
+            Formulation::Reduced(motion) => motion.shown(reduced, &self.inputs),
+            Formulation::RigidFem(motion) => &motion.rigid.state,
+        };
+        Ok((state, reduced))
+    }
+
     /// The state, put at the start if there is none yet.
     fn state(&mut self) -> Result<&mut Formulation, ModelError> {
         if self.state.is_none() {

@@ -38,13 +38,13 @@ fn changes(fmu: &Fmu) -> bool {
     flags[3] == 1
 }
 
-fn states(fmu: &Fmu) -> [f64; 2] {
+pub fn states(fmu: &Fmu) -> [f64; 2] {
     let mut y = [f64::NAN; 2];
     assert_eq!(fmu.states(&mut y), Status::Ok);
     y
 }
 
-fn rates(fmu: &Fmu, y: [f64; 2]) -> [f64; 2] {
+pub fn rates(fmu: &Fmu, y: [f64; 2]) -> [f64; 2] {
     let mut f = [f64::NAN; 2];
     assert_eq!((fmu.set_states(&y), fmu.rates(&mut f)), (Status::Ok, Status::Ok));
     f

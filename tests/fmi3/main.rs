@@ -6,6 +6,7 @@ mod exchange;
 #[path = "../fmi2/host.rs"]
 mod fmi2;
 mod messages;
+mod prescribed;
 mod step;
 mod updates;
 mod vectors;

@@ -138,8 +138,8 @@ impl<'a> Builder<'a> {
             (_, Kind::Real) if !is_discrete(quantity) => Variability::Continuous,
             _ => Variability::Discrete,
         };
-        let moved =
-            self.source.moved((needs.inputs, needs.loads), causality == Causality::Output && !is_discrete(quantity));
+        let is_moved = causality == Causality::Output && !is_discrete(quantity) || quantity == Quantity::State(2);
+        let moved = self.source.moved((needs.inputs, needs.loads), is_moved);
         let needs = match &moved {
             Some((inputs, loads)) => Needs { closure: true, position: true, speed: true, inputs, loads, ..needs },
             None => needs,

@@ -11,7 +11,7 @@ const OWNER: &str = "along_curve";
 
 pub(super) fn add(b: &mut Builder) {
     let s = b.source;
-    if s.mechanism.has_hydraulics() || s.loading.motion.is_some() {
+    if s.mechanism.has_hydraulics() {
         return;
     }
     let states = [

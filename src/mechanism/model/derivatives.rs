@@ -67,7 +67,13 @@ impl Model {
             motion.head_for(reduced, &self.inputs, along, &sum);
         }
         let changes_state = along != [0.0; 2];
+        let is_exchanged = self.exchange.is_some() && self.is_prescribed();
         for (index, &unknown) in unknowns.iter().enumerate() {
+            if is_exchanged && self.unknown_rate(unknown) == Some(0) {
+                // The rate of the state x is the state v.
+                report(index, along[1]);
+                continue;
+            }
             let dependencies = &self.original.variables.list()[unknown as usize].dependencies;
             let depends = changes_state || knowns.iter().any(|known| dependencies.contains(known));
             report(index, if depends { self.derivative(unknown)? } else { 0.0 });

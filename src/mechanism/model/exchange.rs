@@ -6,6 +6,7 @@
 //!
 //! In: states that the host's solver tries, events that it has found. Out: derivatives, event indicators, the state
 //! after an event. What a stop does to the motion is the law of co-simulation. It must not know FMI's life cycle.
+mod prescribed;
 mod transitions;
 
 use super::{Formulation, Model, ModelError};
@@ -13,12 +14,14 @@ use crate::codec::record::{Damaged, Record};
 use crate::mechanism::definition::Method;
 use crate::mechanism::motion::contact::Ends;
 use crate::mechanism::motion::{MOST_REVOLUTIONS, state::State};
+use crate::mechanism::outputs::OutputError;
 use crate::mechanism::quantity::{Indicator, Quantity};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::decimal::Decimal;
 use crate::variables::{ContinuousTime, Reference};
+use prescribed::Instant;
 use std::sync::Arc;
-use transitions::{Transition, transition, value_of};
+use transitions::{ABSENT, Transition, transition, value_of};
 
 /// Length of the present stretch of an open curve, times which a trial state may be beyond: farther, the curve would be
 /// traced for a state that a shorter step of the solver avoids.
@@ -29,15 +32,29 @@ const FARTHEST: f64 = 8.0;
 pub struct Exchange {
     /// States x and v at the last event or completed step of the solver.
     last: [f64; 2],
-    /// State x that was set, where sigma differs from it: the curve ends before, or x is rounded.
-    beyond: Option<f64>,
+    /// States that were set, where the motion has others: the curve ends before, x is rounded, or the motion is
+    /// prescribed.
+    tried: Option<[f64; 2]>,
+    /// Under a prescribed motion: the last event.
+    event: Option<Instant>,
+    /// Under a prescribed motion: its next kink, a time event.
+    next: Option<Instant>,
 }
 
 impl Exchange {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("states at the last event", &mut self.last)?;
-        record.option("state beyond the curve", &mut self.beyond, || 0.0, |record, x| record.finite("state", x))
+        record.option("states tried", &mut self.tried, Default::default, |record, states| {
+            record.all_finite("state", states)
+        })?;
+        for instant in [&mut self.event, &mut self.next] {
+            record.option("event of the prescribed motion", instant, Instant::default, |record, instant| {
+                record.finite("time of an event", &mut instant.time)?;
+                record.finite("time since the motion is prescribed", &mut instant.since)
+            })?;
+        }
+        Ok(())
     }
 }
 
@@ -66,8 +83,8 @@ fn counted(reduced: &Reduced, state: &State) -> f64 {
 }
 
 impl Model {
-    /// The variables that a host's solver integrates; none where the state has more than the motion, as with a
-    /// hydraulic circuit.
+    /// The variables that a host's solver integrates; none where the state has more than the motion: with a hydraulic
+    /// circuit.
     pub fn continuous_time(&self) -> Option<ContinuousTime> {
         let mut all = ContinuousTime::default();
         for reference in 0..self.original.variables.list().len() as Reference {
@@ -99,10 +116,7 @@ impl Model {
     /// A hydraulic circuit has states that are not told.
     pub fn serve_exchange(&mut self) -> Result<(), ModelError> {
         if self.continuous_time().is_none() {
-            let reason = match self.original.reduced.loading().motion {
-                Some(_) => "a mechanism with a prescribed motion has no continuous states; use co-simulation",
-                None => "the states of a hydraulic circuit are integrated together with the motion; use co-simulation",
-            };
+            let reason = "the states of a hydraulic circuit are integrated together with the motion; use co-simulation";
             return Err(ModelError::Derivative { what: "model exchange".into(), reason: reason.into() });
         }
         self.exchange = Some(Exchange::default());
@@ -132,11 +146,9 @@ impl Model {
     /// # Errors
     /// The present parameters give no mechanism.
     pub fn continuous_states(&mut self) -> Result<[f64; 2], ModelError> {
-        let beyond = self.exchange.and_then(|exchange| exchange.beyond);
-        self.state()?;
-        let (Some(state), Some(reduced)) = (&self.state, &self.reduced) else { return Err(ModelError::NotInitialised) };
-        let state = state.along_curve();
-        Ok([beyond.unwrap_or_else(|| counted(reduced, state)), state.sigma_dot])
+        let tried = self.exchange.and_then(|exchange| exchange.tried);
+        let (state, reduced) = self.shown()?;
+        Ok(tried.unwrap_or_else(|| [counted(reduced, state), state.sigma_dot]))
     }
 
     /// Scales of the continuous states.
@@ -154,6 +166,7 @@ impl Model {
     /// A state that is not finite, or beyond an end of the curve where no rigid stop is; nothing has changed.
     pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
         let before = self.continuous_states()?;
+        let is_prescribed = self.is_prescribed();
         let (Some(Formulation::Reduced(motion)), Some(reduced), Some(exchange)) =
             (&mut self.state, &self.reduced, &mut self.exchange)
         else {
@@ -167,6 +180,10 @@ impl Model {
                 Decimal(v)
             )));
         }
+        if is_prescribed {
+            exchange.tried = Some(states);
+            return Ok(());
+        }
         let state = &motion.state;
         let (sigma, revolutions) = if x.to_bits() == before[0].to_bits() {
             (state.sigma, state.revolutions)
@@ -174,7 +191,7 @@ impl Model {
             place(reduced, state, x)?
         };
         motion.move_to(sigma, v, revolutions);
-        exchange.beyond = (counted(reduced, &motion.state) != x).then_some(x);
+        exchange.tried = (counted(reduced, &motion.state) != x).then_some(states);
         Ok(())
     }
 
@@ -184,6 +201,9 @@ impl Model {
     /// The acceleration has no value at this state.
     pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
         self.state()?;
+        if self.is_prescribed() {
+            return self.prescribed_derivatives();
+        }
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised.into());
         };
@@ -191,11 +211,14 @@ impl Model {
         match motion.read(reduced, &self.inputs, |view| view.forces()) {
             Ok(forces) if forces.held.is_some() => Ok([0.0; 2]),
             Ok(forces) if forces.acceleration.is_finite() => Ok([speed, forces.acceleration]),
-            other => {
-                let why = self.reason(other.map(|forces| forces.acceleration)).unwrap_or_default();
-                Err(NoValue::AtState(format!("the derivatives of the continuous states cannot be computed: {why}")))
-            }
+            other => Err(self.no_derivatives(other.map(|forces| forces.acceleration))),
         }
+    }
+
+    /// Why the acceleration, which is this, has no value.
+    fn no_derivatives(&self, acceleration: Result<f64, OutputError>) -> NoValue {
+        let why = self.reason(acceleration).unwrap_or_default();
+        NoValue::AtState(format!("the derivatives of the continuous states cannot be computed: {why}"))
     }
 
     /// x, v, or the time derivative of v; NaN where that has no value.
@@ -221,8 +244,11 @@ impl Model {
     /// The present parameters give no mechanism.
     pub(super) fn indicator(&mut self, indicator: Indicator) -> Result<f64, ModelError> {
         let [x, v] = self.continuous_states()?;
+        if self.is_prescribed() {
+            return Ok(ABSENT);
+        }
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
-            return Ok(1.0);
+            return Ok(ABSENT);
         };
         let locks = &self.inputs.locks;
         let value = motion.read(reduced, &self.inputs, |view| value_of(view, locks, indicator, [x, v]));
@@ -257,6 +283,7 @@ impl Model {
     /// # Errors
     /// Not initialised.
     pub fn completed_step(&mut self) -> Result<bool, ModelError> {
+        self.adopt_prescribed();
         let is_due = self.due()?.is_some();
         if self.watched.watches {
             self.watch_contacts(None);
@@ -273,6 +300,7 @@ impl Model {
     /// The state after a transition cannot be computed.
     pub(super) fn update_discrete_states(&mut self, point: Option<f64>) -> Result<bool, ModelError> {
         let before = self.continuous_states()?;
+        self.update_prescribed(point)?;
         if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
             let travel = Arc::clone(&motion.state.travel);
             let locked = motion.state.ends(reduced, &self.inputs.locks).locked;
@@ -305,6 +333,9 @@ impl Model {
     /// The next transition that is due, if there is one. What has no value at this state is not due.
     fn due(&mut self) -> Result<Option<Transition>, ModelError> {
         let now = self.continuous_states()?;
+        if self.is_prescribed() {
+            return Ok(None);
+        }
         let (Some(Formulation::Reduced(motion)), Some(reduced), Some(exchange)) =
             (&mut self.state, &self.reduced, &self.exchange)
         else {
@@ -323,7 +354,7 @@ impl Model {
         let (Some(Formulation::Reduced(motion)), Some(exchange)) = (&mut self.state, &mut self.exchange) else {
             return Err(ModelError::NotInitialised);
         };
-        let (state, was_beyond) = (&mut motion.state, exchange.beyond.take());
+        let (state, tried) = (&mut motion.state, exchange.tried.take());
         match transition {
             Transition::Arrive(place) => {
                 state.contact.arrives(place);
@@ -331,7 +362,7 @@ impl Model {
                     if let Some(Formulation::Reduced(motion)) = &mut self.state {
                         motion.state.contact.take_arrival();
                     }
-                    self.exchange = self.exchange.map(|exchange| Exchange { beyond: was_beyond, ..exchange });
+                    self.exchange = self.exchange.map(|exchange| Exchange { tried, ..exchange });
                     return Err(error);
                 }
                 return Ok(());

@@ -205,12 +205,8 @@ impl Model {
                 Ok(network.zip(memory).is_some_and(|(network, memory)| is_engaged(&network.laws, memory, lock)))
             }
             Some(Quantity::AtStop(stop)) => {
-                let reduced = Arc::clone(self.reduced()?);
-                self.state()?;
-                Ok(match &mut self.state {
-                    Some(Formulation::Reduced(motion)) => motion.shown(&reduced, &self.inputs).at_stop(&reduced, stop),
-                    state => state.as_ref().is_some_and(|state| state.along_curve().at_stop(&reduced, stop)),
-                })
+                let (state, reduced) = self.shown()?;
+                Ok(state.at_stop(reduced, stop))
             }
             Some(quantity @ (Quantity::SelfLocking(_) | Quantity::Sticking)) => {
                 self.state()?;
@@ -251,6 +247,9 @@ impl Model {
     pub fn set_boolean(&mut self, reference: Reference, value: bool) -> Result<(), ModelError> {
         self.check_boolean(reference, value)?;
         let quantity = self.original.variables.quantity(reference);
+        if quantity == Some(Quantity::Prescribed) {
+            self.adopt_prescribed();
+        }
         let lock = match quantity {
             Some(Quantity::Lock(i)) => Some(i),
             Some(Quantity::Prescribed) => self.inputs.locks.len().checked_sub(1),
@@ -297,7 +296,7 @@ impl Model {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Method) => Ok(self.parameter_values.method() as usize),
             Some(Quantity::Contact) => {
-                let contact = self.state()?.along_curve().contact;
+                let contact = self.shown()?.0.contact;
                 Ok(match (contact.arrival(), contact.at_rest(), contact.touching() == BumperSet::EMPTY) {
                     (Some(_), ..) => 4,
                     (None, Some(_), _) if contact.is_latched() => 3,

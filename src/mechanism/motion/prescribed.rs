@@ -25,6 +25,8 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub struct PrescribedState {
     /// Whether the last step was under a prescribed motion.
     pub is_active: bool,
+    /// Whether the host states the time, as in model exchange.
+    pub has_host_time: bool,
     /// Time since it is prescribed.
     pub time: Elapsed,
     /// Position of the drive where it was first prescribed [m or rad].
@@ -39,6 +41,7 @@ impl PrescribedState {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.flag("motion prescribed", &mut self.is_active)?;
+        record.flag("time of the host", &mut self.has_host_time)?;
         self.time.record(record)?;
         record.finite("start of the prescribed motion", &mut self.origin)?;
         record.all_finite("prescribed motion", &mut self.given)?;

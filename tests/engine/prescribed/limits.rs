@@ -132,8 +132,6 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
     assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);
-    assert!(lift.continuous_time().is_none());
-    assert_says(lift.serve_exchange().unwrap_err(), &["prescribed motion", "use co-simulation"]);
 }
 
 #[test]

@@ -127,6 +127,12 @@ impl Profile {
         kinks.filter(|kink| *kink > t + close).fold(f64::INFINITY, f64::min)
     }
 
+    /// The last time before a kink that does not count as that of the kink, both since the motion was first
+    /// prescribed [s].
+    pub fn just_before(&self, kink: f64) -> f64 {
+        kink - 2.0 * self.close()
+    }
+
     /// Distance of a time from a kink at which it counts as that of the kink [s].
     fn close(&self) -> f64 {
         let duration = self.shape.duration();

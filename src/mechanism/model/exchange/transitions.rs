@@ -16,6 +16,9 @@ const PLACE_SHIFT: f64 = 1e-12;
 /// Shift of an indicator of a press [m/s2 of a mass of 1 kg] or of the push of a bumper [N or N.m].
 const PRESS_SHIFT: f64 = 1e-9;
 
+/// Value of an indicator of what is absent.
+pub const ABSENT: f64 = 1.0;
+
 /// A transition that is due.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Transition {
@@ -59,7 +62,6 @@ pub fn value_of(
     indicator: Indicator,
     [x, v]: [f64; 2],
 ) -> Result<f64, OutputError> {
-    const ABSENT: f64 = 1.0;
     let (state, loading, shift) = (view.state, view.reduced.loading(), PLACE_SHIFT * view.reduced.scale());
     let rest = state.contact.at_rest();
     Ok(match indicator {

@@ -24,6 +24,7 @@ use crate::mechanism::error::{ModelError, unit_of};
 use crate::mechanism::loads::resolved::MotionDrive;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
+use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::prescribed::{PrescribedState, Track};
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::witness::What;
@@ -115,7 +116,14 @@ impl State {
         self.follow(reduced, inputs, EngagedLocks::default(), true)
     }
 
-    /// Take over what the inputs prescribe, for outputs that show it.
+    /// The host states the time since the motion is prescribed [s].
+    pub fn set_time(&mut self, since: f64) {
+        if let Some(prescribed) = &mut self.saved.prescribed {
+            (prescribed.has_host_time, prescribed.time) = (true, Elapsed::at(since));
+        }
+    }
+
+    /// Take over what the inputs prescribe: for outputs that show it, and for a solver of the host.
     ///
     /// # Errors
     /// [`ModelError::Prescribed`]; nothing has changed.
@@ -137,19 +145,29 @@ impl State {
     ) -> Result<(), ModelError> {
         let (Some(drive), Some(before)) = (&reduced.loading().motion, self.saved.prescribed) else { return Ok(()) };
         let given = inputs.given(drive).unwrap_or_default();
-        if before.is_active && (drive.profile.is_some() || given.map(f64::to_bits) == before.given.map(f64::to_bits)) {
+        let is_placed = match drive.profile {
+            Some(_) => !before.has_host_time,
+            None => given.map(f64::to_bits) == before.given.map(f64::to_bits),
+        };
+        if before.is_active && is_placed {
             return Ok(());
         }
         let here = self.displacement(reduced, drive.load);
         let after = match before.is_active {
             true => PrescribedState { given, ..before },
-            false => PrescribedState { is_active: true, origin: here, given, ..PrescribedState::default() },
+            false => {
+                let has_host_time = before.has_host_time;
+                PrescribedState { is_active: true, has_host_time, origin: here, given, ..PrescribedState::default() }
+            }
         };
         let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.parts()) else { return Ok(()) };
-        let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
-        let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
+        let Self { saved, scratch, rates, .. } = &mut *self;
+        let SavedState { applied: sizes, airspeed, air, revolutions, .. } = &*saved;
+        let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, BumperSet::EMPTY);
+        let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
+        let track = Track { whole: reduced, load: drive.load, revolutions, ends };
         let step = Step { track, motion, inputs, drive };
-        let found = step.place(0.0, self.sigma).map_err(|trouble| step.error(trouble))?;
+        let found = step.place(0.0, saved.sigma).map_err(|trouble| step.error(trouble))?;
         let is_begun = !before.is_active && !at_start;
         let miss = motion.at(0.0)[0] - here;
         if is_begun && miss.abs() > SWITCH * found.slope.abs() * reduced.scale() {
@@ -162,12 +180,18 @@ impl State {
             );
             return Err(ModelError::Prescribed { name: step.name(), value: here + miss, time: 0.0, why });
         }
-        step.check_locks(0.0, self.sigma, found.y[0])?;
+        step.check_locks(0.0, saved.sigma, found.y[0])?;
+        let [sigma, sigma_dot, _] = found.y;
         let mut contact = Contact::default();
-        contact.set_touching(if at_start { BumperSet::EMPTY } else { self.contact.touching() });
+        if ends.bumpers() > 0 {
+            let mut balance =
+                Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
+            balance.begin();
+            balance.touch([sigma, sigma_dot]);
+            contact.set_touching(balance.touching);
+        }
         let (energy, before) =
             (self.kinetic() + self.load_potential(reduced, |load| self.displacement(reduced, load)), self.sigma_dot);
-        let [sigma, sigma_dot, _] = found.y;
         let arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
         self.arrive(reduced, &arrival)?;
         self.saved.prescribed = Some(after);
@@ -183,6 +207,12 @@ impl State {
     }
 
     /// The motion is no longer prescribed: the state goes on as under forces.
+    pub fn release(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let locked = engaged_locks(&self.saved.travel, reduced, &inputs.locks, self.saved.memory.network_values());
+        self.release_prescribed(reduced, locked);
+    }
+
+    /// [`Self::release`] with these locks engaged.
     pub(super) fn release_prescribed(&mut self, reduced: &Reduced, locked: EngagedLocks) {
         let Some(prescribed) = self.saved.prescribed.filter(|prescribed| prescribed.is_active) else { return };
         self.saved.prescribed = Some(PrescribedState { is_active: false, ahead: None, ..prescribed });

@@ -7,6 +7,7 @@
 use super::ReducedMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::Prescribed;
+use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
@@ -67,6 +68,59 @@ impl ReducedMotion {
         self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state)
     }
 
+    /// The host states the time since the motion is prescribed [s], as in model exchange.
+    pub fn set_time(&mut self, since: f64) {
+        self.state.set_time(since);
+        self.inputs_changed();
+    }
+
+    /// Take over the state that outputs show.
+    pub fn adopt(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let revolutions = self.state.revolutions;
+        self.shown(reduced, inputs);
+        if let Some(shown) = self.driven.as_deref().and_then(Driven::shown) {
+            self.state.saved.copy_from(&shown.saved);
+            self.state.recount();
+            self.invalidate(revolutions);
+        }
+    }
+
+    /// Begin or end to follow what the inputs prescribe.
+    ///
+    /// # Errors
+    /// As [`State::preview`]; nothing has changed.
+    pub fn switch(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
+        let revolutions = self.state.revolutions;
+        match inputs.prescribes() {
+            true => self.state.preview(reduced, inputs)?,
+            false => self.state.release(reduced, inputs),
+        }
+        self.invalidate(revolutions);
+        Ok(())
+    }
+
+    /// sigma_ddot that a prescribed motion demands.
+    ///
+    /// # Errors
+    /// [`OutputError::Motion`].
+    pub fn demanded(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<f64, OutputError> {
+        let sigma_dot = self.shown(reduced, inputs).sigma_dot;
+        self.plain_view(reduced, inputs).check_placed()?;
+        let [slope, curvature] = self.slopes(reduced);
+        let acceleration = self.driven.as_ref().and_then(|driven| driven.demand).map_or(f64::NAN, |[first, _]| first);
+        Ok((acceleration - curvature * sigma_dot * sigma_dot) / slope)
+    }
+
+    /// S_sigma and S_sigma_sigma of the drive whose motion is prescribed, in the state that is shown.
+    fn slopes(&self, reduced: &Reduced) -> [f64; 2] {
+        let sigma = self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state).sigma;
+        let Some(drive) = &reduced.loading().motion else { return [f64::NAN; 2] };
+        match reduced.at(sigma).displacement_around(drive.load, sigma) {
+            Ok((table, position)) => [1, 2].map(|order| table.value(position, order)),
+            Err(_) => [f64::NAN; 2],
+        }
+    }
+
     /// Find the state under the present inputs, and the force of the drive.
     pub(in crate::mechanism::outputs) fn settle(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let (Some(driven), Some(drive)) = (&mut self.driven, &reduced.loading().motion) else { return };
@@ -117,12 +171,8 @@ impl ReducedMotion {
     pub(in crate::mechanism::outputs) fn drive_along(&mut self, reduced: &Reduced, inputs: &Inputs, in_time: bool) {
         let demand = self.driven.as_ref().and_then(|driven| driven.demand);
         let (Some([acceleration, jerk]), Some(drive)) = (demand, &reduced.loading().motion) else { return };
-        let state = self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state);
-        let (sigma, sigma_dot) = (state.sigma, state.sigma_dot);
-        let [slope, curvature] = match reduced.at(sigma).displacement_around(drive.load, sigma) {
-            Ok((table, position)) => [1, 2].map(|order| table.value(position, order)),
-            Err(_) => [f64::NAN; 2],
-        };
+        let sigma_dot = self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state).sigma_dot;
+        let [slope, curvature] = self.slopes(reduced);
         let direction = self.direction(reduced, inputs);
         let [position_rate, speed_rate, rate] = match drive.first_input {
             _ if in_time => [slope * sigma_dot, acceleration, jerk],
