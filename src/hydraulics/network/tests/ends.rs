@@ -39,8 +39,9 @@ impl Mass {
 
     fn announce(&mut self, h: f64) {
         let [length, speed] = self.motion;
-        [("ram.length", length), ("ram.speed", speed), ("preview.horizon", h)]
-            .map(|(name, to)| self.host.set(name, to));
+        for (name, to) in [("ram.length", length), ("ram.speed", speed), ("preview.horizon", h)] {
+            self.host.set(name, to);
+        }
     }
 
     /// A step under the force of the cylinder. Returns the force at its beginning.
