@@ -394,24 +394,24 @@ fn refused_calls_change_nothing() {
 #[test]
 #[ignore = "measures time"]
 fn cost_of_a_step() {
-    for (what, open) in [("moving", 0.4), ("gear moving", 2.0)] {
+    for (what, open, steps) in [("moving", 0.4, 400), ("gear moving", 2.0, 400), ("from start to end", 0.0, 9000)] {
         let mut host = Host::start(SYSTEM);
         host.run(open, 1e-3);
         let forces = ["gear.preview.force_mean", "door.preview.force_mean"].map(|name| host.reference(name));
         let before = host.0.statistics();
         let start = std::time::Instant::now();
-        for _ in 0..400 {
+        for _ in 0..steps {
             for force in forces {
                 host.0.real(force).unwrap();
             }
             host.0.step(1e-3).unwrap();
         }
-        let each = start.elapsed().as_secs_f64() / 400.0;
+        let each = start.elapsed().as_secs_f64() / f64::from(steps);
         let after = host.0.statistics();
         println!(
             "{what}: {:.2} us a step, {} evaluations each, {:?}",
             each * 1e6,
-            (after.evaluations - before.evaluations) as f64 / 400.0,
+            (after.evaluations - before.evaluations) as f64 / f64::from(steps),
             after.by_method
         );
     }
