@@ -1,7 +1,8 @@
 //! Errors of a model.
 use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
-use crate::mechanism::definition::{DefinitionError, Fault};
+use crate::mechanism::definition::{DefinitionError, Fault, listed};
+use crate::mechanism::linkage::Linkage;
 use crate::mechanism::reduced::{End, Reduced, ReductionError, if_degrees};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
@@ -73,6 +74,8 @@ pub enum ModelError {
     /// A prescribed motion that the mechanism cannot make: the quantity of its drive, the value asked for, the time
     /// from the beginning of the step [s], and why not, with limit and remedy.
     Prescribed { name: String, value: f64, time: f64, why: String },
+    /// Forces were to move a mechanism without masses: its moving bodies.
+    Massless { bodies: String },
     /// An input so large that its load or its work overflows: its name and largest size in the step.
     LoadOverflow { name: String, value: f64 },
     /// A step met `solver.max_steps`: the time from its beginning to the state reached [s], and what took so many
@@ -99,6 +102,13 @@ impl ModelError {
             Self::RigidFem(error) => matches!(error, RigidFemError::Equilibrium { .. } | RigidFemError::Strain { .. }),
             _ => false,
         }
+    }
+
+    /// [`Self::Massless`] of this linkage.
+    #[cold]
+    pub fn massless(linkage: &Linkage) -> Self {
+        let names: Vec<&str> = linkage.bodies.iter().skip(1).map(|body| &*body.name).collect();
+        Self::Massless { bodies: listed(&names) }
     }
 
     /// [`Self::Travel`] at a sigma beyond the end of this stretch.
@@ -278,6 +288,11 @@ impl fmt::Display for ModelError {
                 }
                 write!(f, ": {why}")
             }
+            Self::Massless { bodies } => write!(
+                f,
+                "no body has a mass, so forces cannot move the mechanism: give a mass to one of {bodies}, or prescribe \
+                 the motion of a drive (key motion in actuators)"
+            ),
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {
                 write!(f, "the mechanism moved past the end of its travel at {position}: {reason}")

@@ -143,8 +143,18 @@ impl Model {
                 (Some(Quantity::Output(Output::Hydraulic(Hydraulic::Force) | Output::Network(Flow::Force(_)))), _) => {
                     reals.push(0.0);
                 }
+                // So are position and speed of a drive without masses.
+                (Some(Quantity::Output(Output::Displacement { load, order: 0 | 1 })), _)
+                    if mechanism.is_massless() && load < reduced.loading().drives.len() =>
+                {
+                    reals.push(0.0);
+                }
                 _ => {}
             }
+        }
+        if mechanism.is_massless() {
+            // The motion is always prescribed.
+            locks.push(true);
         }
         let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
         found.extend(warnings(&mechanism, &reduced));

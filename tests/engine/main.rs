@@ -39,6 +39,7 @@ mod interpolation;
 mod linearisation;
 mod look_ahead;
 mod losses;
+mod massless;
 mod mechanism_fuzz;
 mod near_misses;
 mod newton_euler;

@@ -77,7 +77,7 @@ def targets(gear: lf.Mechanism, random: random.Random) -> list[Any]:
             body.pop(key, None)
     result = gear.simulate(stop_time=5e-3, output_interval=1e-3, output=["crank.angle", "crank.speed"])
     return [
-        *(gear, lf.example("HydraulicActuator"), lf.Mechanism(text, massless=True)),
+        *(gear, lf.example("HydraulicActuator"), lf.Mechanism(text)),
         *(closed, running, gear.simulation(), lf.example("HydraulicActuator").simulation()),
         *(running.prepare(NAMES[:3]), running.save(), result, result[1:2], gear.kinematics(3, ["crank.angle"])),
         *(gear.check(), gear.check().facts[0], lf, build),

@@ -226,8 +226,8 @@ impl Model {
         Ok((plan.packed(py, &rows)?, warnings, error, time))
     }
 
-    /// Along the travel in `count` equal parts: values of the named variables, and their rates for each unit of a
-    /// parameter of the travel. Row by row: parameter, values, rates.
+    /// Along the travel in `count` equal parts: values of the named variables, and their first and second rates for
+    /// each unit of a parameter of the travel. Row by row: parameter, values, rates, second rates.
     #[pyo3(signature = (count, outputs, start_values))]
     fn travel<'py>(
         &self,
@@ -238,7 +238,7 @@ impl Model {
     ) -> PyResult<Bound<'py, PyByteArray>> {
         let count = whole::<1, MOST_PARTS>("count", count)? as usize;
         let outputs = names("outputs", outputs)?;
-        let bytes = (count + 1) as f64 * (1 + 2 * outputs.len()) as f64 * 8.0;
+        let bytes = (count + 1) as f64 * (1 + 3 * outputs.len()) as f64 * 8.0;
         if bytes > MOST_BYTES {
             return Err(InputError::new_err(format!(
                 "count = {count}: {} outputs at {} positions need {:.1} GB, but a result has at most {:.1} GB; give a \
@@ -400,7 +400,19 @@ fn packed<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyByteArr
     })
 }
 
-/// Values and rates of variables along the travel, without time.
+/// Name of the rate of a position.
+fn rate_of(position: &str) -> Option<String> {
+    let (owner, suffix) = position.rsplit_once('.')?;
+    let rate = match suffix {
+        "angle" | "position" | "length" => "speed",
+        "x" => "velocity_x",
+        "y" => "velocity_y",
+        _ => return None,
+    };
+    Some(format!("{owner}.{rate}"))
+}
+
+/// Values of variables along the travel without time, then their rates, then the second rates of positions.
 fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<Vec<f64>> {
     let found = names.iter().map(|name| find(model.interface(), name)).collect::<Result<Vec<_>, _>>();
     let references: Vec<Reference> = found.map_err(input)?;
@@ -410,13 +422,14 @@ fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<Vec<
             return Err(input(format!("{name} is not an output with a number; kinematics returns outputs only")));
         }
     }
+    let rates: Vec<Option<Reference>> = names.iter().map(|name| model.interface().find(&rate_of(name)?)).collect();
     let Component::Mechanism(own) = model else {
         return Err(input("a hydraulic actuator without a mechanism has no travel"));
     };
     let travel = own.sweep(count).map_err(refused)?.sigma;
-    model.serve_exchange().map_err(refused)?;
+    own.serve_travel().map_err(refused)?;
     model.initialize().map_err(refused)?;
-    let mut rows = Vec::with_capacity(travel.len() * (1 + 2 * names.len()));
+    let mut rows = Vec::with_capacity(travel.len() * (1 + 3 * names.len()));
     let no_value = |error: NoValue| match error {
         NoValue::AtState(why) => refused(why),
         NoValue::Refused(why) => refused(why),
@@ -432,6 +445,9 @@ fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<Vec<
         model.set_continuous_states([sigma, 1.0]).map_err(no_value)?;
         for &reference in &references {
             rows.push(model.output_derivative(reference, 1).unwrap_or(f64::NAN));
+        }
+        for &rate in &rates {
+            rows.push(rate.and_then(|rate| model.output_derivative(rate, 1).ok()).unwrap_or(f64::NAN));
         }
     }
     Ok(rows)

@@ -205,6 +205,15 @@ impl Expressions {
         self.iter().find_map(|one| one.fault(values))
     }
 
+    /// Without those of parameters that have none of these names. Returns the key of one that is left and uses such a
+    /// parameter, and this parameter.
+    fn left(&self, names: &HashMap<String, usize>) -> (Self, Option<(String, String)>) {
+        let left: Vec<Calculated> = self.iter().filter(|one| names.contains_key(&one.name)).cloned().collect();
+        let gone = |one: &Calculated| one.expression.names().iter().find(|name| !names.contains_key(*name)).cloned();
+        let at_fault = left.iter().find_map(|one| Some((one.key.clone(), gone(one)?)));
+        (Self::new(left), at_fault)
+    }
+
     /// The same expressions among the parameters of a mechanism, whose indices they take.
     fn indexed(&self, names: &HashMap<String, usize>) -> Self {
         let Some(list) = &self.0 else { return Self::default() };
@@ -317,6 +326,18 @@ impl Mechanism {
         let mut all = values.iter();
         self.parameters(&mut |_, value| *value = all.next().copied().unwrap_or(*value));
         self.expressions = expressions;
+    }
+
+    /// Forget the expressions of parameters that have been left out. Returns the key of an expression that uses one of
+    /// these, and its name.
+    pub(super) fn forget_expressions(&mut self) -> Option<(String, String)> {
+        if self.expressions.is_empty() {
+            return None;
+        }
+        let names = indices(&places(self));
+        let (left, at_fault) = self.expressions.left(&names);
+        self.expressions = left;
+        at_fault
     }
 
     /// Give the expressions the indices of the parameters that there are now: a drawing may have added some.

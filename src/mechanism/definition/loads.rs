@@ -231,7 +231,9 @@ impl Actuator {
     }
 
     pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
-        let own = |key: Key| (key.name != "hydraulics").then_some(key);
+        let motion = self.motion.clone();
+        let refined = |key: Key| motion.as_ref().map_or(key, |motion| motion.refined(key));
+        let own = |key: Key| (key.name != "hydraulics").then(|| refined(key));
         Owner { group: Some("actuators"), name, is_rotary }.parameters(self, &own, visit);
         self.hydraulics.iter_mut().for_each(|circuit| circuit.parameters(visit));
     }

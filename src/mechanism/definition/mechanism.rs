@@ -5,6 +5,7 @@ use super::couplings::Coupling;
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
 use super::expressions::{Expressions, Unclear};
+use super::masses::Massless;
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
 use super::motion::PrescribedMotion;
 use super::named_parameter::{NamedParameter, Shared};
@@ -44,6 +45,8 @@ keys! {
         file_units: Aside<Units> => Aside::<Units>::KEY;
         /// Expressions of numbers that are no parameters whose unit is unclear.
         unclear: Aside<Vec<Unclear>> => Aside::<Vec<Unclear>>::KEY;
+        /// What has been left out because no body has a mass.
+        massless: Aside<Massless> => Aside::<Massless>::KEY;
         /// Units of the angles and lengths in the mechanism file. Default: SI units.
         units: Option<Units> => Key::PLAIN.brief();
         /// Uniform gravity. Without the key `gravity` there is no gravity.

@@ -28,16 +28,17 @@ keys! {
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
         /// Duration of the profile [s], > 0. The key `duration` is not allowed for the profiles `trapezoid` and
-        /// `table`, whose duration follows from other keys.
+        /// `table`, whose duration follows from other keys. The profile `constant_speed` has no end.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
         /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first
         /// prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
-        /// Only for the profile `trapezoid`: largest speed [m/s or rad/s], > 0.
-        speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Positive)
-            .parameter(Role::Load, "Largest speed of the prescribed motion");
+        /// Profile `trapezoid`: largest speed [m/s or rad/s], > 0. Profile `constant_speed`: the speed, positive or
+        /// negative.
+        speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Coordinate)
+            .parameter(Role::Load, "Largest or constant speed of the prescribed motion");
         /// Only for the profile `trapezoid`: acceleration and deceleration [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
             .parameter(Role::Load, "Acceleration and deceleration of the prescribed motion");
@@ -61,6 +62,8 @@ words! {
         Polynomial345 = "polynomial_345",
         /// Polynomial of degree 7, without acceleration and jerk at its ends.
         Polynomial4567 = "polynomial_4567",
+        /// Constant speed without an end.
+        ConstantSpeed = "constant_speed",
         /// Smooth curve through points.
         Table = "table",
     }
@@ -72,13 +75,22 @@ impl PrescribedMotion {
         self.interpolation.unwrap_or_default().curve(self.points.as_ref()?)
     }
 
+    /// A key of a drive and its motion, with the range that its profile allows.
+    pub(super) fn refined(&self, key: Key) -> Key {
+        match key.name {
+            "speed" if self.profile == Some(ProfileKind::Trapezoid) => Key { range: Range::Positive, ..key },
+            _ => key,
+        }
+    }
+
     /// Faults of the motion of a drive, under the key of that motion.
     pub(super) fn check(&self, key: &str, faults: &mut Faults) {
-        use ProfileKind::{Cycloidal, Polynomial345, Polynomial4567, Table, Trapezoid};
+        use ProfileKind::{ConstantSpeed, Cycloidal, Polynomial345, Polynomial4567, Table, Trapezoid};
         let (what, wanted): (&str, &[&str]) = match self.profile {
             None => ("a motion without a profile", &["position"]),
             Some(Trapezoid) => ("a trapezoid", &["distance", "speed", "acceleration"]),
             Some(Cycloidal | Polynomial345 | Polynomial4567) => ("this profile", &["duration", "distance"]),
+            Some(ConstantSpeed) => ("a constant speed", &["speed"]),
             Some(Table) => ("a table", &["points"]),
         };
         let mut own = self.clone();

@@ -47,6 +47,7 @@ impl Mechanism {
         faults.keep(self.check_start());
         faults.keep(self.about.check());
         faults.keep(self.experiment.check());
+        self.settle_masses(faults);
     }
 
     /// A stated method has a step.

@@ -41,6 +41,7 @@ impl Mechanism {
         self.warn_of_curves(&mut all);
         self.warn_of_tables(&mut all);
         self.warn_of_start_speed(&mut all);
+        self.warn_of_masses(&mut all);
         all.extend(self.experiment.coarse().map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
         self.warn_of_bodies(&mut all);
         self.warn_of_angles(&mut all);

@@ -109,8 +109,11 @@ fn add_masses(linkage: &Linkage, positions: &Positions, facts: &mut Vec<Fact>) {
         mass += b.mass;
         moment += b.mass * positions.point(Point { body, local: b.center });
     }
-    let mut fact = Fact::new("Mass", "").with("total", mass, Unit::Kilogram);
-    if mass > 0.0 {
+    let mut fact = Fact::new("Mass", "");
+    if !linkage.is_massless {
+        fact = fact.with("total", mass, Unit::Kilogram);
+    }
+    if mass > 0.0 && !linkage.is_massless {
         let center = moment / mass;
         fact = fact.with("centre x", center.x, Unit::Metre).with("centre y", center.y, Unit::Metre);
     }
@@ -118,7 +121,8 @@ fn add_masses(linkage: &Linkage, positions: &Positions, facts: &mut Vec<Fact>) {
     let bodies = counted(linkage.bodies.len() - 1, "moving body", "moving bodies");
     let joints = counted(linkage.joints.len() - linkage.couplings.len(), "joint", "joints");
     let loops = counted(linkage.cuts.len() - linkage.couplings.len(), "closed loop", "closed loops");
-    facts.push(fact.saying(format!("{bodies}, {joints}, {loops}")));
+    let none = if linkage.is_massless { "no body has a mass: motion without forces; " } else { "" };
+    facts.push(fact.saying(format!("{none}{bodies}, {joints}, {loops}")));
 }
 
 /// Assembled coordinates beside the guess, and the side to which each joint bends.
@@ -234,7 +238,9 @@ fn add_travel<'a>(
         let start = at_start[coordinates + 2 * drive + 1][0].powi(-2);
         let fact = Fact::new("Reduced mass", &defined.name).with("start", start, mass);
         let fact = fact.with("least", low.abs().max(high.abs()).powi(-2), mass).with("most", slowest.powi(-2), mass);
-        out.facts.push(fact);
+        if !linkage.is_massless {
+            out.facts.push(fact);
+        }
         toggles.extend(motion.stationary.iter().map(|&sigma| (sigma, defined.name.clone(), Some(drive))));
     }
     add_toggles(places, ends, toggles, out);

@@ -114,7 +114,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The last variable is the time derivative of the one that stands so many places before it.
+    /// The last variable is the time derivative of the one that stands so many places before it. For a rate that has
+    /// been left out this repeats what is known of the last variable.
     pub fn is_rate_of(&mut self, places: usize) {
         let last = self.list.len() - 1;
         self.list[last].details.derivative_of = Some((last - places) as Reference);
@@ -128,6 +129,9 @@ impl<'a> Builder<'a> {
         quantity: Quantity,
         needs: Needs,
     ) {
+        if self.source.mechanism.is_massless() && self.source.needs_masses(quantity) {
+            return;
+        }
         let kind = match start {
             _ if !items(quantity).is_empty() => Kind::Enumeration,
             _ if unit.is_some() => Kind::Real,

@@ -13,6 +13,10 @@ use crate::variables::{Causality, Value};
 
 pub(super) fn add_inputs(b: &mut Builder) {
     let s = b.source;
+    if s.mechanism.is_massless() {
+        // In the place of the input, which stays 0.
+        return (0..s.loading.drives.len()).for_each(|load| add_displacement(b, load, 0));
+    }
     for (((name, a), drive), load) in s.mechanism.actuators.iter().zip(&s.loading.drives).zip(0..) {
         if let Some(cylinder) = s.loading.hydraulic_loads().iter().position(|own| *own == load) {
             hydraulics::add_force(b, name, cylinder);
@@ -51,6 +55,9 @@ pub(super) fn add_commands(b: &mut Builder) {
 }
 
 pub(super) fn add_demands(b: &mut Builder) {
+    if b.source.mechanism.is_massless() {
+        return (0..b.source.loading.drives.len()).for_each(|load| add_displacement(b, load, 1));
+    }
     for drive in &b.source.loading.drives {
         let (n, unit) = (&drive.name, if drive.is_rotary { RadianPerSecondSquared } else { MetrePerSecondSquared });
         let text = ["Demanded acceleration of the drive ", n, ", for which the output required_force is computed"];
@@ -112,25 +119,33 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
 
 pub(super) fn add(b: &mut Builder) {
     let s = b.source;
-    for (load, drive) in s.loading.drives.iter().enumerate() {
-        let n = drive.name.as_str();
-        let (what, units) = match (drive.is_rotary, &s.loading.loads[load]) {
-            (true, _) => ("angle", [Radian, RadianPerSecond, RadianPerSecondSquared]),
-            (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
-            (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
-        };
-        let position = Needs { loads: &[load], ..s.displacement(load) };
-        for (order, suffix, word, needs) in [
-            (0, what, "Present ", position),
-            (1, "speed", "Time derivative of the ", Needs { speed: true, ..position }),
-            (2, "acceleration", "Second time derivative of the ", s.acceleration()),
-        ] {
-            let output = Output::Displacement { load, order };
-            b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, needs);
-        }
+    // Without masses the first two stand in the places of inputs.
+    let first = if s.mechanism.is_massless() { 2 } else { 0 };
+    for load in 0..s.loading.drives.len() {
+        (first..3).for_each(|order| add_displacement(b, load, order));
         add_one_element(b, load);
         add_acting_force(b, load);
     }
+}
+
+/// The displacement of a drive, or its time derivative of this order.
+fn add_displacement(b: &mut Builder, load: usize, order: usize) {
+    let s = b.source;
+    let drive = &s.loading.drives[load];
+    let n = drive.name.as_str();
+    let (what, units) = match (drive.is_rotary, &s.loading.loads[load]) {
+        (true, _) => ("angle", [Radian, RadianPerSecond, RadianPerSecondSquared]),
+        (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
+        (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
+    };
+    let position = Needs { loads: &[load], ..s.displacement(load) };
+    let (suffix, word, needs) = match order {
+        0 => (what, "Present ", position),
+        1 => ("speed", "Time derivative of the ", Needs { speed: true, ..position }),
+        _ => ("acceleration", "Second time derivative of the ", s.acceleration()),
+    };
+    let output = Output::Displacement { load, order };
+    b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, needs);
 }
 
 /// The terms of the mechanism reduced to a drive.

@@ -4,6 +4,7 @@ use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::mechanism::loads::resolved::{Loading, MOTION, markers};
 use crate::mechanism::loads::unit_load::Load;
+use crate::mechanism::quantity::{Output, Quantity};
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -45,7 +46,9 @@ impl<'a> Source<'a> {
         let held = held(mechanism, &linkage);
         let mut source = Self { mechanism, linkage, loading, markers, inputs: Vec::new(), loads, held };
         let sizes = (0..source.loading.inputs.len()).filter(|load| !source.is_hydraulic(*load));
-        source.inputs = sizes.chain(source.airspeed()).chain(source.locks()).collect();
+        if !mechanism.is_massless() {
+            source.inputs = sizes.chain(source.airspeed()).chain(source.locks()).collect();
+        }
         source
     }
 
@@ -73,13 +76,31 @@ impl<'a> Source<'a> {
     pub fn moved(&self, (inputs, loads): (&[usize], &[usize]), is_moved: bool) -> Option<(Vec<usize>, Vec<usize>)> {
         let motion = self.loading.motion.as_ref().filter(|_| is_moved)?;
         let given = motion.first_input.map_or(0..0, |first| first..first + MOTION);
-        let mut inputs: Vec<usize> = inputs.iter().copied().chain(given).chain([self.locks().end]).collect();
+        let switch = (!self.mechanism.is_massless()).then_some(self.locks().end);
+        let mut inputs: Vec<usize> = inputs.iter().copied().chain(given).chain(switch).collect();
         let mut loads: Vec<usize> = loads.iter().copied().chain([motion.load]).collect();
         for list in [&mut inputs, &mut loads] {
             list.sort_unstable();
             list.dedup();
         }
         Some((inputs, loads))
+    }
+
+    /// Whether a variable needs masses. Without masses the motion is prescribed, so that accelerations follow from it;
+    /// if no drive has a motion, there are none.
+    pub fn needs_masses(&self, quantity: Quantity) -> bool {
+        let Quantity::Output(output) = quantity else {
+            use Quantity::{Contact, Indicator, Prescribed, SelfLocking, State, Sticking};
+            return matches!(quantity, Contact | Indicator(_) | Prescribed | SelfLocking(_) | State(_) | Sticking);
+        };
+        match output {
+            Output::Angle { order, .. }
+            | Output::JointPosition { order, .. }
+            | Output::Displacement { order, .. }
+            | Output::Marker { order, .. } => order > 1 && self.loading.motion.is_none(),
+            Output::PressureAngle { .. } | Output::SpringForce { .. } | Output::Frame { .. } => false,
+            _ => true,
+        }
     }
 
     /// Whether joints have friction when `friction.enabled` is true.
@@ -89,6 +110,9 @@ impl<'a> Source<'a> {
 
     /// What the acceleration follows from.
     pub fn acceleration(&self) -> Needs<'_> {
+        if self.mechanism.is_massless() {
+            return Needs { speed: true, ..placed() };
+        }
         let circuit = self.mechanism.has_hydraulics();
         Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, circuit, ..placed() }
     }

@@ -183,7 +183,20 @@ impl Linkage {
                 inertia: m.inertia(),
             })
             .collect();
-        Ok(Self { bodies, size: if size >= SMALLEST { size } else { 1.0 }, frames, ..Self::default() })
+        let mut linkage = Self { bodies, size: if size >= SMALLEST { size } else { 1.0 }, frames, ..Self::default() };
+        if mechanism.is_massless() {
+            linkage.give_nominal_masses();
+        }
+        Ok(linkage)
+    }
+
+    /// Give each body 1 kg at its origin and a radius of gyration of the size of the linkage, so that a motion of any
+    /// body has a length along the curve. Nothing that depends on these masses is a variable.
+    fn give_nominal_masses(&mut self) {
+        self.is_massless = true;
+        for body in self.bodies.iter_mut().skip(1) {
+            (body.mass, body.center, body.inertia) = (1.0, Vec2::zeros(), self.size * self.size);
+        }
     }
 
     fn add_joints(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {

@@ -157,6 +157,9 @@ pub struct Linkage {
     pub angles: usize,
     /// Largest distance of two named points of one body [m]: the scale of gaps.
     pub size: f64,
+    /// Whether the definition has no masses, so that those of the bodies are nominal: their only use is the metric of
+    /// the curve.
+    pub is_massless: bool,
     /// Frame of each body of the definition.
     pub(super) frames: Vec<Frame>,
 }

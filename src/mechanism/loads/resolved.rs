@@ -88,6 +88,7 @@ impl MotionDrive {
             ProfileKind::Cycloidal => rise(Rise::Cycloidal),
             ProfileKind::Polynomial345 => rise(Rise::Polynomial345),
             ProfileKind::Polynomial4567 => rise(Rise::Polynomial4567),
+            ProfileKind::ConstantSpeed => Some(Shape::ConstantSpeed(number(motion.speed))),
             ProfileKind::Table => motion.curve().map(Shape::Table),
         });
         let profile = shape.map(|shape| Profile { start_time: number(motion.start_time), shape });

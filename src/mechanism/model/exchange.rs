@@ -116,9 +116,26 @@ impl Model {
     /// A hydraulic circuit has states that are not told.
     pub fn serve_exchange(&mut self) -> Result<(), ModelError> {
         if self.continuous_time().is_none() {
-            let reason = "the states of a hydraulic circuit are integrated together with the motion; use co-simulation";
+            let reason = match self.original.reduced.linkage().is_massless {
+                true => "a mechanism without masses has no continuous states; use co-simulation",
+                false => "the states of a hydraulic circuit are integrated together with the motion; use co-simulation",
+            };
             return Err(ModelError::Derivative { what: "model exchange".into(), reason: reason.into() });
         }
+        self.exchange = Some(Exchange::default());
+        Ok(())
+    }
+
+    /// Follow the travel without time from now on: positions and speeds along the curve are set as the states of model
+    /// exchange, whether or not a drive has a motion.
+    ///
+    /// # Errors
+    /// A hydraulic circuit has states of its own.
+    pub fn serve_travel(&mut self) -> Result<(), ModelError> {
+        if !self.original.reduced.can_prescribe() {
+            return self.serve_exchange();
+        }
+        self.inputs.locks.last_mut().into_iter().for_each(|is_prescribed| *is_prescribed = false);
         self.exchange = Some(Exchange::default());
         Ok(())
     }

@@ -166,6 +166,9 @@ impl Model {
                  \"reduced\"",
             );
         }
+        if self.original.reduced.linkage().is_massless {
+            return Err(ModelError::massless(self.original.reduced.linkage()));
+        }
         if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
             return refused(
                 "a drive has a prescribed motion, so the mechanism has no states; set motion.enabled to false",

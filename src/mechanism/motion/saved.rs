@@ -100,7 +100,7 @@ impl SavedState {
             let memory = NetworkMemory::new(CircuitState::default(), reduced.loading().ports());
             saved.memory = Memory::WithNetwork(Box::new(memory));
         }
-        saved.prescribed = reduced.loading().motion.as_ref().map(|_| PrescribedState::default());
+        saved.prescribed = reduced.can_prescribe().then(PrescribedState::default);
         saved.record(record)?;
         saved.check(reduced)?;
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {

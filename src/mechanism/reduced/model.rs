@@ -98,6 +98,12 @@ impl Reduced {
         &self.source.loading
     }
 
+    /// Whether the motion can be prescribed. Without masses nothing else moves the mechanism, also where no drive has a
+    /// motion.
+    pub fn can_prescribe(&self) -> bool {
+        self.loading().motion.is_some() || self.linkage().is_massless
+    }
+
     /// Sizes of the applied loads under these inputs. Inputs that size no load come after those that do.
     pub fn sizes(&self, inputs: &[f64]) -> Vec<f64> {
         let mut sizes = Vec::new();

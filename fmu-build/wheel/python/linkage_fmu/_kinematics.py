@@ -31,6 +31,7 @@ class Kinematics:
         self.units = units
         self._values = {name: table[:, 1 + k] for k, name in enumerate(names)}
         self._rates = {name: table[:, 1 + len(names) + k] for k, name in enumerate(names)}
+        self._second = {name: table[:, 1 + 2 * len(names) + k] for k, name in enumerate(names)}
 
     def __getitem__(self, name: str) -> Array:
         """Values of an output, at rest, in SI units."""
@@ -48,6 +49,20 @@ class Kinematics:
         self._known(by)
         with np.errstate(divide="ignore", invalid="ignore"):
             found: Array = self._rates[of] / self._rates[by]
+        return found
+
+    def second_influence(self, of: str, by: str) -> Array:
+        """Second influence coefficient d2(of) / d(by)2 of two positions at each position; not a number without one.
+
+        The acceleration of `of` is `influence(of, by)` times the acceleration of `by`, plus `second_influence(of, by)`
+        times the square of the speed of `by`.
+
+        Raises:
+            InputError: the result has no such output.
+        """
+        ratio = self.influence(of, by)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found: Array = (self._second[of] - ratio * self._second[by]) / self._rates[by] ** 2
         return found
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -79,13 +94,9 @@ def kinematics(
 ) -> Kinematics:
     """See `Mechanism.kinematics`."""
     variables = {own.name: own for own in mechanism.variables}
-    wanted = _OF_POSITION if mechanism._is_massless else _OF_POSITION + _OF_MASSES
-
-    def is_wanted(name: str) -> bool:
-        return name.rpartition(".")[2] in wanted
-
     if outputs is None:
-        names = [own.name for own in variables.values() if own.causality == "output" and is_wanted(own.name)]
+        all_outputs = [own.name for own in variables.values() if own.causality == "output"]
+        names = [name for name in all_outputs if name.rpartition(".")[2] in _OF_POSITION + _OF_MASSES]
     else:
         try:
             names = [] if isinstance(outputs, str) else list(outputs)
@@ -93,10 +104,6 @@ def kinematics(
             names = []
         if not names:
             wrong("outputs", outputs, "a list of names")
-    if mechanism._is_massless:
-        for name in names:
-            if isinstance(name, str) and name in variables and not is_wanted(name):
-                raise InputError(f"{name} depends on masses, which this mechanism was opened without")
     flat = mechanism._model.travel(count, names, start_values)
-    table = np.frombuffer(flat).reshape(-1, 1 + 2 * len(names))
+    table = np.frombuffer(flat).reshape(-1, 1 + 3 * len(names))
     return Kinematics(names, table, {name: variables[name].unit for name in names})

@@ -112,39 +112,20 @@ def as_json(argument: str, stated: Mapping[str, Any]) -> str:
         raise InputError(f"{argument}: the dict cannot be written as JSON: {error}") from None
 
 
-def with_masses(text: str) -> str:
-    """The text of a definition in which each body without mass has a mass of 1 kg and an inertia of 1 kg.m2."""
-    try:
-        stated = json.loads(text)
-        bodies = stated["bodies"].items()
-    except (ValueError, KeyError, AttributeError, TypeError):
-        # The check of the definition states the reason.
-        return text
-    for name, body in bodies:
-        if name != "ground" and isinstance(body, dict) and "mass" not in body and "fixed_to" not in body:
-            body.update({"mass": 1} if "shape" in body else {"mass": 1, "inertia": 1})
-    return json.dumps(stated, indent=2, ensure_ascii=False)
-
-
 class Mechanism:
     """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the model.
 
     Args:
         source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
             FMU. The definition can also be a dict or a JSON text.
-        massless: True opens a definition without masses. Without masses, only `check`, `view`, and the positions and
-            influence coefficients of `kinematics` have a meaning. A simulation without masses raises SimulationError.
 
     Raises:
         MechanismError: the definition contains errors. The attribute `report` of the exception contains all findings.
         InputError: there is no definition at the path.
     """
 
-    def __init__(self, source: Source, *, massless: bool = False) -> None:
-        self._kind, self._shown, self._given = read(source)
-        self._is_massless = massless
-        # The text that the engine reads: with masses of its own where none are given, which no method shows.
-        self._text = with_masses(self._given) if massless else self._given
+    def __init__(self, source: Source) -> None:
+        self._kind, self._shown, self._text = read(source)
         is_text = isinstance(source, Mapping) or (isinstance(source, str) and source.lstrip().startswith("{"))
         self._path = None if is_text else Path(file("source", source))
         try:
@@ -182,16 +163,15 @@ class Mechanism:
         In each fact, `stable position` or `unstable position` is the value of the coordinate at the equilibrium [rad or
         m]. The attribute `of` is the name of the coordinate.
         """
-        self._has_masses()
         return self.check().about("Equilibria")
 
     def to_json(self) -> str:
         """Return the definition as JSON text, exactly as it was given."""
-        return self._given
+        return self._text
 
     def to_dict(self) -> dict[str, Any]:
         """Return the definition as a dict."""
-        found: dict[str, Any] = json.loads(self._given)
+        found: dict[str, Any] = json.loads(self._text)
         return found
 
     def simulate(
@@ -231,7 +211,6 @@ class Mechanism:
             SimulationError: the simulation ends early. The attribute `result` of the exception contains the rows up to
                 the end of the simulation.
         """
-        self._has_masses()
         columns = self._recorded(output)
         given = None
         if input is not None:
@@ -277,7 +256,6 @@ class Mechanism:
         Raises:
             InputError: a name, value or unit in the start values is wrong.
         """
-        self._has_masses()
         return self._model.simulation(start_values)
 
     def kinematics(
@@ -289,6 +267,9 @@ class Mechanism:
         """Compute positions, influence coefficients and static quantities along the travel, without a simulation over
         time.
 
+        Without masses, the result contains positions and influence coefficients only. A prescribed motion has no effect
+        on the result.
+
         Args:
             count: number of equal parts into which the travel is divided. The result has `count` + 1 positions.
             outputs: names of the outputs in the result. By default, the result contains all coordinates, lengths,
@@ -297,19 +278,11 @@ class Mechanism:
 
         Raises:
             InputError: a name in `outputs` is not the name of an output.
-            SimulationError: the travel of the mechanism cannot be computed, for example because its motion is
-                prescribed.
+            SimulationError: the travel of the mechanism cannot be computed, for example because of a hydraulic circuit.
         """
         from ._kinematics import kinematics
 
         return kinematics(self, count, outputs, start_values)
-
-    def _has_masses(self) -> None:
-        if self._is_massless:
-            raise SimulationError(
-                f"{self.name} was opened without masses and has no dynamics; state the masses, and open it without "
-                "massless=True"
-            )
 
     def linearise(
         self,
@@ -336,7 +309,6 @@ class Mechanism:
         """
         from ._linear import linearise
 
-        self._has_masses()
         return linearise(self, (coordinate, inputs, outputs, held_by), None, start_values)[0]
 
     def linearise_travel(
@@ -354,7 +326,6 @@ class Mechanism:
         """
         from ._linear import linearise
 
-        self._has_masses()
         return linearise(self, (coordinate, inputs, outputs, held_by), count, start_values)
 
     def view(
@@ -382,7 +353,7 @@ class Mechanism:
             OSError: the file cannot be written.
         """
         path = Path(file("path", path))
-        path.write_text(self._given, encoding="utf-8")
+        path.write_text(self._text, encoding="utf-8")
         return path
 
     def package(
@@ -407,7 +378,6 @@ class Mechanism:
         Raises:
             InputError: the package has no library for one of the platforms, or the folder cannot be written.
         """
-        self._has_masses()
         if self._path is not None:
             return self._packed(self._path, (path, fmi, platforms, animation, results))
         with tempfile.TemporaryDirectory() as folder:
@@ -427,8 +397,8 @@ class Mechanism:
         return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"text": self._given, "path": self._path, "shown": self._shown, "massless": self._is_massless}
+        return {"text": self._text, "path": self._path, "shown": self._shown}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(state["text"], massless=state["massless"])  # type: ignore[misc]
+        self.__init__(state["text"])  # type: ignore[misc]
         self._path, self._shown = state["path"], state["shown"]

@@ -73,10 +73,8 @@ def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
     if mechanism is not None:
         if not isinstance(mechanism, Mechanism):
             wrong("mechanism", mechanism, "a Mechanism; open it with Mechanism(...)")
-        mechanism._has_masses()
         stated["mechanism"] = str(mechanism.save(folder / mechanism._kind))
     elif isinstance(stated.get("mechanism"), Mechanism):
-        stated["mechanism"]._has_masses()
         stated["mechanism"] = str(stated["mechanism"].save(folder / stated["mechanism"]._kind))
     elif isinstance(stated.get("mechanism"), str | os.PathLike):
         stated["mechanism"] = str(base / stated["mechanism"])

@@ -5,6 +5,7 @@
 //! ```text
 //! trapezoid        acceleration a, speed v, deceleration a; without the middle part where D < v^2 / a
 //! cycloidal, polynomial 345, polynomial 4567: the rises of `numerics/rise.rs`
+//! constant speed   v without an end
 //! table            a curve of `numerics/piecewise.rs`
 //! ```
 //!
@@ -41,6 +42,8 @@ pub enum Shape {
     Trapezoid { acceleration: f64, ramp: f64, middle: f64 },
     /// A rise by the distance [m or rad] in the duration [s].
     Rise { law: Rise, distance: f64, duration: f64 },
+    /// This speed [m/s or rad/s] from the beginning on.
+    ConstantSpeed(f64),
     /// Through points.
     Table(Piecewise),
 }
@@ -63,6 +66,7 @@ impl Shape {
         match self {
             Self::Trapezoid { ramp, middle, .. } => [0.0, *ramp, ramp + middle, ramp + middle + ramp],
             Self::Rise { duration, .. } => [0.0, *duration, *duration, *duration],
+            Self::ConstantSpeed(_) => [0.0; 4],
             Self::Table(table) => {
                 let knots = table.knots();
                 let next = knots.partition_point(|knot| *knot <= t);
@@ -95,6 +99,8 @@ impl Shape {
                 }
             }
             Self::Rise { law, distance, duration } => law.at(t, *distance, *duration),
+            Self::ConstantSpeed(_) if t < 0.0 => [0.0; 4],
+            Self::ConstantSpeed(speed) => [speed * t, *speed, 0.0, 0.0],
             Self::Table(table) => {
                 let [value, slope, curvature] = table.at(t);
                 [value, slope, curvature, table.third(t)]
@@ -135,7 +141,10 @@ impl Profile {
 
     /// Distance of a time from a kink at which it counts as that of the kink [s].
     fn close(&self) -> f64 {
-        let duration = self.shape.duration();
+        let duration = match self.shape {
+            Shape::ConstantSpeed(_) => self.start_time,
+            _ => self.shape.duration(),
+        };
         CLOSE * (duration + self.start_time.min(LATE * duration))
     }
 
@@ -239,6 +248,12 @@ mod tests {
         // What the sum of the steps has lost counts.
         assert_eq!(late.at([1e9, 1e-9], 0.1), early.at([1e-9, 0.0], 0.1));
         let table = Shape::Table(monotone(&[[0.0, 0.0], [1.0, 2.0]]).unwrap());
+        let constant = Profile { start_time: 0.3, shape: Shape::ConstantSpeed(-2.0) };
+        assert_eq!(constant.at([0.0; 2], 0.2), [0.0; 4]);
+        assert_eq!(constant.next_kink([0.0; 2], 0.2), 0.3);
+        assert_eq!(constant.at([0.0; 2], 0.1 + 0.2 - 1e-16)[1], -2.0);
+        assert_eq!(constant.at([1e9, 0.0], 0.5), [-2.0 * (1e9 - 0.3 + 0.5), -2.0, 0.0, 0.0]);
+        assert_eq!(constant.next_kink([0.0; 2], 0.3), f64::INFINITY);
         let profile = Profile { start_time: 0.5, shape: table };
         assert_eq!(profile.at([0.0; 2], 0.2), [0.0; 4]);
         assert_eq!(profile.next_kink([0.0; 2], 0.2), 0.5);

@@ -105,7 +105,7 @@ impl State {
     /// # Errors
     /// [`ModelError::Prescribed`].
     pub(super) fn begin_prescribed(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        self.saved.prescribed = reduced.loading().motion.as_ref().map(|_| PrescribedState::default());
+        self.saved.prescribed = reduced.can_prescribe().then(PrescribedState::default);
         if !self.is_prescribed(inputs) {
             return Ok(());
         }
@@ -240,6 +240,9 @@ impl State {
     ) -> Result<Reached, ModelError> {
         if self.step_within(reduced, inputs, h) {
             return Ok(Reached::End);
+        }
+        if reduced.loading().motion.is_none() {
+            return Err(ModelError::massless(reduced.linkage()));
         }
         let SavedState { sigma, sigma_dot, revolutions, contact, reference, prescribed, .. } = self.saved;
         let in_force = self.in_force.filter(|_| !inputs.signal.ahead);

@@ -103,7 +103,7 @@ impl Balance<'_, '_> {
     /// The bumpers that push.
     pub(super) fn touch(&mut self, [sigma, sigma_dot]: [f64; 2]) {
         let count = self.step.track.ends.bumpers();
-        if count == 0 {
+        if count == 0 || self.step.track.whole.linkage().is_massless {
             return;
         }
         let mut equation = self.equation(sigma, 0.0, 0.0);
@@ -116,7 +116,7 @@ impl Balance<'_, '_> {
     /// Power that leaves the mechanism at a time t [s] of the step, less that of the drive [W].
     fn lost(&mut self, t: f64, place: &Place) -> Result<f64, Trouble> {
         let [sigma, sigma_dot, acceleration] = place.y;
-        if sigma_dot == 0.0 {
+        if sigma_dot == 0.0 || self.step.track.whole.linkage().is_massless {
             return Ok(0.0);
         }
         self.touch([sigma, sigma_dot]);
