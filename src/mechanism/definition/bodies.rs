@@ -15,7 +15,7 @@ keys! {
             the x axis of the body to which it is fixed").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
-        /// Mass of the body [kg], >= 0.
+        /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, only the motion is computed.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
         /// Mass distribution of the body. `uniform_rod`: the mass is spread evenly from the point `origin` to the point
         /// `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.

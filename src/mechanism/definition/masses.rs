@@ -44,9 +44,8 @@ impl Mechanism {
     fn has_masses(&self) -> bool {
         let bodies = self.bodies.iter().any(|(_, body)| [body.mass, body.inertia].into_iter().any(|m| m > Some(0.0)));
         let screws = self.actuators.iter().filter_map(|(_, drive)| drive.screw).any(|s| s.reflected_mass() > 0.0);
-        let is_inertial = |key: &str| {
-            !key.starts_with("parameters") && (key.ends_with(".mass") || key.ends_with(".inertia"))
-        };
+        let is_inertial =
+            |key: &str| !key.starts_with("parameters") && (key.ends_with(".mass") || key.ends_with(".inertia"));
         bodies || screws || self.expressions.iter().any(|one| is_inertial(&one.key))
     }
 

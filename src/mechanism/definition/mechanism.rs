@@ -5,8 +5,8 @@ use super::couplings::Coupling;
 use super::drawing::Units;
 use super::experiment::{Solver, Start};
 use super::expressions::{Expressions, Unclear};
-use super::masses::Massless;
 use super::loads::{Actuator, Air, Force, Gravity, Spring, Surface, Torque};
+use super::masses::Massless;
 use super::motion::PrescribedMotion;
 use super::named_parameter::{NamedParameter, Shared};
 use crate::format::{

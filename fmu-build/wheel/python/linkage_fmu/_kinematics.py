@@ -52,13 +52,14 @@ class Kinematics:
         return found
 
     def second_influence(self, of: str, by: str) -> Array:
-        """Second influence coefficient d2(of) / d(by)2 of two positions at each position; not a number without one.
+        """Return the second influence coefficient d2(of) / d(by)2 at each position. The value is not a number if one of
+        the two outputs is not a position.
 
         The acceleration of `of` is `influence(of, by)` times the acceleration of `by`, plus `second_influence(of, by)`
         times the square of the speed of `by`.
 
         Raises:
-            InputError: the result has no such output.
+            InputError: the result does not contain an output of this name.
         """
         ratio = self.influence(of, by)
         with np.errstate(divide="ignore", invalid="ignore"):

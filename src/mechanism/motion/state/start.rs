@@ -225,7 +225,7 @@ impl State {
         }
         let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
         saved.in_force = is_applied.then(locked);
-        if reduced.loading().motion.is_some() {
+        if reduced.can_prescribe() {
             self.begin_prescribed(reduced, inputs)?;
         }
         let (kinetic, potential) =
