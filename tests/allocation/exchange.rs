@@ -67,3 +67,24 @@ fn model_exchange_of_fmi_3_allocates_nothing() {
     assert_eq!((host.enter(None, 0.0, None), host.exit()), (Status::Ok, Status::Ok));
     run!(host, description, Status);
 }
+
+/// A prescribed motion: each time places the mechanism anew.
+#[test]
+fn model_exchange_of_a_prescribed_motion_allocates_nothing() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/SmoothRetraction");
+    let description = Description::read(Path::new(folder)).unwrap();
+    let host = description.exchange(None, false).unwrap();
+    assert_eq!(host.initialize(), Status2::Ok);
+    let outputs = ["crank.angle", "joint2.force", "actuator.acting_force"].map(|name| description.reference(name));
+    let (mut y, mut f, mut values) = ([0.0; 2], [0.0; 2], [0.0; 3]);
+    assert_eq!((host.update(), host.enter_continuous_time_mode()), ((Status2::Ok, false, Some(1.0)), Status2::Ok));
+    let step = |n: i32| {
+        assert_eq!(host.set_time(f64::from(n) * 5e-3), Status2::Ok);
+        assert_eq!((host.states(&mut y), host.rates(&mut f)), (Status2::Ok, Status2::Ok));
+        assert_eq!((host.set_states(&f), host.reals(&outputs, &mut values)), (Status2::Ok, Status2::Ok));
+        assert_eq!(host.complete_step(), (Status2::Ok, false));
+        assert_eq!((host.enter_event_mode(), host.update().0), (Status2::Ok, Status2::Ok));
+        assert_eq!(host.enter_continuous_time_mode(), Status2::Ok);
+    };
+    assert_allocates_nothing_again(|| (), step, "model exchange of a prescribed motion");
+}
