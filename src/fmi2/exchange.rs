@@ -13,8 +13,8 @@ exported_exchange! {
     /// From continuous-time mode to event mode.
     fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
 
-    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough. The next kink of
-    /// a prescribed motion is the next event that is known before its time.
+    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough. The next kink
+    /// of a prescribed motion is the next event that is known before its time.
     // SAFETY: `info` leads to memory for the struct (3.2.2).
     fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
         let info = output("eventInfo", info, 1)?;

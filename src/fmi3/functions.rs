@@ -326,8 +326,8 @@ exported! {
     fn fmi3EvaluateDiscreteStates() in INITIALIZATION | EVENT => |_i| Ok(());
 
     /// Handle the event to which a step has led: the impact takes place, and a lock catches. `*values_changed`: whether
-    /// the state has jumped. One call is enough. `*next_event` is the next kink of a prescribed motion in model exchange;
-    /// otherwise no event is known before, and `*next_event` is not written.
+    /// the state has jumped. One call is enough. `*next_event` is the next kink of a prescribed motion in model
+    /// exchange; otherwise no event is known before, and `*next_event` is not written.
     // SAFETY: each pointer leads to memory for one value (2.3.5).
     fn fmi3UpdateDiscreteStates(
         update_needed: *mut Boolean, terminate: *mut Boolean, nominals_changed: *mut Boolean,

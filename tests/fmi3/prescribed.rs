@@ -1,5 +1,5 @@
-//! Model exchange under a prescribed motion: outputs as in co-simulation at any time, kinks as time events, both sides of
-//! a jump of the force, motion by inputs, release and grip, saved states, refusals.
+//! Model exchange under a prescribed motion: outputs as in co-simulation at any time, kinks as time events, both sides
+//! of a jump of the force, motion by inputs, release and grip, saved states, refusals.
 use crate::Fmu;
 use crate::exchange::{rates, states};
 use crate::fmi2::Folder;
