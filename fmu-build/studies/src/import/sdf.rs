@@ -5,7 +5,7 @@
 use super::masses::{Part, in_space, symmetric};
 use super::spatial::{Acting, Hinge, Ratio, SAME, Solid, Space, Spring, add, after, turned, unit};
 use super::urdf::{Frame, of_angles};
-use super::xml::{Element, Fate, Row, unread};
+use super::xml::{Element, Fate, Row, rejected, unread};
 use Fate::{LeftOut, NoEffect, Read, Rejected};
 use anyhow::{Context, Result, bail, ensure};
 
@@ -92,6 +92,7 @@ pub fn of_sdf(name: &str, text: &str) -> Result<Space> {
 /// As of its text.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "sdf", "{}: SDF starts with <sdf>", root.at());
+    rejected(root, TABLE, &str::to_owned)?;
     let world = root.child("world");
     let models: Vec<&Element> = root.all("model").chain(world.iter().flat_map(|world| world.all("model"))).collect();
     let is_static =
@@ -114,7 +115,8 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         let text = node.child(key).map(|child| child.text.clone());
         text.with_context(|| format!("{}: the element <{key}> is missing: add this element", node.at()))
     };
-    let ends = |node: &Element| -> Result<[String; 2]> { Ok([of(node, "parent")?, of(node, "child")?]) };
+    let link = |node: &Element, key: &'static str| own.link_of(&of(node, key)?, 0).with_context(|| node.at());
+    let ends = |node: &Element| -> Result<[String; 2]> { Ok([link(node, "parent")?, link(node, "child")?]) };
     let named: Vec<[String; 2]> = joints.iter().map(|joint| ends(joint)).collect::<Result<_>>()?;
     let mut names = vec!["world".to_owned()];
     let canonical = model.get("canonical_link");
@@ -215,6 +217,20 @@ impl Model<'_> {
         let stated = node.child("pose").and_then(|pose| pose.get("relative_to")).filter(|name| !name.is_empty());
         let outer = self.pose_of(stated.unwrap_or(absent), depth + 1).with_context(|| node.at())?;
         Ok(placed(outer, pose(node)?.unwrap_or(([0.0; 3], SAME))))
+    }
+
+    /// The link to which a link, frame or model frame is fixed, or the world.
+    fn link_of(&self, name: &str, depth: usize) -> Result<String> {
+        ensure!(depth < DEEPEST, "the frame {name} is attached to itself: correct attached_to");
+        let canonical = || {
+            let first = self.root.child("link").and_then(|link| link.get("name"));
+            self.root.get("canonical_link").filter(|name| !name.is_empty()).or(first).unwrap_or_default()
+        };
+        match self.root.all("frame").find(|frame| frame.get("name") == Some(name)) {
+            Some(frame) => self.link_of(frame.get("attached_to").unwrap_or(""), depth + 1),
+            None if matches!(name, "" | "__model__") => Ok(canonical().to_owned()),
+            None => Ok(name.to_owned()),
+        }
     }
 
     fn hinge(&self, node: &Element, [first, second]: [usize; 2]) -> Result<Hinge> {

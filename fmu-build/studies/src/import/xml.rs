@@ -3,7 +3,7 @@
 //! In: XML. Out: elements; what of them was not read. It must not know mechanisms.
 
 use anyhow::{Context, Result, anyhow, bail};
-use roxmltree::{Document, Node};
+use roxmltree::{Document, Error, Node};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -50,17 +50,28 @@ impl Element {
     /// It is no XML, or nested too deeply.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         let of = if file.is_empty() { "the file".to_owned() } else { file.to_owned() };
-        let document = Document::parse(text).map_err(|error| anyhow!("{of} is not XML: {error}"))?;
+        let mut text = std::borrow::Cow::Borrowed(text);
+        let document = loop {
+            match Document::parse(&text) {
+                // Programs write prefixes without saying what they stand for.
+                Err(Error::UnknownNamespace(prefix, _)) if !text.contains(&format!("xmlns:{prefix}=")) => {
+                    text = declared(&text, &prefix).into();
+                }
+                _ => break Document::parse(&text).map_err(|error| anyhow!("{of} is not XML: {error}"))?,
+            }
+        };
         let prefix = if file.is_empty() { String::new() } else { format!("{file} ") };
-        Self::of(document.root_element(), &prefix, 0)
+        let ends: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).collect();
+        Self::of(document.root_element(), &prefix, &ends, 0)
     }
 
-    fn of(node: Node, prefix: &str, depth: usize) -> Result<Self> {
+    /// `ends` are the ends of lines.
+    fn of(node: Node, prefix: &str, ends: &[usize], depth: usize) -> Result<Self> {
         let tag = match node.tag_name().namespace() {
             Some(space) if space.contains("xacro") => format!("xacro:{}", node.tag_name().name()),
             _ => node.tag_name().name().to_owned(),
         };
-        let line = node.document().text_pos_at(node.range().start).row;
+        let line = ends.partition_point(|end| *end < node.range().start) + 1;
         let place = format!("{prefix}line {line}");
         if depth > DEEPEST {
             bail!("{place}: <{tag}> is nested too deeply: at most {DEEPEST} are supported");
@@ -70,7 +81,7 @@ impl Element {
             tag,
             attributes: node.attributes().map(|one| (one.name().to_owned(), one.value().to_owned())).collect(),
             text: node.text().unwrap_or_default().trim().to_owned(),
-            children: children.map(|child| Self::of(child, prefix, depth + 1)).collect::<Result<_>>()?,
+            children: children.map(|child| Self::of(child, prefix, ends, depth + 1)).collect::<Result<_>>()?,
             place,
             asked: RefCell::default(),
         })
@@ -162,6 +173,27 @@ impl Element {
     }
 }
 
+/// A text whose root declares a prefix.
+fn declared(text: &str, prefix: &str) -> String {
+    let is_root = |at: &usize| text[at + 1..].starts_with(|letter: char| letter.is_alphabetic());
+    let root = text.match_indices('<').map(|(at, _)| at).find(is_root).unwrap_or_default();
+    let end = text[root..].find([' ', '>', '/', '\n', '\r', '\t']).map_or(root, |at| root + at);
+    format!("{} xmlns:{prefix}=\"{prefix}\"{}", &text[..end], &text[end..])
+}
+
+/// Reject elements that the table rejects, before anything that stands in them is missed.
+///
+/// # Errors
+/// The document has such an element.
+pub fn rejected(root: &Element, table: &[Row], group: &dyn Fn(&str) -> String) -> Result<()> {
+    let parent = group(&root.tag);
+    root.children.iter().try_for_each(|child| match row(table, &format!("{parent}/{}", child.tag), "") {
+        Some((.., Fate::Rejected(_), why)) => bail!("{}: {why}", child.at()),
+        Some((.., Fate::Read, _)) => rejected(child, table, group),
+        _ => Ok(()),
+    })
+}
+
 /// What of a document the importer did not read: notes, each with all its places.
 ///
 /// # Errors
@@ -210,8 +242,7 @@ fn walk(
             note(format!("<{}> is left out: {why}", element.tag));
             return Ok(());
         }
-        Some((.., Fate::Rejected(_), why)) => bail!("{}: {why}", element.at()),
-        Some((.., Fate::Read, _)) => {}
+        Some((.., Fate::Read | Fate::Rejected(_), _)) => {}
         None => {
             note(format!("<{}> is unknown to the import and is left out", element.tag));
             return Ok(());

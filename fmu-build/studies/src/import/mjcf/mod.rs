@@ -10,7 +10,7 @@ mod table;
 use super::masses::{Part, Shape, bounded, in_space, symmetric, together};
 use super::spatial::{Acting, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
 use super::spatial::{about, add, after, cross, dot, scaled, turned, unit};
-use super::xml::{Element, unread};
+use super::xml::{Element, rejected, unread};
 use anyhow::{Context, Result, bail, ensure};
 pub use table::{TABLE, group};
 
@@ -73,6 +73,7 @@ pub fn document(text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<
     let mut root = Element::parse(text, "")?;
     ensure!(root.tag == "mujoco", "{}: MJCF starts with <mujoco>", root.at());
     defaults::included(&mut root, include, &mut Vec::new())?;
+    rejected(&root, TABLE, &group)?;
     defaults::written_out(&mut root)?;
     Ok(root)
 }
