@@ -222,6 +222,15 @@ impl Component {
         }
     }
 
+    /// The time of the first impact on the stop with this flag as a function of these inputs, where the energy integral
+    /// gives it: see [`mechanism::Model::travel_time`]. None for a model without stops.
+    pub fn travel_time(&self, flag: Reference, inputs: &[Reference], samples: &[f64]) -> Option<mechanism::TravelTime> {
+        match self {
+            Self::Mechanism(model) => model.travel_time(flag, inputs, samples),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
     /// Largest order of the derivatives in time that are taken of inputs; 0: none.
     pub fn input_order(&self) -> i32 {
         match self {

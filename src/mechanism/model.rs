@@ -9,6 +9,7 @@ mod linearisation;
 mod occurrences;
 mod plan;
 mod shared;
+mod travel_time;
 mod tune;
 mod undefined;
 mod values;

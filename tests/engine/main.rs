@@ -63,5 +63,6 @@ mod stops;
 mod support;
 mod tables;
 mod travel;
+mod travel_time;
 mod tunable;
 mod undefined;

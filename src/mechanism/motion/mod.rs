@@ -16,6 +16,7 @@ mod saved;
 pub mod state;
 pub mod step_ahead;
 pub mod travel;
+pub mod travel_time;
 pub mod witness;
 mod work;
 

@@ -4,6 +4,7 @@
 //! whatever the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
 
 mod bar;
+mod by_energy;
 mod chunk;
 mod cluster;
 mod csv;
@@ -31,6 +32,7 @@ use crate::simulate::Outcome;
 use anyhow::{Context, Result, bail};
 use bar::Bar;
 pub use bar::Watch;
+use by_energy::ByEnergy;
 use chunk::Cut;
 use cluster::Workers;
 use definition::Definition;
@@ -171,7 +173,10 @@ fn make(
     let runs_of = |chunk: u64| cut.runs_of(chunk).end - cut.runs_of(chunk).start;
     let missing: Vec<u64> = (0..cut.chunks()).filter(|chunk| !journal.has(*chunk)).collect();
     let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
+    let by_energy = ByEnergy::new(task, design, make_model()?)?;
     let workers = match (&arguments.scheduler, arguments.workers) {
+        // Cheaper than to ask a worker.
+        _ if by_energy.is_some() => None,
         (Some(address), _) => Some(Workers::Of(address.clone())),
         (None, count) => count.map(Workers::Local),
     };
@@ -195,7 +200,7 @@ fn make(
         Some(threads) => threads as usize,
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
-    pool::run(threads, (task, design, cut), &make_model, missing.into_iter(), stop_wish(), keep)
+    pool::run(threads, (task, design, cut), by_energy.as_ref(), &make_model, missing.into_iter(), stop_wish(), keep)
 }
 
 /// Whether the folder has the results of this study.

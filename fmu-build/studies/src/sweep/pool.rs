@@ -3,6 +3,7 @@
 //! In: the chunks to be made. Out: their bytes, in the order in which they are done. Each thread has a model of its
 //! own, so that threads share nothing that is written.
 
+use super::by_energy::ByEnergy;
 use super::chunk::{self, Cut};
 use super::design::Design;
 use super::run::{Runner, Task};
@@ -24,6 +25,7 @@ const WAITING: usize = 4;
 pub fn run(
     threads: usize,
     (task, design, cut): (&Task, &Design, &Cut),
+    by_energy: Option<&ByEnergy>,
     make_model: &(impl Fn() -> Result<Component> + Sync),
     chunks: impl Iterator<Item = u64> + Send,
     stop_wish: &AtomicBool,
@@ -44,7 +46,7 @@ pub fn run(
                 while !has_failed.load(Ordering::Relaxed) {
                     let next = chunks.lock().ok().and_then(|mut chunks| chunks.next());
                     let Some(chunk) = next else { break };
-                    let made = chunk::make(cut, chunk, &mut design, &mut runner, columns, stop_wish);
+                    let made = chunk::make(cut, chunk, (&mut design, by_energy), &mut runner, columns, stop_wish);
                     let Some(bytes) = made else { break };
                     if sender.send(Ok((chunk, bytes))).is_err() {
                         break;

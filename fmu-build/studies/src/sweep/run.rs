@@ -54,6 +54,11 @@ impl<'a> Runner<'a> {
         Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default(), scratch: Vec::new() })
     }
 
+    /// The model at the start under the values that all runs share, if it has one.
+    pub fn started(mut self) -> Option<Component> {
+        self.model.initialize().ok().map(|()| self.model)
+    }
+
     /// Begin anew after a run that left the model in no known state.
     pub fn renew(&mut self) {
         (self.model, self.before) = (self.fresh.clone(), None);

@@ -1,0 +1,102 @@
+//! The time of travel by the energy integral: closed forms, and the steps of the integration.
+use crate::support::GEAR;
+use linkage_fmu::simulation::{Simulation, SimulationError};
+use serde_json::json;
+
+/// A model at its start, and the references of these inputs.
+fn started<const N: usize>(text: &str, names: [&str; N]) -> (Simulation, [u32; N]) {
+    let mut model = Simulation::open(text).unwrap();
+    model.initialize().unwrap();
+    let references = names.map(|name| model.reference(name).unwrap());
+    (model, references)
+}
+
+/// A rod that falls from the horizontal to the vertical: a quarter of the period of a pendulum with an amplitude of 90
+/// degrees, K(sin 45 deg) sqrt(I / (m g r)) = K sqrt(2 l / (3 g)) under the gravity g.
+#[test]
+fn a_rod_falls_in_a_quarter_of_its_period() {
+    const K: f64 = 1.854_074_677_301_371_9;
+    let rod = json!({
+        "name": "Rod", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
+        "bodies": { "ground": {}, "rod": { "length": 0.6, "mass": 2, "shape": "uniform_rod" } },
+        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+        "stops": { "low": { "body": "rod", "limit": "lower", "angle": -std::f64::consts::FRAC_PI_2, "flag": "down" } },
+        "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 },
+    });
+    let (model, [load, flag]) = started(&rod.to_string(), ["load_factor", "down"]);
+    let of = model.model().travel_time(flag, &[load], &[1.0]).unwrap();
+    // Upwards it does not fall, and without weight it stays.
+    let factors = [1.0, 4.0, 0.01, -1.0, 0.0, f64::NAN, 1e300, f64::INFINITY];
+    let mut times = [0.0; 8];
+    of.times(&factors, &mut times);
+    for (factor, time) in factors.iter().zip(times) {
+        let exact = K * (2.0 * 0.6 / (3.0 * 9.81 * factor)).sqrt();
+        assert!(
+            if *factor > 0.0 && exact > 0.0 { (time / exact - 1.0).abs() < 1e-12 } else { time.is_nan() },
+            "{factor}: {time}"
+        );
+    }
+}
+
+/// Gear: for forces and load factors in a range, times agree with steps at the least tolerance; outside and where the
+/// actuator is too weak there is none, or the right one. A time does not depend on the others.
+#[test]
+fn times_are_those_of_the_steps() {
+    let (mut gear, [force, load, flag, time]) =
+        started(GEAR, ["actuator.force", "load_factor", "retracted", "upstop.impact_time"]);
+    let samples: Vec<f64> =
+        (0..64).flat_map(|k| [28e3 + 12e3 * f64::from(k * 5 % 64) / 63.0, 1.0 + f64::from(k) / 31.5]).collect();
+    let of = gear.model().travel_time(flag, &[force, load], &samples).unwrap();
+    let points: Vec<f64> = (0..35).flat_map(|k| [15e3 + 1e3 * f64::from(k), f64::from(k * 11 % 35) / 10.0]).collect();
+    let mut times = vec![0.0; 35];
+    of.times(&points, &mut times);
+    gear.set("solver.tolerance", 1e-13).unwrap();
+    let model = gear.model_mut();
+    let mut found = 0;
+    for (point, found_time) in points.chunks_exact(2).zip(&times) {
+        model.set_real(force, point[0]).unwrap();
+        model.set_real(load, point[1]).unwrap();
+        model.initialize().unwrap();
+        model.step(0.5).unwrap();
+        let exact = model.real(time).unwrap();
+        let inside = point[0] >= 28e3 && (1.0..=3.0).contains(&point[1]);
+        println!("{point:?}: {found_time} {exact} {:e}", found_time - exact);
+        assert!(
+            if inside || !found_time.is_nan() { (found_time - exact).abs() < 1e-11 } else { true },
+            "{point:?}: {found_time} {exact}"
+        );
+        found += usize::from(!found_time.is_nan());
+        let mut alone = [0.0];
+        of.times(point, &mut alone);
+        assert_eq!(alone[0].to_bits(), found_time.to_bits());
+    }
+    assert!(found > 15, "{found}");
+}
+
+/// What the integral does not give: losses, a start in motion, a bumper, a lock that holds, an input that sizes no load.
+#[test]
+fn where_the_integral_does_not_hold_there_is_no_function() {
+    let names = ["actuator.force", "airspeed", "retracted"];
+    let sample = [3e4];
+    let (mut gear, [force, air, flag]) = started(GEAR, names);
+    assert!(gear.model().travel_time(flag, &[force], &sample).is_some());
+    assert!(gear.model().travel_time(flag, &[air], &sample).is_none());
+    assert!(gear.model().travel_time(force, &[force], &sample).is_none());
+    // Too weak.
+    assert!(gear.model().travel_time(flag, &[force], &[1e3]).is_none());
+    let changes: [fn(&mut Simulation) -> Result<(), SimulationError>; 4] = [
+        |gear| gear.set("airspeed", 80.0),
+        |gear| gear.set("crank.start_speed", -0.1),
+        |gear| gear.set("friction.enabled", true),
+        |gear| gear.set("solver.method", "rigid_fem"),
+    ];
+    for (k, change) in changes.iter().enumerate() {
+        let (mut other, [force, _, flag]) = started(GEAR, names);
+        change(&mut other).unwrap();
+        other.initialize().unwrap();
+        assert!(other.model().travel_time(flag, &[force], &sample).is_none(), "change {k}");
+    }
+    gear.set("downlock.engage", true).unwrap();
+    gear.initialize().unwrap();
+    assert!(gear.model().travel_time(flag, &[force], &sample).is_none());
+}
