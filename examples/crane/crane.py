@@ -40,7 +40,7 @@ END = 2.0
 """End of the run [s]."""
 STEPS = (0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3, 20e-3)
 """Communication steps of the table [s]."""
-PLAIN, HELD, ITERATED = "plain exchange", "mean held", "mean held, iterated"
+PLAIN, HELD, ITERATED = "plain exchange", "mean force", "mean force, iterated"
 TWO_PASSES = "two passes"
 SCHEMES = (PLAIN, HELD, ITERATED, TWO_PASSES)
 """Force and motion alone; the foreseen mean force; the same, with loads that know the foreseen forces of the other

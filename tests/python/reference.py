@@ -19,9 +19,9 @@ import linkage_fmu as lf
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "reference" / "python.md"
 HEAD = """# Python module
 
-`import linkage_fmu` works with the wheel ([Install](../install.md#without-rust)). The page
-[Python](../how-to/python.md) contains short examples. All values are in SI units. This page is generated from the
-docstrings of the module.
+`import linkage_fmu` needs the Python package (wheel) of linkage-fmu (see [Install](../install.md#without-rust)). The
+page [Python](../how-to/python.md) contains short examples. All values of variables are in SI units. This page is
+generated from the docstrings of the module.
 
 """
 FUNCTIONS = ("check", "example", "examples", "sweep", "optimise", "package", "info", "validate")

@@ -136,8 +136,8 @@ impl Simulation {
         self.with(|run| run.set(&name, value))
     }
 
-    /// Return the reason why an output has no value in the present state. If the output has a value, the result is
-    /// None.
+    /// Return the reason why an output has no value in the present state. If the output has a value, `undefined`
+    /// returns None.
     fn undefined(&self, name: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
         let name = text("name", name)?;
         self.with(|run| {
@@ -157,7 +157,7 @@ impl Simulation {
         })
     }
 
-    /// Reset all variables to the values in the definition. Call `initialize` before the next step.
+    /// Reset all variables to the values in the definition. Call the method `initialize` before the next step.
     fn reset(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.reset();
@@ -178,12 +178,12 @@ impl Simulation {
 
     /// Advance the simulation to the time `time` [s], with the present inputs. During the call, other Python threads
     /// can run (the call releases the interpreter lock). If `at_event` is true, the simulation ends at the first event,
-    /// such as the impact on a stop, after the event has been handled. The result is a list with one line of text for
-    /// each event at the end. The list is empty if the simulation has reached `time`.
+    /// such as the impact on a stop, after the event has been handled. `run_until` returns a list with one line of text
+    /// for each event at which the simulation has ended. The list is empty if the simulation has reached `time`.
     ///
     /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
-    /// Raises the same exceptions as `step`.
+    /// `run_until` raises the same exceptions as `step`.
     #[pyo3(signature = (time, *, at_event = None), text_signature = "($self, time, *, at_event=False)")]
     fn run_until(
         &self,
@@ -260,7 +260,8 @@ impl Simulation {
         })
     }
 
-    /// Continue from a saved state. The saved state can also come from another simulation of the same mechanism.
+    /// Continue the simulation from a saved state. The saved state can also come from another simulation of the same
+    /// mechanism.
     ///
     /// Raises InputError if the state belongs to another mechanism.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -276,7 +277,7 @@ impl Simulation {
         })
     }
 
-    /// Return the state that `State.to_bytes` has written as bytes.
+    /// Convert bytes from `State.to_bytes` back to a saved state.
     ///
     /// Raises InputError if the bytes do not contain a state of this mechanism.
     fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {

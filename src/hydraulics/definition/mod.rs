@@ -57,9 +57,10 @@ pub const CIRCUIT: [Element; 22] = [
 keys! {
     /// Start values of the inputs for the motion of the actuator.
     pub struct Actuator: Copy {
-        /// Start value of the input `actuator.length` [m], >= 0.
+        /// Start value of the input `actuator.length`, the distance between the two attachment points of the actuator
+        /// [m], >= 0.
         length: f64 = 0.577 => number(Unit::Metre, Range::NonNegative);
-        /// Start value of the input `actuator.speed` [m/s].
+        /// Start value of the input `actuator.speed`, positive if the actuator extends [m/s].
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 

@@ -51,8 +51,8 @@ keys! {
         /// whose second point moves along a line through its first point. The angle between the two bodies of a
         /// prismatic joint is constant.
         kind as "type": JointKind => Key::PLAIN.required();
-        /// Point (`body.point`) of the first body. The reaction outputs of the joint state the force of the first body
-        /// on the second body.
+        /// Point (`body.point`) at which the joint acts on the first body. The reaction outputs of the joint state the
+        /// force of the first body on the second body.
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
@@ -64,7 +64,8 @@ keys! {
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
-        /// Revolute joint only: pin radius [m], >= 0. Without the key `pin_radius` the joint has no friction.
+        /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
+        /// joint has no friction.
         pin_radius: Option<f64> =>
             number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
         /// Coefficient of static friction in this joint [1], >= 0. Default: the `static_coefficient` of the key

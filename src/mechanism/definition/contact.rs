@@ -17,8 +17,8 @@ keys! {
         first: Option<String> => point();
         /// Second of the two points (`body.point`) whose distance is limited.
         second: Option<String> => point();
-        /// Side of the stop. `lower`: the angle, position or distance cannot fall below the value at the stop. `upper`:
-        /// the angle, position or distance cannot rise above the value at the stop.
+        /// Side on which the stop limits the motion. `lower`: the angle, position or distance cannot fall below the
+        /// value at the stop. `upper`: the angle, position or distance cannot rise above the value at the stop.
         limit: Limit => Key::PLAIN.required();
         /// Angle at the stop [rad]: the angle of the body, or the angle of a revolute joint (angle of the second body
         /// relative to the first body).

@@ -105,8 +105,9 @@ keys! {
         /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. The key `phase` is not
         /// allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
-        /// Gears, rack, belt: efficiency [1], > 0 and <= 1. The efficiency is equal in both directions of the power
-        /// flow. Without the key `efficiency` the coupling has no losses.
+        /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
+        /// The efficiency is equal in both directions of the power flow. Without the key `efficiency` the coupling has
+        /// no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
     }
 }

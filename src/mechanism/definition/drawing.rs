@@ -34,17 +34,17 @@ keys! {
     /// Coordinates of the body's points in the mechanism frame, from a drawing that shows the mechanism in one
     /// position. The program computes lengths, points in the frame of the body, and the guess from the coordinates.
     pub struct Drawn {
-        /// Coordinates of the point `origin` [m].
+        /// Coordinates of the body's point `origin` in the drawing [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
-        /// Coordinates of the point `end` [m]. The x axis of the body points from `origin` to `end`. The distance
-        /// between the two points is the length of the body.
+        /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
+        /// `end`. The distance between the two points is the length of the body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
         /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
         /// together with `end`.
         angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
-        /// Coordinates of additional points by name [m].
+        /// Coordinates of additional points of the body in the drawing, by name [m].
         points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Coordinates of the centre of mass [m].
+        /// Coordinates of the body's centre of mass in the drawing [m].
         center: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
     }
 }

@@ -41,8 +41,8 @@ keys! {
         /// links with `axial_stiffness` are elastic rods, integrated by Newmark's method. Without the key `method`, the
         /// FMU uses the method `reduced` and has no variable `solver.method`.
         method: Option<Method> => Key::PLAIN.parameter(Role::Step, "");
-        /// Largest step of Newmark's method [s], >= 1e-9. Default: 1e-5 s. The key `fem_step` is allowed only together
-        /// with `method`.
+        /// Largest time step of Newmark's method, which the method `rigid_fem` uses [s], >= 1e-9. Default: 1e-5 s. The
+        /// key `fem_step` is allowed only together with `method`.
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of Newmark's method, if solver.method is rigid_fem");
         /// Start value of the Boolean variable `solver.tables`. true: the FMU evaluates the equation of motion from

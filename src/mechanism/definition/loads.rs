@@ -36,11 +36,11 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// Start value of the input `<name>.force` [N]. The key `force` is not allowed in a revolute joint or together
-        /// with `screw`.
+        /// Start value of the input `<name>.force`, the force that the drive exerts [N]. The key `force` is not
+        /// allowed in a revolute joint or together with `screw`.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
-        /// Start value of the input `<name>.torque` [N.m]. The key `torque` is allowed only in a revolute joint or
-        /// together with `screw`.
+        /// Start value of the input `<name>.torque`, the torque that the drive (or the motor of its screw) exerts
+        /// [N.m]. The key `torque` is allowed only in a revolute joint or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
         /// equal in both directions of the power flow ([CK16] eq. (5)).
@@ -51,7 +51,8 @@ keys! {
         /// not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command` [1]. The key `command` is allowed only together with `points`.
+        /// Start value of the input `<name>.command`, the factor that multiplies the force of the curve `points` [1].
+        /// The key `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
         /// is the torque of the motor. The key `screw` is not allowed in a revolute joint.
@@ -178,7 +179,7 @@ keys! {
             "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
              airspeed only",
         );
-        /// Start value of the input `airspeed` [m/s].
+        /// Start value of the input `airspeed`, the speed of the air flow [m/s].
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 

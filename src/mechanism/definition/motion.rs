@@ -20,8 +20,8 @@ keys! {
         /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. The
         /// key `position` is allowed only without the key `profile`.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
-        /// Motion law over time. Without the key `profile`, position, speed and acceleration of the drive are inputs of
-        /// the FMU.
+        /// Motion law of the drive over time. Without the key `profile`, position, speed and acceleration of the drive
+        /// are inputs of the FMU.
         profile: Option<ProfileKind>;
         /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
         /// prescribed.

@@ -14,7 +14,7 @@ StartValues = Mapping[str, float | bool | str] | None
 __version__: str
 
 class Names(Sequence[str]):
-    """Names of variables that were looked up once."""
+    """Names of variables that `Simulation.prepare` has looked up once."""
 
     def __len__(self) -> int: ...
     @overload

@@ -28,7 +28,8 @@ class Info(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Validation:
-    """Result of the check of an FMU. The result counts as true if there is no error."""
+    """Result of the check of an FMU. In a condition, the result of the check counts as true if the FMU has no
+    error."""
 
     #: Errors: reasons why the FMU cannot be used.
     errors: tuple[str, ...]
@@ -51,7 +52,7 @@ def info(path: str | os.PathLike[str]) -> Info:
     definition.
 
     Raises:
-        InputError: there is no FMU and no definition at the path.
+        InputError: the path leads to no FMU and to no definition.
     """
     text, stated = _engine.info(file("path", path))
     return Info(json.loads(stated), text)
@@ -61,7 +62,7 @@ def validate(path: str | os.PathLike[str]) -> Validation:
     """Check that an FMU is complete: archive, modelDescription.xml, libraries, and definition.
 
     Raises:
-        InputError: there is no FMU and no definition at the path.
+        InputError: the path leads to no FMU and to no definition.
     """
     found: dict[str, list[str]] = json.loads(_engine.validate(file("path", path)))
     return Validation(tuple(found["errors"]), tuple(found["warnings"]), tuple(found["notes"]))
@@ -73,8 +74,8 @@ def package(
     fmi: str | int = "both",
     platforms: Sequence[str] = (),
 ) -> list[Path]:
-    """Build FMUs from a definition, and write the FMUs into the folder `path`. The arguments have the same meaning as
-    the arguments of `Mechanism.package`.
+    """Build FMUs from a definition, and write the FMUs into the folder `path`. The arguments `path`, `fmi` and
+    `platforms` have the same meaning as in `Mechanism.package`.
 
     Raises:
         MechanismError: the definition contains errors.

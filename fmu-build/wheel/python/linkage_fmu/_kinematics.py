@@ -21,8 +21,8 @@ _OF_MASSES = ("reduced_mass", "reduced_inertia", "holding_force", "holding_torqu
 
 
 class Kinematics:
-    """Values of outputs along the travel. For example, `kinematics["crank.angle"]` is an array with one angle for each
-    position."""
+    """Values of outputs at positions along the travel of the mechanism (result of `Mechanism.kinematics`). For
+    example, `kinematics["crank.angle"]` is an array with one angle for each position."""
 
     def __init__(self, names: list[str], table: Array, units: dict[str, str]) -> None:
         #: Names of the outputs in the result.
@@ -67,7 +67,7 @@ class Kinematics:
         return found
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the values as a data frame with one row for each position."""
+        """Return the computed values as a pandas data frame with one row for each position."""
         import pandas
 
         frame = pandas.DataFrame(self._values)

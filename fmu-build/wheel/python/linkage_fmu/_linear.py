@@ -16,34 +16,36 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 @dataclass(frozen=True)
 class LinearModel:
     """Linear model of small motions about rest at one position: x' = A x + B u, y = C x + D u. The state x consists of
-    the coordinate and its time derivative."""
+    one coordinate of the mechanism and the time derivative of this coordinate."""
 
     #: Name of the coordinate.
     coordinate: str
-    #: Names of the inputs u.
+    #: Names of the inputs u of the linear model.
     inputs: tuple[str, ...]
-    #: Names of the outputs y.
+    #: Names of the outputs y of the linear model.
     outputs: tuple[str, ...]
-    #: Value of the coordinate at the position [rad or m].
+    #: Value of the coordinate at the position of the linear model [rad or m].
     position: float
     #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
     acceleration: float
     #: Value of the input that keeps the mechanism at rest [N or N.m]. The value is None if the argument `held_by` was
     #: not given.
     holding: float | None
-    #: Eigenfrequency of the undamped motion [Hz]. The eigenfrequency is NaN if the motion is not an oscillation.
+    #: Eigenfrequency of the small undamped motion about the position [Hz]. The eigenfrequency is NaN if the motion is
+    #: not an oscillation.
     eigenfrequency: float
-    #: Damping ratio of the motion [1]. The damping ratio is NaN if the motion is not an oscillation.
+    #: Damping ratio of the small motion about the position [1]. The damping ratio is NaN if the motion is not an
+    #: oscillation.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].
     eigenvalues: tuple[complex, complex]
-    #: Matrix A, 2 x 2.
+    #: Matrix A of x' = A x + B u, with two rows and two columns.
     A: Array
-    #: Matrix B, 2 x inputs.
+    #: Matrix B of x' = A x + B u, with two rows and one column for each input.
     B: Array
-    #: Matrix C, outputs x 2.
+    #: Matrix C of y = C x + D u, with one row for each output and two columns.
     C: Array
-    #: Matrix D, outputs x inputs.
+    #: Matrix D of y = C x + D u, with one row for each output and one column for each input.
     D: Array
 
     def __iter__(self) -> Any:  # noqa: ANN401

@@ -67,15 +67,15 @@ def read(source: Source) -> tuple[str, str, str]:
 
 
 def check(source: Source) -> Report:
-    """Check a definition. The report contains all findings (errors and warnings) and facts, also if the definition has
-    errors.
+    """Check a definition. The report contains all findings (errors and warnings) and computed facts about the
+    mechanism, also if the definition has errors.
 
     Args:
         source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
             FMU. The definition can also be a dict or a JSON text.
 
     Raises:
-        InputError: there is no definition at the path.
+        InputError: the path in `source` leads to no definition.
     """
     kind, shown, text = read(source)
     return report(kind, text, shown)
@@ -91,7 +91,8 @@ def example(name: str) -> Mechanism:
     """Open an example mechanism of the package, such as `LandingGearRetraction` or `FourBar`.
 
     Raises:
-        InputError: the package has no example with this name. The text of the exception lists all names.
+        InputError: the package has no example with this name. The text of the exception lists the names of all example
+        mechanisms.
     """
     if not isinstance(name, str):
         wrong("name", name, "the name of an example")
@@ -121,7 +122,7 @@ class Mechanism:
 
     Raises:
         MechanismError: the definition contains errors. The attribute `report` of the exception contains all findings.
-        InputError: there is no definition at the path.
+        InputError: the path in `source` leads to no definition.
     """
 
     def __init__(self, source: Source) -> None:
@@ -151,14 +152,14 @@ class Mechanism:
         return [Variable(**{**own, "items": tuple(own["items"])}) for own in self._model.variables()]
 
     def check(self) -> Report:
-        """Check the definition. The report contains findings (errors and warnings) and facts, such as travel, dead
-        centres, strokes and equilibria. `print` shows the report in the same form as the command `linkage-fmu
-        check`."""
+        """Check the definition. The report contains findings (errors and warnings) and computed facts about the
+        mechanism, such as travel, dead centres, strokes and equilibria. `print` shows the report in the same form as
+        the command `linkage-fmu check`."""
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
         """Return all static equilibria along the travel under the loads at the start, stable and unstable, as a list of
-        facts.
+        `Fact` objects.
 
         In each fact, `stable position` or `unstable position` is the value of the coordinate at the equilibrium [rad or
         m]. The attribute `of` is the name of the coordinate.
@@ -185,8 +186,8 @@ class Mechanism:
         output: Iterable[str] | None = None,
         set_input_derivatives: bool = False,
     ) -> Result:
-        """Simulate the mechanism from its start position. The arguments have the same names and meaning as the
-        arguments of `fmpy.simulate_fmu`.
+        """Simulate the mechanism from its start position. The arguments of `simulate` have the same names and meaning
+        as the arguments of `fmpy.simulate_fmu`.
 
         Args:
             start_time: time at the start of the simulation [s].
@@ -250,8 +251,8 @@ class Mechanism:
         return columns
 
     def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
-        """Return a simulation with the given start values, for a loop in which your program makes the steps. Call
-        `initialize` before the first step.
+        """Return a simulation with the given start values, for a loop in which your program makes the steps. Call the
+        method `initialize` of the simulation before the first step.
 
         Raises:
             InputError: a name, value or unit in the start values is wrong.
@@ -293,7 +294,7 @@ class Mechanism:
         start_values: Mapping[str, StartValue] | None = None,
     ) -> LinearModel:
         """Linearise the equations of motion about rest at the start position: x' = A x + B u, y = C x + D u. The state
-        x consists of the coordinate and its time derivative.
+        x consists of one coordinate of the mechanism and the time derivative of this coordinate.
 
         Args:
             coordinate: name of the coordinate: an angle [rad] or a position [m]. The default is the coordinate in the
@@ -320,10 +321,9 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> list[LinearModel]:
-        """Linearise the equations of motion about rest at `count` + 1 positions of the travel, at most 100001. The
-        other arguments have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the call
-        returns.
-        """
+        """Linearise the equations of motion about rest at `count` + 1 positions of the travel, at most 100001. All
+        arguments except `count` have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the
+        call returns. """
         from ._linear import linearise
 
         return linearise(self, (coordinate, inputs, outputs, held_by), count, start_values)
@@ -334,8 +334,8 @@ class Mechanism:
         start_values: Mapping[str, StartValue] | None = None,
         height: int = 640,
     ) -> Page:
-        """Return a web page that shows the mechanism in motion. A notebook displays the page. `Page.save` writes the
-        page to a file.
+        """Return a web page that shows the mechanism in motion. A notebook displays the web page in the output of a
+        cell. The method `Page.save` writes the web page to a file.
 
         Raises:
             InputError: a start value is wrong, or the model is a hydraulic model without a mechanism.

@@ -19,9 +19,9 @@ class Finding:
     severity: str
     #: Path of the key, such as `bodies.crank.length`. The path is empty if the finding concerns the whole file.
     path: str
-    #: Description of the fault, with the value and the limit.
+    #: Description of the fault, with the wrong value and the allowed limit.
     message: str
-    #: Correction of the fault. The text is empty if the message already states the correction.
+    #: How to correct the fault. The text is empty if the attribute `message` already states the correction.
     remedy: str
     #: Line of the finding in the text of the definition, counted from 1.
     line: int
@@ -48,16 +48,16 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Fact:
-    """A fact about a part of the model, such as a travel, a dead centre, a stroke or an equilibrium."""
+    """A computed fact about the mechanism, such as a travel, a dead centre, a stroke or an equilibrium."""
 
     #: Topic of the fact, such as `Travel`.
     topic: str
-    #: Name of the coordinate, actuator (drive), joint or other element. The name is empty for a fact about the whole
-    #: model.
+    #: Name of the coordinate, actuator (drive), joint or other element to which the fact belongs. The name is empty for
+    #: a fact about the whole model.
     of: str
-    #: Numbers of the fact, with names and units.
+    #: Numbers that the fact states, with names and units.
     quantities: tuple[Quantity, ...]
-    #: Further information that the numbers do not state. The text can be empty.
+    #: Further information about the fact in words, in addition to the numbers. The text can be empty.
     text: str
 
     def __getitem__(self, name: str) -> float:
@@ -75,14 +75,14 @@ class Fact:
 
 @dataclass(frozen=True)
 class Report:
-    """All findings (errors and warnings) and facts about a definition. `print` shows the report in the same form as the
-    command `linkage-fmu check`."""
+    """All findings (errors and warnings) about a definition, and computed facts about its mechanism. `print` shows the
+    report in the same form as the command `linkage-fmu check`."""
 
     #: Name of the model. The name is empty if the definition could not be read.
     name: str
     #: List of errors and warnings.
     findings: tuple[Finding, ...]
-    #: List of facts about the model, sorted by topic.
+    #: List of computed facts about the mechanism, such as travel and dead centres, sorted by topic.
     facts: tuple[Fact, ...]
     #: Text of the report.
     text: str
@@ -98,7 +98,8 @@ class Report:
         return [finding for finding in self.findings if finding.severity == "warning"]
 
     def about(self, topic: str) -> list[Fact]:
-        """Return the facts whose topic starts with the given text, such as `Travel` or `Equilibri`."""
+        """Return the computed facts about the mechanism whose topic starts with the given text, such as `Travel` or
+        `Equilibri`."""
         if not isinstance(topic, str):
             wrong("topic", topic, "a text")
         return [fact for fact in self.facts if fact.topic.startswith(topic)]

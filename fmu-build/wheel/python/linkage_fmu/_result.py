@@ -84,7 +84,7 @@ class Result(np.ndarray[Any, Any]):
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns. The first column is `time`."""
+        """Names of the columns of the result. The first column is `time`."""
         return list(self.dtype.names or ())
 
     def __getitem__(self, key: Any) -> Any:  # noqa: ANN401
@@ -95,8 +95,8 @@ class Result(np.ndarray[Any, Any]):
         return super().__getitem__(key)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the rows as a data frame with the time as index. `attrs["units"]` of the data frame contains the
-        units."""
+        """Return the result as a pandas data frame with the time as index. `attrs["units"]` of the data frame contains
+        the units."""
         import pandas
 
         times = pandas.Index(self["time"], name="time")
@@ -105,7 +105,8 @@ class Result(np.ndarray[Any, Any]):
         return frame
 
     def plot(self, *names: str, x: str = "time", show: bool = False) -> Figure:
-        """Plot variables over the time or over another variable with matplotlib. Each unit has a separate diagram.
+        """Plot variables over the time or over another variable with matplotlib. The plot has one diagram for each
+        unit.
 
         Args:
             names: names of the variables to plot. By default, all variables are plotted.
@@ -146,7 +147,8 @@ class Result(np.ndarray[Any, Any]):
         return figure
 
     def animate(self, height: int = 640) -> Page:
-        """Return a web page that shows the motion of the mechanism in this simulation. A notebook displays the page.
+        """Return a web page that shows the motion of the mechanism in this simulation. A notebook displays the web page
+        in the output of a cell.
 
         Raises:
             InputError: the simulation had inputs over time, which the web page cannot show.

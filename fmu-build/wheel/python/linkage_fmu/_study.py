@@ -145,8 +145,8 @@ def sweep(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> pandas.DataFrame:
-    """Make all runs of a study. The result is a data frame with one row for each run. A run that fails has a row with
-    the reason.
+    """Make all runs of a study. The result is a data frame with one row for each run. The row of a failed run states
+    the reason of the failure.
 
     Args:
         study: path of a study file, or a dict with the keys of a study. Paths in a study are relative to the folder of
@@ -204,7 +204,7 @@ def optimise(
     """Search for the best design of a study. The search needs SciPy: install the package with the extra `studies`.
     Without SciPy, the function creates a Python environment with SciPy.
 
-    The arguments have the same meaning as the arguments of `sweep`.
+    The arguments of `optimise` have the same meaning as the arguments of `sweep`.
 
     Raises:
         InputError: the study contains an error, or the objective has no value in any run.

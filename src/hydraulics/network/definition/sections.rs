@@ -18,8 +18,8 @@ use crate::variables::Unit::{
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure` [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Start value of the input `<name>.pressure`, the pressure of the reservoir [Pa]. The absolute pressure,
+        /// which is the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -116,8 +116,8 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0. The key `rated_flow` has no effect
-        /// if `conductance` is greater than 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. The
+        /// key `rated_flow` has no effect if `conductance` is greater than 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
@@ -163,7 +163,7 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
@@ -191,7 +191,7 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
@@ -223,7 +223,7 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
@@ -255,7 +255,7 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
@@ -285,7 +285,7 @@ keys! {
         /// Width of the range of cylinder lengths over which the valve opens smoothly [m], > 0.
         width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of lengths over which @ \
             opens");
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
@@ -309,7 +309,7 @@ keys! {
         to: String => line().required();
         /// Start value of the input `<name>.open` [1], from 0 (closed) to 1 (open).
         open: f64 => number(One, UnitRange);
-        /// Flow through the fully open valve at the rated pressure drop [m3/s], > 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
@@ -331,9 +331,10 @@ keys! {
         a: String => line().required();
         /// Reservoir, node or chamber to which the working port b of the valve is connected.
         b: String => line().required();
-        /// Start value of the input `<name>.command` [1], -1 to 1.
+        /// Start value of the input `<name>.command`, the command of the valve [1], from -1 to 1.
         command: f64 => number(One, Finite);
-        /// Flow through one fully open metering edge at the rated pressure drop [m3/s], > 0.
+        /// Flow through one fully open metering edge at the pressure drop in the key `rated_pressure_drop` [m3/s], >
+        /// 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge of @ at the rated pressure drop");
         /// Flow through one fully open metering edge at port b, at the rated pressure drop [m3/s], > 0. The default is
@@ -418,10 +419,10 @@ keys! {
         /// before [1], from 0 to 1. With the value 0, the piston does not rebound.
         restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
             travel of @");
-        /// Start value of the input `<name>.length` [m], >= 0. Without the key `length`, the cylinder starts in the
-        /// middle of the travel.
+        /// Start value of the input `<name>.length`, the distance between the two attachment points of the cylinder
+        /// [m], >= 0. Without the key `length`, the cylinder starts in the middle of the travel.
         length: Option<f64> => number(Metre, NonNegative);
-        /// Start value of the input `<name>.speed` [m/s].
+        /// Start value of the input `<name>.speed`, positive if the cylinder extends [m/s].
         speed: f64 => number(MetrePerSecond, Finite);
         /// Start value of the input `<name>.reduced_mass` [kg], >= 0: the mass that the cylinder moves if no mechanism
         /// is connected. With the value 0, the inputs `<name>.length` and `<name>.speed` prescribe the motion of the
