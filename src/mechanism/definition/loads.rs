@@ -79,8 +79,8 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. The two
-        /// variables are inputs, or with `"constant": true` parameters.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. If the key
+        /// `constant` is true, the two variables are parameters, otherwise inputs.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
@@ -90,8 +90,8 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m]. The variable `<name>.torque` is an input, or with
-        /// `"constant": true` a parameter.
+        /// Start value of the variable `<name>.torque` [N.m]. If the key `constant` is true, the variable
+        /// `<name>.torque` is a parameter, otherwise an input.
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;

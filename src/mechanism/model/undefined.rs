@@ -92,8 +92,8 @@ impl Model {
             Ok(value) if value.is_finite() => return None,
             Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
                 format!(
-                    "the value is indeterminate at {}, because this position is a dead centre or a crossing of \
-                     branches",
+                    "the value is indeterminate at {}, because this position is a dead centre, or two motions are \
+                     possible from this position",
                     state.describe(reduced)
                 )
             }
