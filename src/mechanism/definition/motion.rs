@@ -27,19 +27,20 @@ keys! {
         /// prescribed.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
-        /// Duration of the profile [s], > 0. The key `duration` is not allowed for the profiles `trapezoid` and
-        /// `table`, whose duration follows from other keys. The profile `constant_speed` has no end.
+        /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for the
+        /// profiles `trapezoid` and `table`, whose duration follows from other keys. The profile `constant_speed` has
+        /// no end.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
         /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first
         /// prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
-        /// Profile `trapezoid`: largest speed [m/s or rad/s], > 0. Profile `constant_speed`: the speed, positive or
-        /// negative.
+        /// Profile `trapezoid`: largest speed of the drive [m/s or rad/s], > 0. Profile `constant_speed`: speed of the
+        /// drive, positive or negative.
         speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Coordinate)
             .parameter(Role::Load, "Largest or constant speed of the prescribed motion");
-        /// Only for the profile `trapezoid`: acceleration and deceleration [m/s2 or rad/s2], > 0.
+        /// Only for the profile `trapezoid`: acceleration and deceleration of the drive [m/s2 or rad/s2], > 0.
         acceleration: Option<f64> => either([MetrePerSecondSquared, RadianPerSecondSquared], Range::Positive)
             .parameter(Role::Load, "Acceleration and deceleration of the prescribed motion");
         /// Only for the profile `table`: pairs of time and distance [s, m or rad], in the order of increasing time.

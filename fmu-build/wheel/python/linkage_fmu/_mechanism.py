@@ -161,8 +161,8 @@ class Mechanism:
         """Return all static equilibria along the travel under the loads at the start, stable and unstable, as a list of
         `Fact` objects.
 
-        In each fact, `stable position` or `unstable position` is the value of the coordinate at the equilibrium [rad or
-        m]. The attribute `of` is the name of the coordinate.
+        In each `Fact` object, `stable position` or `unstable position` is the value of the coordinate at the
+        equilibrium [rad or m]. The attribute `of` of the `Fact` object is the name of the coordinate.
         """
         return self.check().about("Equilibria")
 
@@ -323,7 +323,8 @@ class Mechanism:
     ) -> list[LinearModel]:
         """Linearise the equations of motion about rest at `count` + 1 positions of the travel, at most 100001. All
         arguments except `count` have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the
-        call returns. """
+        call returns.
+        """
         from ._linear import linearise
 
         return linearise(self, (coordinate, inputs, outputs, held_by), count, start_values)

@@ -333,8 +333,8 @@ keys! {
         b: String => line().required();
         /// Start value of the input `<name>.command`, the command of the valve [1], from -1 to 1.
         command: f64 => number(One, Finite);
-        /// Flow through one fully open metering edge at the pressure drop in the key `rated_pressure_drop` [m3/s], >
-        /// 0.
+        /// Flow through one fully open metering edge at the pressure drop in the key `rated_pressure_drop` [m3/s],
+        /// > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge of @ at the rated pressure drop");
         /// Flow through one fully open metering edge at port b, at the rated pressure drop [m3/s], > 0. The default is
