@@ -12,7 +12,7 @@ use anyhow::{Context, Result, bail, ensure};
 /// A place and a rotation in space.
 pub type Frame = (Vector, Rotation);
 
-const CONTROL: &str = "controllers and limits of motors are not part of the mechanism";
+const CONTROL: &str = "controllers and limits of motors are not a part of the mechanism";
 
 /// What becomes of each element and attribute.
 #[rustfmt::skip]
@@ -28,21 +28,21 @@ pub const TABLE: &[Row] = &[
     ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "moments of inertia"),
     ("link/visual robot/material", "", NoEffect, "drawing"),
     ("link/collision", "", LeftOut, "these links can pass through each other"),
-    ("robot/joint", "", Read, "a revolute or prismatic joint; other kinds are rejected"),
-    ("robot/joint", "name type", Read, "name and kind: `revolute`, `continuous`, `prismatic`, `fixed`"),
+    ("robot/joint", "", Read, "a revolute or prismatic joint; other types are rejected"),
+    ("robot/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
     ("joint/origin", "", Read, "position and orientation of the child link"),
     ("joint/parent joint/child", "", Read, "bodies of the joint"),
     ("joint/parent joint/child", "link", Read, "bodies of the joint"),
     ("joint/axis", "", Read, "axis"),
     ("joint/axis", "xyz", Read, "axis"),
     ("joint/mimic", "", Read, "a coupling by gears or a rack"),
-    ("joint/mimic", "joint multiplier offset", Read, "joint that is followed, ratio and offset"),
+    ("joint/mimic", "joint multiplier offset", Read, "name of the joint that this joint follows, ratio and offset"),
     ("joint/dynamics", "", Read, "a damper"),
     ("joint/dynamics", "damping", Read, "damping of the joint"),
-    ("joint/dynamics", "friction", LeftOut, "add friction with a pin radius to the definition"),
+    ("joint/dynamics", "friction", LeftOut, "add the key friction and a pin radius to the definition instead"),
     ("joint/limit", "", Read, "two rigid stops, except for `continuous`"),
     ("joint/limit", "lower upper", Read, "limits of the joint"),
-    ("joint/limit", "effort velocity", LeftOut, "force, torque and speed of the drive have no limit"),
+    ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the definition"),
     ("joint/safety_controller joint/calibration", "", LeftOut, CONTROL),
     ("robot/transmission robot/gazebo robot/ros2_control", "", LeftOut, CONTROL),
 ];
