@@ -16,8 +16,7 @@ use crate::workspace::MECHANISM;
 
 /// Write the mechanism.
 ///
-/// # Errors
-/// The file cannot be written.
+/// # Errors The file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let text = text(arguments.count);
     let Some(out) = &arguments.out else {

@@ -74,19 +74,19 @@ impl Simulation {
 
     /// Look up names of variables once, so that later calls of `get` and `set` are faster.
     ///
-    /// Raises InputError if a name is not the name of a variable, or if a name occurs twice. The text of the exception
-    /// lists the most similar names.
+    /// `prepare` raises InputError if a name is not the name of a variable, or if a name occurs twice. The text of the
+    /// exception lists the most similar names.
     fn prepare(&self, names: &Bound<'_, PyAny>) -> PyResult<Names> {
         self.with(|run| Names::of(&run.model, "names", names))
     }
 
-    /// Return the present values of variables in SI units. For one name, the result is a number, a truth value or a
-    /// text. For several names, the result is an array of numbers, in which a Boolean is 1 or 0. If `out` is an array,
+    /// Return the present values of variables in SI units. For one name, `get` returns a number, a truth value or a
+    /// text. For several names, `get` returns an array of numbers, in which a Boolean is 1 or 0. If `out` is an array,
     /// the values are written into `out` instead of a new array. If an output has no value in the present state, its
     /// value is NaN, and `undefined` returns the reason.
     ///
-    /// Raises InputError if a name is not the name of a variable. Raises SimulationError if the mechanism cannot start
-    /// with the present parameters.
+    /// `get` raises InputError if a name is not the name of a variable. `get` raises SimulationError if the mechanism
+    /// cannot start with the present parameters.
     #[pyo3(signature = (names, out = None))]
     fn get<'py>(&self, names: &Bound<'py, PyAny>, out: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let py = names.py();
@@ -107,14 +107,14 @@ impl Simulation {
     }
 
     /// Set inputs and parameters. The arguments `names` and `values` are one name and its value, or several names and
-    /// an array or list of their values. A value is a number in SI units, a truth value, an enumeration item, or a text
-    /// such as "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an effect
-    /// from the present time. A new value of any other parameter ends the simulation: call `initialize` before the next
-    /// step.
+    /// an array or list of their values. Each value is a number in SI units, a truth value, an enumeration item, or a
+    /// text such as "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an
+    /// effect from the present time. A new value of any other parameter ends the simulation: call `initialize` before
+    /// the next step.
     ///
-    /// Raises InputError if a name is not the name of a variable, if a name occurs twice, or if a variable is an
-    /// output. Raises InputError if a value is out of range, not finite, or of a wrong unit, type or shape. After an
-    /// InputError, no value has changed.
+    /// `set` raises InputError if a name is not the name of a variable, if a name occurs twice, or if a variable is an
+    /// output. `set` raises InputError if a value is out of range, not finite, or of a wrong unit, type or shape. If
+    /// `set` raises InputError, no value has changed.
     fn set(&self, names: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         if let Ok(name) = names.cast::<PyString>() {
             let name = text("names", name)?;
@@ -148,7 +148,8 @@ impl Simulation {
 
     /// Set the mechanism to its start position at the time 0 s, with the present parameters and inputs.
     ///
-    /// Raises SimulationError if the present parameters are not valid, or if the start position cannot be reached.
+    /// `initialize` raises SimulationError if the present parameters are not valid, or if the start position cannot be
+    /// reached.
     fn initialize(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.initialize().map_err(refused)?;
@@ -157,7 +158,8 @@ impl Simulation {
         })
     }
 
-    /// Reset all variables to the values in the definition. Call the method `initialize` before the next step.
+    /// Reset all variables of the simulation to the values in the definition. Call the method `initialize` before the
+    /// next step.
     fn reset(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.reset();
@@ -166,20 +168,21 @@ impl Simulation {
         })
     }
 
-    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. During the call, no other Python thread
-    /// runs (the call holds the interpreter lock).
+    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. While `step` runs, no other Python
+    /// thread runs, because `step` holds the interpreter lock.
     ///
-    /// Raises InputError if `h` is out of range. Raises SimulationError if the simulation is not initialised or cannot
-    /// continue.
+    /// `step` raises InputError if `h` is out of range. `step` raises SimulationError if the simulation is not
+    /// initialised or cannot continue.
     fn step(&self, h: &Bound<'_, PyAny>) -> PyResult<()> {
         let h = number("h", h)?;
         self.with(|run| run.step(h))
     }
 
-    /// Advance the simulation to the time `time` [s], with the present inputs. During the call, other Python threads
-    /// can run (the call releases the interpreter lock). If `at_event` is true, the simulation ends at the first event,
-    /// such as the impact on a stop, after the event has been handled. `run_until` returns a list with one line of text
-    /// for each event at which the simulation has ended. The list is empty if the simulation has reached `time`.
+    /// Advance the simulation to the time `time` [s], with the present inputs. While `run_until` runs, other Python
+    /// threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, the simulation ends
+    /// at the first event, such as the impact on a stop, after the event has been handled. `run_until` returns a list
+    /// with one line of text for each event at which the simulation has ended. If the simulation has reached `time`
+    /// without an event, the list is empty.
     ///
     /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
@@ -199,7 +202,8 @@ impl Simulation {
     /// Set a time derivative of an input for the next step only. `order` is 1 for the first derivative [unit/s], or 2
     /// for the second derivative [unit/s2].
     ///
-    /// Raises InputError if no continuous input has this name, or if the order or the value is out of range.
+    /// `set_derivative` raises InputError if no continuous input has the given name, or if the order or the value is
+    /// out of range.
     #[pyo3(signature = (name, derivative, order = None), text_signature = "($self, name, derivative, order=1)")]
     fn set_derivative(
         &self,
@@ -215,10 +219,10 @@ impl Simulation {
         })
     }
 
-    /// Return the time derivative of an output [unit/s]. The result is NaN if the time derivative does not exist in the
-    /// present state.
+    /// Return the time derivative of an output [unit/s]. `derivative` returns NaN if the time derivative does not exist
+    /// in the present state.
     ///
-    /// Raises InputError if no continuous output has this name.
+    /// `derivative` raises InputError if no continuous output has the given name.
     fn derivative(&self, name: &Bound<'_, PyAny>) -> PyResult<f64> {
         let name = text("name", name)?;
         self.with(|run| {
@@ -231,7 +235,8 @@ impl Simulation {
     /// with respect to the inputs, each multiplied by the seed of the input. Before `initialize`, `inputs` can also
     /// contain parameters, and the derivatives refer to the outputs at the start.
     ///
-    /// Raises InputError if a name is not the name of an output or input, or if the numbers of seeds and inputs differ.
+    /// `directional_derivative` raises InputError if a name is not the name of an output or input, or if the numbers of
+    /// seeds and inputs differ.
     fn directional_derivative<'py>(
         &self,
         py: Python<'py>,
@@ -263,7 +268,7 @@ impl Simulation {
     /// Continue the simulation from a saved state. The saved state can also come from another simulation of the same
     /// mechanism.
     ///
-    /// Raises InputError if the state belongs to another mechanism.
+    /// `restore` raises InputError if the saved state belongs to another mechanism.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
         let Ok(state) = state.cast::<State>() else {
             return Err(wrong("state", state, "a State; Simulation.save makes one"));
@@ -279,7 +284,7 @@ impl Simulation {
 
     /// Convert bytes from `State.to_bytes` back to a saved state.
     ///
-    /// Raises InputError if the bytes do not contain a state of this mechanism.
+    /// `state_from_bytes` raises InputError if the bytes do not contain a state of the mechanism of this simulation.
     fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {
         let Ok(bytes) = bytes.cast::<PyBytes>() else {
             return Err(wrong("bytes", bytes, "bytes of State.to_bytes"));
@@ -345,13 +350,13 @@ impl Simulation {
 
 #[pymethods]
 impl State {
-    /// Simulation time of the state [s].
+    /// Simulation time of the saved state [s].
     #[getter]
     fn time(&self) -> f64 {
         self.time
     }
 
-    /// Return the state as bytes. `Simulation.state_from_bytes` reads the bytes, also in another process.
+    /// Return the saved state as bytes. `Simulation.state_from_bytes` reads the bytes, also in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
             let mut snapshot = self.snapshot.lock().map_err(refused)?;

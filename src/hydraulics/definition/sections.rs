@@ -104,7 +104,7 @@ keys! {
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0.
         frequency: f64 = 60.0 => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool");
-        /// Damping ratio of the valve spool [1], > 0.
+        /// Damping ratio of the motion of the valve spool [1], > 0.
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool");
     }
 

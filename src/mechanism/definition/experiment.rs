@@ -33,8 +33,8 @@ keys! {
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
              would give the mechanism over a motion of 1 rad",
         );
-        /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
-        /// of `rigid_fem` and events count too.
+        /// Largest number of integration steps in one communication step [1], a whole number. The number of integration
+        /// steps includes rejected steps, substeps of the method `rigid_fem`, and events.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
         /// Model of the motion, and start value of the variable `solver.method`. `reduced`: rigid bodies. `rigid_fem`:

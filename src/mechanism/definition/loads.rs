@@ -68,7 +68,7 @@ keys! {
     /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke of the drive
     /// changes by lead * phi / (2 pi).
     pub struct Screw: Copy {
-        /// Lead: stroke for one revolution of the screw [m], > 0.
+        /// Lead of the screw: stroke of the drive for one revolution of the screw [m], > 0.
         lead: f64 => number(Metre, Range::Length).parameter(Role::Geometry, "Lead of the screw").required();
         /// Moment of inertia of screw and motor about the screw axis [kg.m2], >= 0.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
@@ -191,11 +191,11 @@ keys! {
         from: Option<String> => point();
         /// Point (`body.point`) at the second end of a strip, on the same body.
         to: Option<String> => point();
-        /// Width of a strip [m], >= 0.
+        /// Width of a surface that is a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
         /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
-        /// Area of a surface with the key `at` [m2], >= 0.
+        /// Area of a surface that has the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without the key
         /// `surface_angle`, the projected area is equal in all directions of the flow.

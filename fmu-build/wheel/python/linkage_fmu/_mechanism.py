@@ -191,10 +191,12 @@ class Mechanism:
 
         Args:
             start_time: time at the start of the simulation [s].
-            stop_time: time at the end of the simulation [s]. The default is the stop time of the default experiment.
+            stop_time: time at the end of the simulation [s]. By default, the simulation ends at the stop time of the
+            default experiment.
             output_interval: time from one row of the result to the next [s]. The default is the step size of the
                 default experiment, doubled until the result has at most 1001 rows.
-            relative_tolerance: relative tolerance of the integration. The default is the tolerance in the definition.
+            relative_tolerance: relative tolerance of the integration. By default, the tolerance of the definition is
+            used.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
                 unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If a
@@ -272,8 +274,9 @@ class Mechanism:
         on the result.
 
         Args:
-            count: number of equal parts into which the travel is divided. The result has `count` + 1 positions.
-            outputs: names of the outputs in the result. By default, the result contains all coordinates, lengths,
+            count: number of equal parts into which the travel is divided. The result of `kinematics` has `count` + 1
+            positions. outputs: names of the outputs in the result. By default, the result of `kinematics` contains all
+            coordinates, lengths,
                 markers, reduced masses and holding forces.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
@@ -297,15 +300,16 @@ class Mechanism:
         x consists of one coordinate of the mechanism and the time derivative of this coordinate.
 
         Args:
-            coordinate: name of the coordinate: an angle [rad] or a position [m]. The default is the coordinate in the
-                key `start` of the definition.
-            inputs: names of the inputs u. By default, the inputs u are all inputs on which the acceleration depends.
-            outputs: names of the outputs y. The default output y is the coordinate.
+            coordinate: name of the coordinate: an angle [rad] or a position [m]. By default, the coordinate is the one
+            in the key `start` of the definition.
+            inputs: names of the inputs u of the linear model. By default, the inputs u are all inputs on which the
+            acceleration depends. outputs: names of the outputs y of the linear model. By default, the only output y is
+            the coordinate.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name in the arguments is wrong.
+            InputError: a name in the arguments of the method is not known.
             SimulationError: the mechanism has more states than position and speed.
         """
         from ._linear import linearise
@@ -371,8 +375,8 @@ class Mechanism:
         Args:
             path: folder for the FMUs. If the folder does not exist, the method creates the folder.
             fmi: FMI version of the FMU: 2, 3 or "both".
-            platforms: platforms of the libraries in the FMU, such as "x86_64-windows". The default is the platform of
-                this computer.
+            platforms: platforms of the libraries in the FMU, such as "x86_64-windows". By default, the FMU contains the
+            library for the platform of this computer.
             animation: True adds an animation of the default experiment to the FMU.
             results: True adds reference results of the default experiment to the FMU.
 

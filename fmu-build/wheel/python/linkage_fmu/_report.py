@@ -78,7 +78,7 @@ class Report:
     """All findings (errors and warnings) about a definition, and computed facts about its mechanism. `print` shows the
     report in the same form as the command `linkage-fmu check`."""
 
-    #: Name of the model. The name is empty if the definition could not be read.
+    #: Name of the model. The name of the model is empty if the definition could not be read.
     name: str
     #: List of errors and warnings.
     findings: tuple[Finding, ...]

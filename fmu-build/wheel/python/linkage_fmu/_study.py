@@ -153,7 +153,7 @@ def sweep(
             the study file or, for a dict, to the current folder.
         mechanism: mechanism that replaces the key `mechanism` of the study.
         out: folder for the files of results (runs.parquet, runs.csv).
-        threads: number of threads. The default is one thread for each processor core.
+        threads: number of threads. By default, one thread runs on each processor core.
         progress: True shows a progress bar. If `progress` is a function, `sweep` calls the function with the number of
             finished runs and the number of all runs.
 
@@ -179,8 +179,8 @@ class Optimum:
     responses: dict[str, float]
     #: Responses of the original design.
     present: dict[str, float]
-    #: Largest excess of a response over a limit, divided by the limit. The violation is 0 if the design satisfies all
-    #: limits.
+    #: Largest excess of a response over a limit, divided by the limit. The attribute `violation` is 0 if the design
+    #: satisfies all limits.
     violation: float
     #: Reason why the search has ended.
     ended: str

@@ -100,8 +100,8 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
     """Return the definition of a mechanism that consists of the given parts. Further arguments are keys of the
     definition, such as `gravity`.
 
-    The first point of each body has the name `origin`, and the second point the name `end`. Any other point has the
-    name of its joint or load.
+    In the definition, the first point of each body has the name `origin`, and the second point the name `end`. Any
+    other point has the name of its joint or load.
 
     Raises:
         InputError: two parts of the same type have the same name, or a point is not a pair of numbers.

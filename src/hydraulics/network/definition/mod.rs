@@ -80,31 +80,31 @@ keys! {
         reservoirs: Named<Reservoir>;
         /// Nodes of the hydraulic system: lines and galleries with a volume of oil.
         nodes: Named<Line>;
-        /// Pumps of the hydraulic system.
+        /// Pumps by name: each pump delivers oil from a port into a node.
         pumps: Named<Pump>;
-        /// Accumulators of the hydraulic system.
+        /// Gas accumulators by name: each accumulator is connected to a node.
         accumulators: Named<Accumulator>;
         /// Restrictors, orifices and lines with flow resistance.
         resistances: Named<Resistance>;
-        /// Check valves of the hydraulic system.
+        /// Check valves by name: each check valve lets oil flow in one direction only.
         checks: Named<Check>;
-        /// Relief valves of the hydraulic system.
+        /// Relief valves by name: each relief valve limits the pressure at a port.
         reliefs: Named<Relief>;
-        /// Priority valves of the hydraulic system.
+        /// Priority valves by name: each priority valve opens at a given upstream pressure.
         priorities: Named<Priority>;
         /// Sequence valves that a pilot pressure opens.
         sequences: Named<Sequence>;
         /// Pilot-operated check valves (lock valves).
         pilot_checks: Named<PilotCheck>;
-        /// Counterbalance valves of the hydraulic system.
+        /// Counterbalance valves by name: each counterbalance valve holds a load until a pressure opens the valve.
         counterbalances: Named<Counterbalance>;
         /// Sequence valves that the position of a cylinder opens.
         position_valves: Named<PositionValve>;
-        /// By-passes (dump valves) of the hydraulic system.
+        /// By-passes (dump valves) by name: each by-pass connects two ports through an opening that is an input.
         bypasses: Named<Bypass>;
         /// Directional valves with four ports and three positions.
         valves: Named<Valve>;
-        /// Cylinders of the hydraulic system.
+        /// Differential cylinders by name: each cylinder moves a mechanism.
         cylinders: Named<Cylinder>;
         /// Locks that oil pressure releases, such as uplocks.
         pressure_locks: Named<PressureLock>;

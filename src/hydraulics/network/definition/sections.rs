@@ -239,7 +239,7 @@ keys! {
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port on the side of the load.
+        /// Port of the valve on the side of the load, from which reverse flow enters the valve.
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port helps to open the valve.
         pilot: String => line().required();
@@ -275,8 +275,8 @@ keys! {
         to: String => line().required();
         /// Cylinder whose position opens the valve.
         cylinder: String => line().required();
-        /// Length of the cylinder at which the valve is half open [m]. The key `length` must be within the travel of
-        /// the cylinder.
+        /// Length of the cylinder `cylinder` at which the position valve is half open [m]. The key `length` must be
+        /// within the travel of the cylinder.
         length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the cylinder at which @ is half \
             open").required();
         /// Cylinder lengths at which the valve is open. `above`: lengths above the key `length`. `below`: lengths below
@@ -323,9 +323,9 @@ keys! {
     /// A directional valve has four ports and three positions. The input `<name>.command` is the command of the valve.
     /// A positive command connects the supply to port a, and port b to the return.
     pub struct Valve {
-        /// Port that supplies the valve with oil.
+        /// Port that supplies the directional valve with oil.
         supply: String => line().required();
-        /// Port to which the valve returns oil.
+        /// Port to which the directional valve returns oil, usually a reservoir.
         r#return as "return": String => line().required();
         /// Reservoir, node or chamber to which the working port a of the valve is connected.
         a: String => line().required();
@@ -370,7 +370,7 @@ keys! {
         /// Natural frequency of the valve spool [Hz], > 0. Without the key `frequency`, the spool position is equal to
         /// the command at every instant.
         frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool of @");
-        /// Damping ratio of the valve spool [1], > 0.
+        /// Damping ratio of the motion of the valve spool [1], > 0.
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
     }
 
@@ -385,8 +385,8 @@ keys! {
         /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
-        /// Volume of the hose at the chamber [m3], >= 0. The hose volume is a part of the oil volume in the key
-        /// `dead_volume`. The value 0 means that there is no hose.
+        /// Volume of the hose that is connected to the chamber [m3], >= 0. The hose volume is a part of the oil volume
+        /// in the key `dead_volume`. The value 0 means that there is no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
             dead volume; 0: no hose");
         /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means
@@ -458,7 +458,7 @@ keys! {
         chamber_b: Chamber;
         /// Laminar leakage of the chambers. Without the key `leakage`, the cylinder has no leakage.
         leakage: Option<Leakage>;
-        /// Friction of the seals. Without the key `seal`, the cylinder has no seal friction.
+        /// Friction of the piston seals. Without the key `seal`, the cylinder has no seal friction.
         seal: Option<Seal>;
     }
 
