@@ -16,7 +16,8 @@ use crate::workspace::MECHANISM;
 
 /// Write the mechanism.
 ///
-/// # Errors The file cannot be written.
+/// # Errors
+/// The file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let text = text(arguments.count);
     let Some(out) = &arguments.out else {

@@ -64,7 +64,8 @@ impl Writer {
 
     /// Pass a block of rows on; an empty one takes its place. Nothing is done after an error.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn write(&mut self, block: &mut Vec<f64>) -> Result<()> {
         let mut next = self.empty.try_recv().unwrap_or_default();
         next.clear();
@@ -78,7 +79,8 @@ impl Writer {
 
     /// Wait until all is written.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn end(&mut self) -> Result<()> {
         self.blocks = None;
         let Some(thread) = self.thread.take() else { return Ok(()) };

@@ -41,7 +41,8 @@ impl Table {
     /// Begin the file with these columns, which are empty yet. Its metadata has the version of the program, the units
     /// of columns as an object of JSON, and the seed of the samples if there is one.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn begin<'a>(
         file: File,
         columns: impl Iterator<Item = (&'a str, Values)>,
@@ -78,7 +79,8 @@ impl Table {
 
     /// Write the row group, whose columns are of one length, and begin another.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn write_group(&mut self) -> Result<()> {
         let mut group = self.file.next_row_group()?;
         let mut columns = self.columns.iter_mut();
@@ -109,7 +111,8 @@ impl Table {
 
     /// End the file.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn end(self) -> Result<()> {
         self.file.close()?;
         Ok(())

@@ -88,7 +88,8 @@ impl Journal {
 
     /// Add a chunk that is done. One that is there already is left as it is.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn add(&mut self, chunk: u64, bytes: &[u8]) -> Result<()> {
         if self.has(chunk) {
             return Ok(());

@@ -133,7 +133,8 @@ impl<F: Format> Partial<F> {
 
     /// Add a row.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     pub fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()> {
         let added = self.format.add(run, values, remark);
         added.with_context(|| format!("{}: cannot be written", self.partial.0.display()))

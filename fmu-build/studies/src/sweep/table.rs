@@ -35,11 +35,13 @@ pub trait Format: Sized {
     fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self>;
     /// Add a row.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()>;
     /// End the file.
     ///
-    /// # Errors The file cannot be written.
+    /// # Errors
+    /// The file cannot be written.
     fn end(self) -> Result<()>;
 }
 
