@@ -4,7 +4,8 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 
 super::keys! {
-    /// Default experiment that the FMU proposes to the simulation tool. The default experiment starts at 0 s.
+    /// The object `experiment` states the default run that the FMU proposes to the simulation tool. The default run
+    /// starts at 0 s.
     pub struct Experiment: Copy {
         /// Time at which the default run ends [s], > 0.
         stop_time: f64 = 1.0 => number(Unit::Second, Range::Positive).required();

@@ -55,7 +55,7 @@ pub const CIRCUIT: [Element; 22] = [
 ];
 
 keys! {
-    /// Start values of the inputs for the motion of the actuator.
+    /// The object `actuator` contains start values of the inputs for the motion of the actuator.
     pub struct Actuator: Copy {
         /// Start value of the input `actuator.length`, the distance between the two attachment points of the actuator
         /// [m], >= 0.
@@ -64,7 +64,7 @@ keys! {
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 
-    /// Settings of the coupling with the mechanism that the actuator drives.
+    /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// actuator within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
@@ -73,7 +73,7 @@ keys! {
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// Settings of the time integration.
+    /// The object `solver` contains the settings of the time integration.
     pub struct Solver: Copy {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
@@ -100,9 +100,9 @@ keys! {
         circuit: Circuit;
         /// Start values of the inputs `actuator.length` and `actuator.speed`.
         actuator: Actuator;
-        /// Settings of the coupling with the mechanism that the actuator drives.
+        /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
         coupling: Coupling;
-        /// Settings of the time integration.
+        /// The object `solver` contains the settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

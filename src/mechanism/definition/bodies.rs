@@ -4,8 +4,8 @@ use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit
 use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, One, Radian};
 
 keys! {
-    /// A rigid body with a body frame. The point `origin` is the origin of the frame. The x axis of the frame passes
-    /// through the point `end`, at the distance `length` from the origin.
+    /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
+    /// frame. The x axis of the frame passes through the point `end`, at the distance `length` from the origin.
     pub struct Body {
         /// Point (`body.point`) of another body, to which the origin of this body is rigidly fixed.
         fixed_to: Option<String> => point();
@@ -39,13 +39,13 @@ keys! {
         drawn: Option<Drawn> => Key::PLAIN.brief();
     }
 
-    /// A point whose position, velocity and acceleration are outputs.
+    /// A marker is a point whose position, velocity and acceleration are outputs of the FMU.
     pub struct Marker {
         /// Point (`body.point`) whose motion is an output.
         at: String => point().required();
     }
 
-    /// A joint that connects two bodies.
+    /// A joint connects a point of a first body with a point of a second body.
     pub struct Joint {
         /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint,
         /// whose second point moves along a line through its first point. The angle between the two bodies of a

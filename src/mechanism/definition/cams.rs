@@ -15,7 +15,7 @@ const CLOSE: f64 = 1e-9;
 const FEWEST: usize = 3;
 
 keys! {
-    /// One segment of a cam's revolution. The follower is at rest at both ends of the segment.
+    /// A segment is a part of one revolution of a cam. The follower is at rest at both ends of the segment.
     pub struct CamSegment: Copy {
         /// Motion law of the lift over the segment. `dwell`: the lift is constant.
         law: CamLaw => Key::PLAIN.required();

@@ -13,9 +13,9 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// A coupling of two motions u1 and u2 by gears, a rack, a belt or a cam: u2 = F(u1). The motion u1 is the angle of
-    /// the first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the carrier,
-    /// or the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
+    /// A coupling connects two motions u1 and u2 by gears, a rack, a belt or a cam: u2 = F(u1). The motion u1 is the
+    /// angle of the first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the
+    /// carrier, or the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The

@@ -22,8 +22,8 @@ const OPEN: f64 = 1e-3;
 const ZERO: f64 = 1e-12;
 
 keys! {
-    /// Units of the angles and lengths in the mechanism file. All other numbers of the file are in SI units. The
-    /// variables of the FMU are always in SI units.
+    /// The key `units` selects the units of the angles and lengths in the mechanism file. All other numbers of the
+    /// file are in SI units. The variables of the FMU are always in SI units.
     pub struct Units: Copy {
         /// Unit of all angles in the mechanism file.
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
@@ -31,8 +31,9 @@ keys! {
         length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
     }
 
-    /// Coordinates of the body's points in the mechanism frame, from a drawing that shows the mechanism in one
-    /// position. The program computes lengths, points in the frame of the body, and the guess from the coordinates.
+    /// The object `drawn` states coordinates of the body's points in the mechanism frame, from a drawing that shows the
+    /// mechanism in one position. The program computes lengths, points in the frame of the body, and the guess from
+    /// the coordinates.
     pub struct Drawn {
         /// Coordinates of the body's point `origin` in the drawing [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();

@@ -3,7 +3,8 @@ use crate::format::{Flag, Key, Owner, Parameter, Range, Role, Short, Visit, eith
 use crate::variables::Unit::{Metre, MetrePerSecond, One, Radian, RadianPerSecond, Second};
 
 keys! {
-    /// Position and speed of a turning body or of a prismatic joint at the start of the run.
+    /// The object `start` states the position and the speed of a turning body or of a prismatic joint at the start of
+    /// the run.
     pub struct Start or (Short::Word("equilibrium")) {
         /// Body whose angle determines the start position.
         body: Option<String> => element();
@@ -20,7 +21,7 @@ keys! {
         equilibrium: bool => Key::PLAIN.brief();
     }
 
-    /// Settings of the time integration.
+    /// The object `solver` contains the settings of the time integration.
     pub struct Solver {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)

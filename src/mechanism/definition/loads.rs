@@ -12,8 +12,8 @@ use crate::variables::Unit::{
 use std::f64::consts::TAU;
 
 keys! {
-    /// Uniform gravity. The weight of a mass m is m * load_factor * acceleration. Weights act against the upward
-    /// direction `up_angle`. The load factor is the input `load_factor`.
+    /// The object `gravity` describes uniform gravity. The weight of a mass m is m * load_factor * acceleration.
+    /// Weights act against the upward direction `up_angle`. The load factor is the input `load_factor`.
     pub struct Gravity {
         /// Acceleration of free fall [m/s2], >= 0.
         acceleration: f64 => number(MetrePerSecondSquared, Range::Size)
@@ -65,7 +65,7 @@ keys! {
         motion: Option<PrescribedMotion> => Key::PLAIN.brief();
     }
 
-    /// A screw and nut along the line of a drive. When the screw turns by the angle phi, the stroke of the drive
+    /// A screw with nut acts along the line of a drive. When the screw turns by the angle phi, the stroke of the drive
     /// changes by lead * phi / (2 pi).
     pub struct Screw: Copy {
         /// Lead of the screw: stroke of the drive for one revolution of the screw [m], > 0.
@@ -75,7 +75,7 @@ keys! {
             .parameter(Role::Geometry, "Moment of inertia of screw and motor").absent("0");
     }
 
-    /// A force at a point, in the mechanism frame.
+    /// An external force acts on a point of a body, with components in the mechanism frame.
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
@@ -86,7 +86,7 @@ keys! {
         constant: bool;
     }
 
-    /// A torque on a body.
+    /// An external torque acts on a body.
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
@@ -141,8 +141,9 @@ keys! {
         gas: Option<Gas>;
     }
 
-    /// The gas of a gas spring. The gas volume is V = volume + area * (length - free_length). The gas pressure is p =
-    /// pressure * (volume / V)^exponent. The spring force includes the pulling force of the gas, (ambient - p) * area.
+    /// The object `gas` describes the gas filling of a gas spring. The gas volume is V = volume + area * (length -
+    /// free_length). The gas pressure is p = pressure * (volume / V)^exponent. The spring force includes the pulling
+    /// force of the gas, (ambient - p) * area.
     pub struct Gas: Copy {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
@@ -163,7 +164,8 @@ keys! {
             pressure");
     }
 
-    /// Uniform air flow past the mechanism. The speed of the flow is the input `airspeed`.
+    /// The object `air` describes a uniform air flow past the mechanism. The speed of the flow is the input
+    /// `airspeed`.
     pub struct Air: Copy {
         /// Density of the air [kg/m3], >= 0.
         density: f64 => number(KilogramPerCubicMetre, Range::NonNegative)

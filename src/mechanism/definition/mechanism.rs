@@ -22,7 +22,8 @@ pub const GROUND: &str = "ground";
 /// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
 pub const SNAP: f64 = 1e-6;
 keys! {
-    /// A planar linkage with one degree of freedom. Numbers are in SI units. Angles are in rad and count anticlockwise.
+    /// The file mechanism.json defines a planar linkage with one degree of freedom. Numbers are in SI units. Angles
+    /// are in rad and count anticlockwise.
     pub struct Mechanism {
         /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
         /// key `$schema`.
@@ -97,7 +98,7 @@ keys! {
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
         linearisation: bool => Key::PLAIN.brief();
-        /// Settings of the time integration.
+        /// The object `solver` contains the settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -8,7 +8,7 @@ use crate::format::{
 use crate::variables::Unit;
 
 keys! {
-    /// A named parameter for use in expressions: a number, an expression, or an object.
+    /// A named parameter is a number, an expression or an object, for use in expressions.
     pub struct NamedParameter or (Short::First) {
         /// Value in SI units: a number or an expression.
         value: f64 => number(Unit::One, Range::Finite).parameter(Role::Named, "").required();
@@ -18,8 +18,8 @@ keys! {
         description: String => line();
     }
 
-    /// File with named parameters that several mechanisms share. State the path of the parameter file, relative to the
-    /// folder of the mechanism file. An FMU stores the path and the contents of the parameter file.
+    /// Several mechanisms can share a file with named parameters. State the path of the parameter file, relative to
+    /// the folder of the mechanism file. An FMU stores the path and the contents of the parameter file.
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
@@ -28,7 +28,7 @@ keys! {
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
-    /// The contents of a file of shared parameters.
+    /// The object `contents` is the content of the file of shared parameters.
     pub struct SharedContents {
         /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
         /// key `$schema`.

@@ -108,9 +108,9 @@ keys! {
         cylinders: Named<Cylinder>;
         /// Locks that oil pressure releases, such as uplocks.
         pressure_locks: Named<PressureLock>;
-        /// Settings of the coupling with the mechanisms that the cylinders drive.
+        /// The object `coupling` contains the settings of the coupling with the mechanisms that the cylinders drive.
         coupling: Coupling;
-        /// Settings of the time integration.
+        /// The object `solver` contains the settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

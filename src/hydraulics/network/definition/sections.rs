@@ -63,7 +63,7 @@ keys! {
             delivers 1 % of its full flow or less");
     }
 
-    /// A gas accumulator is connected to a node.
+    /// A gas accumulator stores oil under gas pressure, and is connected to a node.
     pub struct Accumulator {
         /// Node to which the accumulator is connected.
         at: String => line().required();
@@ -79,7 +79,7 @@ keys! {
             @");
     }
 
-    /// Restrictor, orifice or line with resistance.
+    /// A hydraulic resistance is a restrictor, an orifice or a line with flow resistance between two ports.
     pub struct Resistance {
         /// Port at which a positive flow enters the resistance.
         from: String => line().required();
@@ -374,7 +374,7 @@ keys! {
         damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
     }
 
-    /// Chamber of a cylinder.
+    /// A cylinder has two chambers, A (piston side) and B (rod side).
     pub struct Chamber: Copy {
         /// Smallest oil volume of the chamber, including the oil in the lines [m3], > 0. The volume of chamber A is
         /// smallest when the cylinder is fully retracted, and the volume of chamber B when the cylinder is fully
@@ -477,7 +477,7 @@ keys! {
 }
 
 keys! {
-    /// Settings of the coupling with the mechanisms that the cylinders drive.
+    /// The object `coupling` contains the settings of the coupling with the mechanisms that the cylinders drive.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// cylinders within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
