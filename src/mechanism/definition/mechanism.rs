@@ -62,7 +62,8 @@ keys! {
         /// the speed and the reduced mass at the drive.
         actuators: Named<Actuator>;
         /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
-        /// moves the actuator of the same name. Mechanism and network are integrated as one system.
+        /// moves the actuator that has the same name as the cylinder. Mechanism and network are integrated as one
+        /// system.
         hydraulics: Option<HydraulicSystem> => Key::PLAIN.brief();
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;

@@ -43,7 +43,7 @@ class Kinematics:
         dead centre of `by`.
 
         Raises:
-            InputError: the result does not contain an output of this name.
+            InputError: the result does not contain an output with the given name.
         """
         self._known(of)
         self._known(by)
@@ -59,7 +59,7 @@ class Kinematics:
         times the square of the speed of `by`.
 
         Raises:
-            InputError: the result does not contain an output of this name.
+            InputError: the result does not contain an output with the given name.
         """
         ratio = self.influence(of, by)
         with np.errstate(divide="ignore", invalid="ignore"):

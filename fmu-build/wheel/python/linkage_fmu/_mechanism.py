@@ -91,8 +91,8 @@ def example(name: str) -> Mechanism:
     """Open an example mechanism of the package, such as `LandingGearRetraction` or `FourBar`.
 
     Raises:
-        InputError: the package has no example with this name. The text of the exception lists the names of all example
-        mechanisms.
+        InputError: the package has no example with the given name. The text of the exception lists the names of all
+        example mechanisms.
     """
     if not isinstance(name, str):
         wrong("name", name, "the name of an example")

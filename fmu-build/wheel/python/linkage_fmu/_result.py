@@ -114,7 +114,7 @@ class Result(np.ndarray[Any, Any]):
             show: True opens a window with the plot.
 
         Raises:
-            InputError: the result does not contain a variable of this name.
+            InputError: the result does not contain a variable with the given name.
         """
         from matplotlib import pyplot
 

@@ -61,7 +61,7 @@ pub const TABLE: &[Row] = &[
     ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a newer version of MuJoCo"),
     ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute changes only moments of inertia that no rigid body can have"),
     ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough savecanonical \
-        savecompiled saveinertial strippath texturedir usethread", NoEffect, "files, drawing, or the program itself"),
+        savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern files, drawing, or the program MuJoCo itself"),
     ("compiler/lengthrange", "", NoEffect, "ranges of muscles"),
     ("mujoco/option", "", Read, "settings of the computation"),
     ("mujoco/option", "gravity", Read, "gravity in the plane"),
