@@ -20,7 +20,7 @@ const DEEPEST: usize = 100;
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
     ("sdf/world", "", Read, "the world around the model"),
-    ("world/gravity", "", Read, "gravity in the plane"),
+    ("world/gravity", "", Read, "gravity, in the plane of motion"),
     ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
     ("sdf/model world/model", "name", Read, "name of the mechanism"),
     ("sdf/model world/model", "canonical_link", Read, "the ground, if no joint holds a link on the world"),
@@ -33,7 +33,7 @@ pub const TABLE: &[Row] = &[
     ("model/frame", "", Read, "a frame for poses"),
     ("model/frame", "name attached_to", Read, "name of the frame, and the element to which the frame is fixed"),
     ("model/link", "", Read, "a body"),
-    ("model/link", "name", Read, "name"),
+    ("model/link", "name", Read, "name of the link"),
     ("link/gravity", "", Read, "with the value `false`, a constant force carries the weight of the link"),
     ("link/inertial", "", Read, "mass, centre and moment of inertia of the body"),
     ("link/inertial", "auto", Rejected("false"), "masses are not computed from shapes: write mass and inertia"),
@@ -43,7 +43,7 @@ pub const TABLE: &[Row] = &[
     ("link/collision", "", LeftOut, "bodies can pass through each other"),
     ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves according to its joints"),
     ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink link/audio_source \
-        link/battery link/projector link/particle_emitter", "", NoEffect, "drawing, sensors, contacts, numerical damping"),
+        link/battery link/projector link/particle_emitter", "", NoEffect, "used only for drawing, sensors, contacts or numerical damping"),
     ("model/joint", "", Read, "a revolute or prismatic joint, also in a closed loop of links; other types are rejected"),
     ("model/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
     ("joint/parent joint/child", "", Read, "bodies of the joint; `world` is the ground"),
@@ -64,13 +64,13 @@ pub const TABLE: &[Row] = &[
     ("axis/mimic", "joint axis", Read, "name of the joint that this joint follows"),
     ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
     ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
-    ("joint/physics joint/sensor", "", NoEffect, "numerical method, sensors"),
+    ("joint/physics joint/sensor", "", NoEffect, "used only by the numerical method or by sensors"),
     ("model/model model/include world/include", "", Rejected(""), "nested and included models are not read: write the links and joints \
         into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
-    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "contacts, numerical method"),
+    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "used only for contacts or by the numerical method"),
     ("world/physics world/light world/scene world/gui world/atmosphere world/wind world/magnetic_field world/audio \
-        world/spherical_coordinates world/road world/population world/state world/frame world/joint sdf/light", "", NoEffect, "drawing and numerical method"),
+        world/spherical_coordinates world/road world/population world/state world/frame world/joint sdf/light", "", NoEffect, "used only for drawing or by the numerical method"),
 ];
 
 struct Model<'a> {

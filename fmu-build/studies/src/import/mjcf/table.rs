@@ -43,35 +43,35 @@ pub fn group(tag: &str) -> String {
     if matches!(tag, "worldbody" | "frame") { "body".to_owned() } else { tag.to_owned() }
 }
 
-const POSE: &str = "position and orientation, in the unit and order of `compiler`";
+const POSE: &str = "position and orientation, with the angle unit and rotation order of `compiler`";
 const SOFT: &str = "limits, connections and couplings of a definition are rigid";
-const TOUCH: &str = "property of contacts, which are left out";
-const LOOK: &str = "drawing, or a name for other programs";
-const SOLVER: &str = "numerical method";
+const TOUCH: &str = "property of contacts between bodies, which are not imported";
+const LOOK: &str = "used only for drawing, or as a name for other programs";
+const SOLVER: &str = "used only by the numerical method";
 const DRIVE: &str = "the drive follows its input at once and without limits";
 
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
-    ("mujoco/compiler", "", Read, "settings of the file"),
-    ("mujoco/compiler", "angle eulerseq", Read, "unit of the angles, and order of the turns of `euler`"),
+    ("mujoco/compiler", "", Read, "settings of the file, as stated in the next rows"),
+    ("mujoco/compiler", "angle eulerseq", Read, "unit of all angles, and order of the rotations in `euler`"),
     ("mujoco/compiler", "autolimits", Read, "whether a joint with a `range` but without `limited` has limits"),
     ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "which bodies have masses that are computed from their geoms, and from which geoms"),
     ("mujoco/compiler", "settotalmass", Read, "`import` scales all masses so that their sum is this mass"),
-    ("mujoco/compiler", "boundmass boundinertia", Read, "smallest mass and moment of inertia of a body"),
+    ("mujoco/compiler", "boundmass boundinertia", Read, "smallest allowed mass and moment of inertia of a body"),
     ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a newer version of MuJoCo"),
     ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute changes only moments of inertia that no rigid body can have"),
     ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough savecanonical \
         savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern files, drawing, or the program MuJoCo itself"),
-    ("compiler/lengthrange", "", NoEffect, "ranges of muscles"),
-    ("mujoco/option", "", Read, "settings of the computation"),
-    ("mujoco/option", "gravity", Read, "gravity in the plane"),
+    ("compiler/lengthrange", "", NoEffect, "used only for muscles"),
+    ("mujoco/option", "", Read, "settings of the simulation, as stated in the next rows"),
+    ("mujoco/option", "gravity", Read, "gravity, in the plane of motion"),
     ("mujoco/option", "density viscosity", Rejected("0"), "a surrounding medium is not imported: set density and viscosity to 0, and add the key air to the definition"),
     ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "the attribute concerns a surrounding medium, sensors or groups of actuators"),
     ("mujoco/option", "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations \
         ls_tolerance noslip_iterations noslip_tolerance o_friction o_margin o_solimp o_solref sdf_initpoints \
         sdf_iterations sleep_tolerance solver timestep tolerance collision apirate mpr_iterations mpr_tolerance",
         NoEffect, SOLVER),
-    ("option/flag", "", Read, "parts of the computation"),
+    ("option/flag", "", Read, "parts of the simulation that are switched on or off"),
     ("option/flag", "gravity spring damper limit equality frictionloss actuation constraint", Read,
         "`disable` leaves out gravity, springs, dampers, limits, equalities, friction losses or actuators; \
          `constraint` stands for limits, equalities and friction losses"),
