@@ -13,11 +13,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Simulation of a mechanism, step by step. `Mechanism.simulation` returns a new simulation.
+/// Simulation of a mechanism, step by step. The method `Mechanism.simulation` returns a new simulation.
 #[pyclass(frozen, weakref, module = "linkage_fmu")]
 pub struct Simulation(Mutex<Option<Run>>);
 
-/// Saved state, from which a simulation can continue. `Simulation.save` returns a state.
+/// Saved state, from which a simulation can continue. The method `Simulation.save` returns a saved state.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct State {
     snapshot: Mutex<Snapshot>,
@@ -74,8 +74,8 @@ impl Simulation {
 
     /// Look up names of variables once, so that later calls of `get` and `set` are faster.
     ///
-    /// `prepare` raises InputError if a name is not the name of a variable, or if a name occurs twice. The text of the
-    /// exception lists the most similar names.
+    /// The method `prepare` raises InputError if a name is not the name of a variable, or if a name occurs twice. The
+    /// text of the exception lists the most similar names.
     fn prepare(&self, names: &Bound<'_, PyAny>) -> PyResult<Names> {
         self.with(|run| Names::of(&run.model, "names", names))
     }
@@ -85,8 +85,8 @@ impl Simulation {
     /// the values are written into `out` instead of a new array. If an output has no value in the present state, its
     /// value is NaN, and `undefined` returns the reason.
     ///
-    /// `get` raises InputError if a name is not the name of a variable. `get` raises SimulationError if the mechanism
-    /// cannot start with the present parameters.
+    /// The method `get` raises InputError if a name is not the name of a variable. The method `get` raises
+    /// SimulationError if the mechanism cannot start with the present parameters.
     #[pyo3(signature = (names, out = None))]
     fn get<'py>(&self, names: &Bound<'py, PyAny>, out: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
         let py = names.py();
@@ -112,9 +112,9 @@ impl Simulation {
     /// effect from the present time. A new value of any other parameter ends the simulation: call `initialize` before
     /// the next step.
     ///
-    /// `set` raises InputError if a name is not the name of a variable, if a name occurs twice, or if a variable is an
-    /// output. `set` raises InputError if a value is out of range, not finite, or of a wrong unit, type or shape. If
-    /// `set` raises InputError, no value has changed.
+    /// The method `set` raises InputError if a name is not the name of a variable, if a name occurs twice, or if a
+    /// variable is an output. The method `set` raises InputError if a value is out of range, not finite, or of a wrong
+    /// unit, type or shape. If `set` raises InputError, no value has changed.
     fn set(&self, names: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         if let Ok(name) = names.cast::<PyString>() {
             let name = text("names", name)?;
@@ -148,8 +148,8 @@ impl Simulation {
 
     /// Set the mechanism to its start position at the time 0 s, with the present parameters and inputs.
     ///
-    /// `initialize` raises SimulationError if the present parameters are not valid, or if the start position cannot be
-    /// reached.
+    /// The method `initialize` raises SimulationError if the present parameters are not valid, or if the start
+    /// position cannot be reached.
     fn initialize(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.initialize().map_err(refused)?;
@@ -171,8 +171,8 @@ impl Simulation {
     /// Advance the simulation by the time `h` [s] > 0, with the present inputs. While `step` runs, no other Python
     /// thread runs, because `step` holds the interpreter lock.
     ///
-    /// `step` raises InputError if `h` is out of range. `step` raises SimulationError if the simulation is not
-    /// initialised or cannot continue.
+    /// The method `step` raises InputError if `h` is out of range. The method `step` raises SimulationError if the
+    /// simulation is not initialised or cannot continue.
     fn step(&self, h: &Bound<'_, PyAny>) -> PyResult<()> {
         let h = number("h", h)?;
         self.with(|run| run.step(h))
@@ -180,13 +180,13 @@ impl Simulation {
 
     /// Advance the simulation to the time `time` [s], with the present inputs. While `run_until` runs, other Python
     /// threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, the simulation ends
-    /// at the first event, such as the impact on a stop, after the event has been handled. `run_until` returns a list
-    /// with one line of text for each event at which the simulation has ended. If the simulation has reached `time`
-    /// without an event, the list is empty.
+    /// at the first event, such as the impact on a stop, after the event has been handled. The method `run_until`
+    /// returns a list with one line of text for each event at which the simulation has ended. If the simulation has
+    /// reached `time` without an event, the list is empty.
     ///
     /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
-    /// `run_until` raises the same exceptions as `step`.
+    /// The method `run_until` raises the same exceptions as `step`.
     #[pyo3(signature = (time, *, at_event = None), text_signature = "($self, time, *, at_event=False)")]
     fn run_until(
         &self,
@@ -199,11 +199,11 @@ impl Simulation {
         py.detach(|| self.with(|run| run.run_until(time, at_event)))
     }
 
-    /// Set a time derivative of an input for the next step only. `order` is 1 for the first derivative [unit/s], or 2
-    /// for the second derivative [unit/s2].
+    /// Set a time derivative of an input for the next step only. The argument `order` is 1 for the first derivative
+    /// [unit/s], or 2 for the second derivative [unit/s2].
     ///
-    /// `set_derivative` raises InputError if no continuous input has the given name, or if the order or the value is
-    /// out of range.
+    /// The method `set_derivative` raises InputError if no continuous input has the given name, or if the order or the
+    /// value is out of range.
     #[pyo3(signature = (name, derivative, order = None), text_signature = "($self, name, derivative, order=1)")]
     fn set_derivative(
         &self,
@@ -219,10 +219,10 @@ impl Simulation {
         })
     }
 
-    /// Return the time derivative of an output [unit/s]. `derivative` returns NaN if the time derivative does not exist
-    /// in the present state.
+    /// Return the time derivative of an output [unit/s]. The method `derivative` returns NaN if the time derivative
+    /// does not exist in the present state.
     ///
-    /// `derivative` raises InputError if no continuous output has the given name.
+    /// The method `derivative` raises InputError if no continuous output has the given name.
     fn derivative(&self, name: &Bound<'_, PyAny>) -> PyResult<f64> {
         let name = text("name", name)?;
         self.with(|run| {
@@ -231,12 +231,12 @@ impl Simulation {
         })
     }
 
-    /// Return the directional derivatives of outputs. For each output, the result is the sum of its partial derivatives
-    /// with respect to the inputs, each multiplied by the seed of the input. Before `initialize`, `inputs` can also
-    /// contain parameters, and the derivatives refer to the outputs at the start.
+    /// Return the directional derivatives of outputs. For each output, `directional_derivative` returns the sum of the
+    /// partial derivatives of the output with respect to the inputs, each multiplied by the seed of the input. Before
+    /// `initialize`, `inputs` can also contain parameters, and the derivatives refer to the outputs at the start.
     ///
-    /// `directional_derivative` raises InputError if a name is not the name of an output or input, or if the numbers of
-    /// seeds and inputs differ.
+    /// The method `directional_derivative` raises InputError if a name is not the name of an output or input, or if
+    /// the numbers of seeds and inputs differ.
     fn directional_derivative<'py>(
         &self,
         py: Python<'py>,
@@ -268,7 +268,7 @@ impl Simulation {
     /// Continue the simulation from a saved state. The saved state can also come from another simulation of the same
     /// mechanism.
     ///
-    /// `restore` raises InputError if the saved state belongs to another mechanism.
+    /// The method `restore` raises InputError if the saved state belongs to another mechanism.
     fn restore(&self, state: &Bound<'_, PyAny>) -> PyResult<()> {
         let Ok(state) = state.cast::<State>() else {
             return Err(wrong("state", state, "a State; Simulation.save makes one"));
@@ -284,7 +284,8 @@ impl Simulation {
 
     /// Convert bytes from `State.to_bytes` back to a saved state.
     ///
-    /// `state_from_bytes` raises InputError if the bytes do not contain a state of the mechanism of this simulation.
+    /// The method `state_from_bytes` raises InputError if the bytes do not contain a state of the mechanism of this
+    /// simulation.
     fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {
         let Ok(bytes) = bytes.cast::<PyBytes>() else {
             return Err(wrong("bytes", bytes, "bytes of State.to_bytes"));
@@ -356,7 +357,8 @@ impl State {
         self.time
     }
 
-    /// Return the saved state as bytes. `Simulation.state_from_bytes` reads the bytes, also in another process.
+    /// Return the saved state as bytes. The method `Simulation.state_from_bytes` reads the bytes, also in another
+    /// process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
             let mut snapshot = self.snapshot.lock().map_err(refused)?;

@@ -92,7 +92,7 @@ def example(name: str) -> Mechanism:
 
     Raises:
         InputError: the package has no example with the given name. The text of the exception lists the names of all
-        example mechanisms.
+            example mechanisms.
     """
     if not isinstance(name, str):
         wrong("name", name, "the name of an example")
@@ -153,8 +153,8 @@ class Mechanism:
 
     def check(self) -> Report:
         """Check the definition. The report contains findings (errors and warnings) and computed facts about the
-        mechanism, such as travel, dead centres, strokes and equilibria. `print` shows the report in the same form as
-        the command `linkage-fmu check`."""
+        mechanism, such as travel, dead centres, strokes and equilibria. The function `print` shows the report in the
+        same form as the command `linkage-fmu check`."""
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
@@ -192,11 +192,11 @@ class Mechanism:
         Args:
             start_time: time at the start of the simulation [s].
             stop_time: time at the end of the simulation [s]. By default, the simulation ends at the stop time of the
-            default experiment.
+                default experiment.
             output_interval: time from one row of the result to the next [s]. The default is the step size of the
                 default experiment, doubled until the result has at most 1001 rows.
             relative_tolerance: relative tolerance of the integration. By default, the tolerance of the definition is
-            used.
+                used.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
                 unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If a
@@ -275,9 +275,9 @@ class Mechanism:
 
         Args:
             count: number of equal parts into which the travel is divided. The result of `kinematics` has `count` + 1
-            positions. outputs: names of the outputs in the result. By default, the result of `kinematics` contains all
-            coordinates, lengths,
-                markers, reduced masses and holding forces.
+                positions.
+            outputs: names of the outputs in the result. By default, the result of `kinematics` contains all
+                coordinates, lengths, markers, reduced masses and holding forces.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
@@ -301,16 +301,17 @@ class Mechanism:
 
         Args:
             coordinate: name of the coordinate: an angle [rad] or a position [m]. By default, the coordinate is the one
-            in the key `start` of the definition.
+                in the key `start` of the definition.
             inputs: names of the inputs u of the linear model. By default, the inputs u are all inputs on which the
-            acceleration depends. outputs: names of the outputs y of the linear model. By default, the only output y is
-            the coordinate.
+                acceleration depends.
+            outputs: names of the outputs y of the linear model. By default, the only output y is the coordinate.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
             InputError: a name in the arguments of the method is not known.
-            SimulationError: the mechanism has more states than position and speed.
+            SimulationError: the mechanism cannot be linearised, because it has further states, such as the pressures of
+                a hydraulic circuit.
         """
         from ._linear import linearise
 
@@ -376,7 +377,7 @@ class Mechanism:
             path: folder for the FMUs. If the folder does not exist, the method creates the folder.
             fmi: FMI version of the FMU: 2, 3 or "both".
             platforms: platforms of the libraries in the FMU, such as "x86_64-windows". By default, the FMU contains the
-            library for the platform of this computer.
+                library for the platform of this computer.
             animation: True adds an animation of the default experiment to the FMU.
             results: True adds reference results of the default experiment to the FMU.
 

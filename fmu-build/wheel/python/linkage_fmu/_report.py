@@ -75,8 +75,8 @@ class Fact:
 
 @dataclass(frozen=True)
 class Report:
-    """All findings (errors and warnings) about a definition, and computed facts about its mechanism. `print` shows the
-    report in the same form as the command `linkage-fmu check`."""
+    """All findings (errors and warnings) about a definition, and computed facts about its mechanism. The function
+    `print` shows the report in the same form as the command `linkage-fmu check`."""
 
     #: Name of the model. The name of the model is empty if the definition could not be read.
     name: str

@@ -70,7 +70,7 @@ class Result(np.ndarray[Any, Any]):
     """Result of a simulation: a structured array with the field `time` [s] and one field for each variable, in SI
     units.
 
-    `fmpy.plot_result` and other functions for results of FMPy can process the array.
+    The function `fmpy.plot_result` and other functions for results of FMPy can process this array.
     """
 
     #: Unit of each column.
@@ -95,8 +95,8 @@ class Result(np.ndarray[Any, Any]):
         return super().__getitem__(key)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the result as a pandas data frame with the time as index. `attrs["units"]` of the data frame contains
-        the units."""
+        """Return the result as a pandas data frame with the time as index. The attribute `attrs["units"]` of the data
+        frame contains the units of the columns."""
         import pandas
 
         times = pandas.Index(self["time"], name="time")
