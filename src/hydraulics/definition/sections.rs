@@ -82,8 +82,7 @@ keys! {
         /// Flow through one fully open metering edge at the pressure drop `valve.rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through one fully \
             open metering edge at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which all keys `rated_flow` of the circuit state the flow [Pa], >
-        /// 0.
+        /// Rated pressure drop: the pressure drop to which all keys `rated_flow` of the circuit refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.

@@ -93,7 +93,7 @@ keys! {
         /// oil flows from `to` to `from`. The default is the value of `rated_flow`.
         reverse_flow: Option<f64> => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in \
             the reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -120,7 +120,7 @@ keys! {
         /// key `rated_flow` has no effect if `conductance` is greater than 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -170,7 +170,7 @@ keys! {
         /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -198,7 +198,7 @@ keys! {
         /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -226,7 +226,7 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -258,7 +258,7 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -292,7 +292,7 @@ keys! {
         /// 0. With the value 0, there is no check valve in parallel.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -312,7 +312,7 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the key `rated_flow` states the flow [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -349,7 +349,7 @@ keys! {
         /// The default is the value of `rated_flow`.
         rated_flow_a_return: Option<f64> => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through the \
             fully open metering edge from port a of @ to the return, at the rated pressure drop");
-        /// Rated pressure drop: the pressure drop for which the keys of the element state the flows [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
@@ -437,8 +437,8 @@ keys! {
         /// Start value of the input `<name>.upper_limit` [m], >= 0: largest cylinder length that the stops of the
         /// mechanism allow. If `lower_limit` and `upper_limit` are both 0, no stop limits the cylinder length.
         upper_limit: f64 => number(Metre, NonNegative);
-        /// Rated pressure drop: the pressure drop for which the keys of the cylinder state the flows of restrictors and
-        /// cushions [Pa], > 0.
+        /// Rated pressure drop: the pressure drop to which the rated flows of restrictors and cushions of the cylinder
+        /// refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
         /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
