@@ -38,7 +38,7 @@ keys! {
         /// Coordinates of the body's point `origin` in the drawing [m].
         origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
         /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
-        /// `end`. The distance between the two points is the length of the body.
+        /// `end`. The distance between `origin` and `end` is the length of the body.
         end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
         /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
         /// together with `end`.

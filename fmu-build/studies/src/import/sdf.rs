@@ -24,7 +24,7 @@ pub const TABLE: &[Row] = &[
     ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
     ("sdf/model world/model", "name", Read, "name of the mechanism"),
     ("sdf/model world/model", "canonical_link", Read, "the ground, if no joint holds a link on the world"),
-    ("sdf/model world/model", "placement_frame", Rejected(""), "not supported: write the pose of the model frame instead"),
+    ("sdf/model world/model", "placement_frame", Rejected(""), "a placement frame is not supported: write the pose of the model frame instead"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "position and orientation"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and format of the rotation in the pose"),
     ("link/pose joint/pose frame/pose", "relative_to", Read, "frame to which the pose refers"),
