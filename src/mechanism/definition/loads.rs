@@ -186,8 +186,9 @@ keys! {
     }
 
     /// A surface on which the air exerts drag: a strip between two points of one body, or an area at a point. The drag
-    /// of a surface is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In this formula, c is the drag coefficient
-    /// and u is the air velocity relative to the surface [m/s]. The projected area S is perpendicular to u [m2].
+    /// of a surface is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag
+    /// coefficient and u is the air velocity relative to the surface [m/s]. The projected area S is perpendicular to u
+    /// [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();

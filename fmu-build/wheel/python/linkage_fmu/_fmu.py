@@ -16,7 +16,7 @@ from ._mechanism import Mechanism, Source
 
 class Info(dict[str, Any]):
     """Interface of an FMU or of a definition, with the content that the command `linkage-fmu info --json` prints. The
-    function `print` shows the interface as a table."""
+    function `print` shows the variables and the other data of the interface as a table."""
 
     def __init__(self, stated: dict[str, Any], text: str) -> None:
         super().__init__(stated)

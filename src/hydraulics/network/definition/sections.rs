@@ -321,7 +321,7 @@ keys! {
     }
 
     /// A directional valve has four ports and three positions. The input `<name>.command` is the command of the valve.
-    /// A positive command connects the supply to port a, and port b to the return.
+    /// A positive command of the valve connects the supply to port a, and port b to the return.
     pub struct Valve {
         /// Port that supplies the directional valve with oil.
         supply: String => line().required();

@@ -160,7 +160,7 @@ pub const TABLE: &[Row] = &[
     ("actuator/velocity", "kv", Read, "a damper"),
     ("actuator/position actuator/velocity", "gainprm", Read, "default value of `kp` or `kv`, if the attribute is stated in the default class `general`"),
     ("actuator/damper", "kv", Read, "the damper has no force at the control signal 0"),
-    ("actuator/cylinder", "area diameter bias", Read, "`import` converts the bias to a spring and a damper, and prints a note with the area"),
+    ("actuator/cylinder", "area diameter bias", Read, "`import` converts the bias of the force to a spring and a damper, and prints a note with the piston area"),
     ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "joint or tendon on which the drive acts, gear ratio, and damping and inertia of the motor"),
     ("actuator/*", "actdim actearly actlimited actrange ctrllimited ctrlrange delay dynprm dyntype ffrange forcelimited forcerange gain \
         imax inheritrange posrange slewmax timeconst velrange", LeftOut, DRIVE),
