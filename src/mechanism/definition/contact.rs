@@ -6,8 +6,8 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// A stop is an end of the travel. A stop limits one quantity: the angle of a body, the position of a prismatic
-    /// joint, the angle of a revolute joint, or the distance between two points.
+    /// A stop ends the travel of the mechanism on one side. A stop limits one quantity: the angle of a body, the
+    /// position of a prismatic joint, the angle of a revolute joint, or the distance between two points.
     pub struct Stop {
         /// Body whose angle is limited.
         body: Option<String> => element();
