@@ -60,7 +60,7 @@ impl Writer {
     /// Add a run, the one of this index in the chunk.
     pub fn add(&mut self, index: u32, values: [&[f64]; 2], remark: Remark) {
         for value in values.into_iter().flatten() {
-            self.values.extend(value.to_le_bytes());
+            self.values.extend_from_slice(&value.to_le_bytes());
         }
         if remark.is_failure || !remark.text.is_empty() {
             self.remarks.extend(index.to_le_bytes());

@@ -5,14 +5,14 @@
 //! chunk holds.
 
 use anyhow::{Context, Result, bail};
-use linkage_fmu::codec::checksum::fnv1a;
+use linkage_fmu::codec::checksum::xxh64;
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// First bytes of a journal: its name and the version of its form.
-const MAGIC: &[u8; 8] = b"LFSWEEP1";
+const MAGIC: &[u8; 8] = b"LFSWEEP2";
 /// Bytes before the first record.
 const HEAD: u64 = 8 + 16;
 /// Bytes before those of a chunk: its number, their number, their check sum.
@@ -95,7 +95,7 @@ impl Journal {
             return Ok(());
         }
         let mut record = Vec::with_capacity(RECORD as usize + bytes.len());
-        for number in [chunk, bytes.len() as u64, fnv1a(bytes)] {
+        for number in [chunk, bytes.len() as u64, xxh64(bytes)] {
             record.extend(number.to_le_bytes());
         }
         record.extend(bytes);
@@ -158,7 +158,7 @@ fn read(file: &mut File, identity: u128) -> std::io::Result<Option<(Records, u64
         }
         bytes.resize(count as usize, 0);
         file.read_exact(&mut bytes)?;
-        if fnv1a(&bytes) != sum {
+        if xxh64(&bytes) != sum {
             break;
         }
         done.entry(chunk).or_insert((end + RECORD, count));

@@ -37,21 +37,13 @@ impl Format for Parquet {
     }
 
     fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()> {
-        let texts = self.contents.iter().zip(values).map(|(content, value)| match content {
-            Content::Text(texts) => texts[*value as usize].as_str(),
-            _ => "",
-        });
-        let numbers = std::iter::once(run as f64).chain(values.iter().copied());
-        let numbers = numbers.chain([f64::from(u8::from(remark.is_failure)), 0.0]);
-        let texts = std::iter::once("").chain(texts).chain(["", remark.text]);
-        for ((column, number), text) in self.table.columns.iter_mut().zip(numbers).zip(texts) {
-            match column {
-                Values::Whole(runs) => runs.push(number as i64),
-                Values::Numbers(numbers) => numbers.push(number),
-                Values::Truths(truths) => truths.push(number != 0.0),
-                Values::Texts(all) => all.push(text.into()),
-            }
+        let [first, own @ .., failed, message] = &mut self.table.columns[..] else { return Ok(()) };
+        put(first, run as f64, "");
+        for ((column, content), value) in own.iter_mut().zip(&self.contents).zip(values) {
+            put(column, *value, if let Content::Text(texts) = content { &texts[*value as usize] } else { "" });
         }
+        put(failed, f64::from(u8::from(remark.is_failure)), "");
+        put(message, 0.0, remark.text);
         self.rows += 1;
         if self.rows == self.most_rows { self.write_group() } else { Ok(()) }
     }
@@ -61,6 +53,21 @@ impl Format for Parquet {
             self.write_group()?;
         }
         self.table.end()
+    }
+}
+
+/// Add a value to a column: the number, or the text if it is one of texts.
+#[inline]
+fn put(column: &mut Values, number: f64, text: &str) {
+    match column {
+        Values::Whole(runs) => runs.push(number as i64),
+        Values::Numbers(numbers) => numbers.push(number),
+        Values::Truths(truths) => truths.push(number != 0.0),
+        // Most texts are that of the row before, and share its bytes.
+        Values::Texts(all) => all.push(match all.last().filter(|last| last.data() == text.as_bytes()) {
+            Some(last) => last.clone(),
+            None => text.into(),
+        }),
     }
 }
 

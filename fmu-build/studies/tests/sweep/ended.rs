@@ -1,7 +1,7 @@
 //! Threads, ends and memory change nothing in the rows.
 
 use crate::support::{Folder, Rows, sweep};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -11,13 +11,18 @@ use std::time::Duration;
 
 /// A study of so many runs of the gear.
 fn many(folder: &Folder, name: &str, runs: u32) -> PathBuf {
+    of(folder, name, runs, json!({ "met": { "event": "retracted" } }))
+}
+
+/// [`many`] with these responses.
+fn of(folder: &Folder, name: &str, runs: u32, responses: Value) -> PathBuf {
     folder.study(
         name,
         json!({
             "factors": { "actuator.force": { "uniform": [28e3, 40e3] }, "load_factor": { "uniform": [1, 3] } },
             "sampling": { "method": "sobol", "count": runs },
             "scenario": { "stop_time": 0.3, "stop_at": "retracted" },
-            "responses": { "met": { "event": "retracted" } },
+            "responses": responses,
         }),
     )
 }
@@ -70,7 +75,9 @@ fn rows_do_not_depend_on_the_threads() {
 #[test]
 fn a_study_that_was_ended_is_resumed() {
     let folder = Folder::new("resume");
-    let study = many(&folder, "study.json", 60_000);
+    // The other stop makes steps necessary, which last longer than the energy integral.
+    let responses = json!({ "met": { "event": "retracted" }, "down": { "event": "extended" } });
+    let study = of(&folder, "study.json", 60_000, responses);
     let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
     let size = || fs::metadata(parts.join("runs.journal")).map_or(0, |file| file.len());

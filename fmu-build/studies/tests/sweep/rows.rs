@@ -72,6 +72,38 @@ fn rows_are_those_of_simulate_to_the_bit() {
     assert!(rows.column("met").iter().any(|time| !time.is_nan()));
 }
 
+/// The other stop is asked for, too, so that runs are made by steps: the same times, and the same texts of runs that do
+/// not get there, also of a grid and of inputs that size no load.
+#[test]
+fn times_by_energy_are_those_of_the_steps() {
+    let folder = Folder::new("energy");
+    let force = json!({ "uniform": [20000, 40000] });
+    let factors = [
+        json!({ "actuator.force": force, "load_factor": { "uniform": [0.5, 3] }, "wheel.force_x": { "values": [0, 500] } }),
+        json!({ "actuator.force": force, "airspeed": { "values": [0, 50] } }),
+        json!({ "actuator.force": force, "load_factor": { "uniform": [0.5, 3] }, "crank.mass": { "values": [12, 14] } }),
+    ];
+    for factors in factors {
+        let [alone, both] = [json!({}), json!({ "down": { "event": "extended" } })].map(|mut responses| {
+            responses["met"] = json!({ "event": "retracted" });
+            folder.rows(json!({
+                "factors": factors, "responses": responses, "start_values": { "solver.tolerance": 1e-12 },
+                "sampling": { "method": "random", "count": 200, "seed": 1 },
+                "scenario": { "stop_time": 0.16, "stop_at": "retracted" },
+            }))
+        });
+        assert_eq!(alone.rows.len(), 400);
+        let mut missed = 0;
+        for row in 0..alone.rows.len() {
+            let (met, by_steps) = (alone.number(row, "met"), both.number(row, "met"));
+            assert_eq!((met.is_nan(), alone.text(row, "message")), (by_steps.is_nan(), both.text(row, "message")));
+            assert!(met.is_nan() || (met - by_steps).abs() < 5e-12, "{row}: {met} {by_steps}");
+            missed += usize::from(met.is_nan());
+        }
+        assert!(missed > 10 && missed < 300, "{missed}");
+    }
+}
+
 #[test]
 fn a_run_ends_at_its_event() {
     let folder = Folder::new("event");
