@@ -156,10 +156,30 @@ impl Linkage {
                 json!({ "body": self.bodies[body].name, "angle": 0.0 })
             }
         };
-        if let (Some(speed), Some(_), None) = (self.start_speed, driven, joint.axis) {
+        if let (Some(speed), Some(_), None) = (self.start_speed.filter(|_| !self.is_massless()), driven, joint.axis) {
             start["speed"] = json!(speed);
         }
         start
+    }
+
+    /// Whether no body has a mass, so that nothing but a prescribed motion moves the linkage.
+    pub fn is_massless(&self) -> bool {
+        self.bodies.iter().all(|body| body.mass <= 0.0 && body.inertia <= 0.0)
+    }
+
+    /// A drive: the first one of a linkage without masses turns with the speed of the start.
+    fn drive(&self, index: usize) -> (String, Value) {
+        let (name, joint) = &self.drives[index];
+        let joint = &self.joints[*joint];
+        let value = match (self.start_speed, joint.axis) {
+            (Some(speed), None) if index == 0 && self.is_massless() => {
+                json!({ "joint": joint.name, "motion": { "profile": "constant_speed", "speed": speed } })
+            }
+            _ if self.is_massless() => json!({ "joint": joint.name }),
+            (_, Some(_)) => json!({ "joint": joint.name, "force": 0.0 }),
+            (_, None) => json!({ "joint": joint.name, "torque": 0.0 }),
+        };
+        (name.clone(), value)
     }
 
     /// The text of the definition.
@@ -190,11 +210,6 @@ impl Linkage {
             (body.name.clone(), body.value(to, is_drawn))
         });
         let bodies: Vec<(String, Value)> = bodies.collect();
-        let drive = |(name, joint): &(String, usize)| {
-            let joint = &self.joints[*joint];
-            let word = if joint.axis.is_some() { "force" } else { "torque" };
-            (name.clone(), json!({ "joint": joint.name, word: 0.0 }))
-        };
         let mut parts = vec![("name".to_owned(), Part::One(json!(own.name)))];
         if let Some(gravity) = own.gravity {
             parts.push(("gravity".to_owned(), Part::One(json!({ "acceleration": gravity, "up_angle": FRAC_PI_2 }))));
@@ -203,7 +218,7 @@ impl Linkage {
             ("bodies", bodies),
             ("joints", joints),
             ("couplings", own.couplings.clone()),
-            ("actuators", self.drives.iter().map(drive).chain(own.actuators.clone()).collect()),
+            ("actuators", (0..self.drives.len()).map(|index| self.drive(index)).chain(own.actuators.clone()).collect()),
             ("forces", own.forces.clone()),
             ("springs", own.springs.clone()),
             ("stops", own.stops.clone()),

@@ -265,6 +265,18 @@ fn old_link_of_pmks_plus() {
     let inputs = [("drive.torque", 0.4), ("motor.torque", 0.4)];
     let notes = compare(Form::PmksPlus, link, &hand, inputs, &pairs);
     assert_says(&notes.join("\n"), &["lengths are read in cm", "F1,BC", "their direction differs"]);
+    // Without masses the input turns at its speed.
+    let bare = link.replace("AB,1.5,0.0025", "AB,0,0").replace("BC,0.9,0.009", "BC,0,0");
+    let imported = import(Form::PmksPlus, "Imported", &bare).unwrap();
+    assert_says(&imported.notes.join("\n"), &["no link has a mass"]);
+    let mut run = Simulation::open(&imported.definition).unwrap();
+    run.initialize().unwrap();
+    run.step(0.1).unwrap();
+    let turn = -20.0 * 2.0 * PI / 60.0;
+    let (sin, cos) = (f64::atan2(0.06, 0.08) + 0.1 * turn).sin_cos();
+    let expected = -turn * 0.1 * sin * (1.0 + 0.1 * cos / (rod * rod - 0.01 * sin * sin).sqrt());
+    assert!((run.get("AB.speed").unwrap() - turn).abs() < 1e-12);
+    assert!((run.get("C.speed").unwrap() - expected).abs() < 1e-10, "{} {expected}", run.get("C.speed").unwrap());
     // The first links have neither angles nor friction.
     let short = link.replace("0,0.1,t,%0A", "Null,t%0A").replace("0,0.1,f,%0A", "Null,f%0A");
     assert_eq!(definition(Form::PmksPlus, link), definition(Form::PmksPlus, &short));
