@@ -164,7 +164,8 @@ impl Space {
 /// There is no joint; axes, slides, struts and gravity are not those of one plane; a coupling that gears cannot have.
 pub fn project(space: Space) -> Result<Linkage> {
     let [along, up, normal] = plane(&space)?;
-    let flat = |v: Vector| [dot(v, along), dot(v, up)];
+    // Rounding of turned frames is no distance.
+    let flat = |v: Vector| [along, up].map(|axis| Some(dot(v, axis)).filter(|x| x.abs() > 1e-15).unwrap_or(0.0));
     let mut own = Linkage { name: identifier(&space.name, "Mechanism", &[]), ..Linkage::default() };
     own.notes = space.notes;
     let weight = flat(space.gravity);
