@@ -99,3 +99,65 @@ fn ranges_the_wrong_way_round_are_refused() {
         &["<joint \"swing\">: <limit>: the lower limit 2.0 is larger than the upper limit -1.0"],
     );
 }
+
+/// What no definition has, each with the words of its message.
+#[test]
+fn what_has_no_counterpart_is_rejected() {
+    let second = r#"<body name="b" pos="1 0 0"><joint name="k" axis="0 1 0" ref="10"/><geom size=".1"/>
+        <body name="c" pos="1 0 0"><joint name="l" axis="0 1 0"/><geom size=".1"/><site name="t"/></body></body>"#;
+    let file = |joint: &str, rest: &str| {
+        format!(
+            r#"<mujoco><worldbody><site name="s"/><body name="a"><joint name="j" axis="0 1 0" {joint}/><geom size=".1"/>
+            </body>{second}</worldbody>{rest}</mujoco>"#
+        )
+    };
+    for (joint, rest, words) in [
+        (r#"frictionloss=".5""#, "", &["line 1: <joint \"j\">: frictionloss = 0.5", "set frictionloss to 0"][..]),
+        (r#"stiffness="1 2""#, "", &["stiffness", "linear coefficient"]),
+        (r#"damping="-1""#, "", &["damping = -1", "must not be negative"]),
+        (r#"springdamper=".1 1""#, "", &["springdamper", "write stiffness and damping"]),
+        ("", r#"<default><joint armature=".1"/></default>"#, &["armature 0.1 of the joint l", "two moving bodies"]),
+        ("", r#"<equality><joint joint1="j" joint2="l"/></equality>"#, &["joints j and l", "share no body"]),
+        ("", r#"<equality><joint joint1="j" joint2="k" polycoef="0 1 .1"/></equality>"#, &["polycoef", "a cam"]),
+        ("", r#"<equality><joint joint1="j" joint2="m"/></equality>"#, &["there is no joint m"]),
+        ("", r#"<equality><weld body1="a" body2="c" relpose="1 0 0 1 0 0 0"/></equality>"#, &["difference 1.00e0"]),
+        ("", r#"<equality><tendon tendon1="t"/></equality>"#, &["<tendon>", "remove it"]),
+        ("", r#"<tendon><fixed name="f"/></tendon>"#, &["<fixed \"f\">", "several joints"]),
+        ("", r#"<tendon><spatial><site site="s"/><site site="t"/><site site="s"/></spatial></tendon>"#, &["two sites"]),
+        ("", r#"<actuator><position joint="j" dampratio="1"/></actuator>"#, &["dampratio", "write kv"]),
+        ("", r#"<actuator><general joint="j" biastype="affine" biasprm="0 1"/></actuator>"#, &["signs of its bias"]),
+        ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "write <motor>"]),
+        ("", "<worldbody><replicate/></worldbody>", &["<replicate>", "mj_saveLastXML"]),
+        ("", r#"<include file="other.xml"/>"#, &["<include>", "other.xml"]),
+    ] {
+        assert_says(&refusal(Form::Mjcf, &file(joint, rest)), words);
+    }
+    let said = notes(
+        Form::Mjcf,
+        &file(r#"colour="red" class="main""#, "<sensor/><odd/>").replace("<mujoco>", "<mujoco><default/>"),
+    );
+    assert_says(&said, &["<joint> colour is unknown", "<odd> is unknown", "<sensor> is left out"]);
+}
+
+/// Ranges count from `ref`; `limited`, `autolimits` and flags decide whether they are limits.
+#[test]
+fn ranges_count_from_the_reference() {
+    let angles = |joint: &str, settings: &str| -> Vec<f64> {
+        let text = format!(
+            r#"<mujoco>{settings}<worldbody><body name="a"><joint name="j" axis="0 1 0" {joint}/><geom size=".1"/></body>
+            </worldbody></mujoco>"#
+        );
+        let text = import(Form::Mjcf, "Imported", &text).unwrap().definition;
+        let definition: Value = serde_json::from_str(&text).unwrap();
+        let stops = definition["stops"].as_object();
+        stops.into_iter().flatten().map(|(_, stop)| stop["angle"].as_f64().unwrap().to_degrees().round()).collect()
+    };
+    // The axis points against the normal of the plane.
+    assert_eq!(angles(r#"range="-10 50" ref="20""#, ""), [-30.0, 30.0]);
+    assert_eq!(angles(r#"range="-10 50" ref="10""#, ""), [-40.0, 20.0]);
+    assert_eq!(angles(r#"range="-10 50" limited="false""#, ""), [0.0; 0]);
+    assert_eq!(angles(r#"range="-10 50""#, r#"<compiler autolimits="false"/>"#), [0.0; 0]);
+    assert_eq!(angles(r#"range="-10 50" limited="true""#, r#"<compiler autolimits="false"/>"#), [-50.0, 10.0]);
+    assert_eq!(angles(r#"range="-10 50""#, r#"<option><flag limit="disable"/></option>"#), [0.0; 0]);
+    assert_eq!(angles(r#"range="-10 50""#, r#"<option><flag constraint="disable"/></option>"#), [0.0; 0]);
+}

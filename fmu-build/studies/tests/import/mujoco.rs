@@ -1,6 +1,6 @@
 //! Imported mechanisms beside MuJoCo: accelerations that `mujoco_values.py` computed.
 
-use fmu_studies::import::{Form, Imported, import, import_with};
+use fmu_studies::import::{Form, Imported, import_with};
 use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 

@@ -220,7 +220,11 @@ impl Mjcf {
             Some(name) => {
                 let found = self.space.struts.iter().position(|strut| strut.name == name);
                 Some(found.with_context(|| {
-                    format!("{}: the tendon {} is no tendon between two sites", node.at(), name.escape_debug())
+                    format!(
+                        "{}: there is no tendon {} between two sites; correct the name",
+                        node.at(),
+                        name.escape_debug()
+                    )
                 })?)
             }
             None => None,
