@@ -88,6 +88,18 @@ fn a_four_bar_at_constant_speed_is_that_of_two_circles() {
     }
 }
 
+/// Without a power nothing bounds how far the motion is known ahead: a long run stays quick and exact.
+#[test]
+fn a_long_run_is_exact_in_steps_of_any_size() {
+    for (steps, h) in [(20_000, 0.01), (1, 200.0)] {
+        let mut run = Run::new(massless(four_bar())).started();
+        (0..steps).for_each(|_| run.step(h));
+        let angle = 0.7 + SPEED * 200.0;
+        run.near("crank.angle", angle, 1e-9);
+        run.near("rocker.acceleration", two_circles([0.1, 0.04, 0.12, 0.08], angle, SPEED)[1][2], 1e-6);
+    }
+}
+
 #[test]
 fn a_slider_crank_at_constant_speed_is_that_of_the_closed_form() {
     let (r, l) = (0.1, 0.35);
@@ -272,7 +284,11 @@ fn motion_by_inputs_has_exact_derivatives_and_saved_states() {
         run.directional_derivative(&[of], &[by], &[1.0], &mut |_, value| slope = value).unwrap();
         assert_near(slope, exact, 1e-9, "derivative");
     }
+    run.set_derivative("motor.motion.acceleration", 1, 6.0);
     run.step(0.05);
+    let now = 0.7 + 0.05 * (3.0 + 0.05 * (1.0 + 0.05));
+    run.near("crank.angle", now, 1e-14);
+    run.near("rocker.angle", two_circles([0.1, 0.04, 0.12, 0.08], now, 1.0)[1][0], 1e-12);
     let state = run.saved();
     run.step(0.07);
     let after = run.bits(["rocker.angle", "rocker.speed", "rocker.acceleration"]);

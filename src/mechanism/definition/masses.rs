@@ -119,14 +119,14 @@ impl Mechanism {
             take(idle, format!("couplings.{name}.efficiency"), &mut coupling.efficiency);
             take(idle, format!("couplings.{name}.pretension"), &mut coupling.pretension);
         }
-        for (_, stop) in self.stops.iter_mut() {
-            (stop.restitution, stop.stiffness, stop.damping) = (0.0, 0.0, 0.0);
-        }
         for (_, joint) in self.joints.iter_mut() {
             (joint.pin_radius, joint.static_coefficient, joint.kinetic_coefficient) = (None, None, None);
         }
-        for (_, body) in self.bodies.iter_mut() {
-            (body.mass, body.shape, body.center, body.inertia, body.axial_stiffness) = (None, None, None, None, None);
+        for (name, body) in self.bodies.iter_mut() {
+            (body.mass, body.inertia) = (None, None);
+            take(idle, format!("bodies.{name}.shape"), &mut body.shape);
+            take(idle, format!("bodies.{name}.center"), &mut body.center);
+            take(idle, format!("bodies.{name}.axial_stiffness"), &mut body.axial_stiffness);
         }
     }
 

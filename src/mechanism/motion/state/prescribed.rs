@@ -43,6 +43,8 @@ const SHORTEST: f64 = 1e-6;
 const AHEAD: f64 = 1e-11;
 /// Least length of such a time, in rests of the step.
 const LONG: f64 = 2.0;
+/// Largest length of such a time without masses, in steps: no power bounds it, and far positions take long to find.
+const FARTHEST: f64 = 64.0;
 /// Part of a step by which its end may be missed by rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -392,6 +394,9 @@ impl State {
                     }
                     if error <= allowed {
                         reach = reach.max((to - t) * growth(error / allowed));
+                        if reduced.linkage().is_massless {
+                            reach = reach.min(FARTHEST * h);
+                        }
                     }
                     power.next = reach;
                     (power, Some(near))
