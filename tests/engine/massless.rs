@@ -302,7 +302,8 @@ fn motion_by_inputs_has_exact_derivatives_and_saved_states() {
 fn springs_keep_their_laws() {
     let mut light = block(1.0).with(json!({
         "springs": { "s": { "joint": "slide", "stiffness": 100, "damping": 5, "free_length": 0.1 } },
-        "actuators": { "ram": { "joint": "slide", "motion": { "profile": "constant_speed", "speed": 0.2, "start_time": 0.5 } } },
+        "actuators": { "ram": { "joint": "slide",
+            "motion": { "profile": "constant_speed", "speed": 0.2, "start_time": 0.5 } } },
     }));
     light["bodies"]["block"] = json!({});
     let mut run = Run::new(light).started();
@@ -347,7 +348,8 @@ fn what_cannot_be_without_masses_asks_for_them() {
             ["solver.method", "no body has a mass: give a mass to one of coupler, crank, rocker"],
         ),
         (
-            json!({ "gravity": { "acceleration": 9.81, "up_angle": 0 }, "forces": { "f": { "at": "rocker.end", "constant": true,
+            json!({ "gravity": { "acceleration": 9.81, "up_angle": 0 },
+                "forces": { "f": { "at": "rocker.end", "constant": true,
             "force": ["gravity.acceleration", 0] } }, "parameters": { "k": "2 * gravity.acceleration" } }),
             ["parameters.k", "uses gravity.acceleration, which has no effect"],
         ),

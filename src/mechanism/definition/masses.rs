@@ -141,8 +141,8 @@ impl Mechanism {
             all.push(Finding::warning(key, "has no effect, because no body has a mass", remedy));
         }
         if self.motion_drive().is_none() {
-            let message = "no body has a mass and no drive has the key motion, so the mechanism has a travel, but a run \
-                           cannot move it";
+            let message =
+                "no body has a mass and no drive has the key motion, so the mechanism has a travel, but no run";
             let remedy = format!(
                 "add the key motion to a drive in actuators, or add the key mass to one of the bodies {bodies}"
             );

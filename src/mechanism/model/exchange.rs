@@ -126,20 +126,6 @@ impl Model {
         Ok(())
     }
 
-    /// Follow the travel without time from now on: positions and speeds along the curve are set as the states of model
-    /// exchange, whether or not a drive has a motion.
-    ///
-    /// # Errors
-    /// A hydraulic circuit has states of its own.
-    pub fn serve_travel(&mut self) -> Result<(), ModelError> {
-        if !self.original.reduced.can_prescribe() {
-            return self.serve_exchange();
-        }
-        self.inputs.locks.last_mut().into_iter().for_each(|is_prescribed| *is_prescribed = false);
-        self.exchange = Some(Exchange::default());
-        Ok(())
-    }
-
     /// The motion starts: for model exchange from its first states.
     ///
     /// # Errors

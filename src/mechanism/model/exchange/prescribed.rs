@@ -4,7 +4,7 @@
 //! when that is prescribed no longer; but all outputs are those at the position and speed that are prescribed, to
 //! rounding. Each event takes the states there. In: the time of the host. Out: the state at this time, the next kink.
 //! It must not know FMI's life cycle.
-use super::{Formulation, Model, ModelError, NoValue};
+use super::{Exchange, Formulation, Model, ModelError, NoValue};
 use crate::mechanism::loads::laws::profile::Profile;
 
 /// An event: the host's time [s], and the time since the motion is prescribed [s].
@@ -18,6 +18,20 @@ impl Model {
     /// Whether the motion of a drive is prescribed.
     pub(in crate::mechanism::model) fn is_prescribed(&self) -> bool {
         self.original.reduced.loading().motion.is_some() && self.inputs.prescribes()
+    }
+
+    /// Follow the travel without time from now on: positions and speeds along the curve are set as the states of model
+    /// exchange, whether or not a drive has a motion.
+    ///
+    /// # Errors
+    /// A hydraulic circuit has states of its own.
+    pub fn serve_travel(&mut self) -> Result<(), ModelError> {
+        if !self.original.reduced.can_prescribe() {
+            return self.serve_exchange();
+        }
+        self.inputs.locks.last_mut().into_iter().for_each(|is_prescribed| *is_prescribed = false);
+        self.exchange = Some(Exchange::default());
+        Ok(())
     }
 
     /// The host's solver asks for values at this time [s]. At a kink of a profile they are those before it, until the
