@@ -14,7 +14,7 @@
 //! println!("{:?} {:?}", trace.times().last(), trace.column("crank.angle").and_then(|angles| angles.last()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-use crate::mechanism::{Model, ModelError};
+use crate::mechanism::{Model, ModelError, TravelTime};
 use crate::variables::{Causality, Kind, Reference, Variability};
 use std::fmt;
 
@@ -191,6 +191,21 @@ impl Simulation {
         let reference = self.reference(name)?;
         let item = self.model.item(reference)?;
         Ok(self.model.variables().get(reference).map_or("", |variable| variable.details.items[item]))
+    }
+
+    /// The time of the first impact on the stop with this flag as a function of inputs that size loads, for very many
+    /// runs from the present start: [`Model::travel_time`].
+    ///
+    /// # Errors
+    /// No variable has one of these names.
+    pub fn travel_time(
+        &self,
+        flag: &str,
+        inputs: &[&str],
+        samples: &[f64],
+    ) -> Result<Option<TravelTime>, SimulationError> {
+        let references = inputs.iter().map(|name| self.reference(name)).collect::<Result<Vec<_>, _>>()?;
+        Ok(self.model.travel_time(self.reference(flag)?, &references, samples))
     }
 
     /// Set an input or a parameter. Within a run, a tunable parameter acts from now on. Any other parameter ends

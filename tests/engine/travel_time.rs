@@ -3,12 +3,11 @@ use crate::support::GEAR;
 use linkage_fmu::simulation::{Simulation, SimulationError};
 use serde_json::json;
 
-/// A model at its start, and the references of these inputs.
-fn started<const N: usize>(text: &str, names: [&str; N]) -> (Simulation, [u32; N]) {
+/// A model at its start.
+fn started(text: &str) -> Simulation {
     let mut model = Simulation::open(text).unwrap();
     model.initialize().unwrap();
-    let references = names.map(|name| model.reference(name).unwrap());
-    (model, references)
+    model
 }
 
 /// A rod that falls from the horizontal to the vertical: a quarter of the period of a pendulum with an amplitude of 90
@@ -23,8 +22,7 @@ fn a_rod_falls_in_a_quarter_of_its_period() {
         "stops": { "low": { "body": "rod", "limit": "lower", "angle": -std::f64::consts::FRAC_PI_2, "flag": "down" } },
         "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 },
     });
-    let (model, [load, flag]) = started(&rod.to_string(), ["load_factor", "down"]);
-    let of = model.model().travel_time(flag, &[load], &[1.0]).unwrap();
+    let of = started(&rod.to_string()).travel_time("down", &["load_factor"], &[1.0]).unwrap().unwrap();
     // Upwards it does not fall, and without weight it stays.
     let factors = [1.0, 4.0, 0.01, -1.0, 0.0, f64::NAN, 1e300, f64::INFINITY];
     let mut times = [0.0; 8];
@@ -42,23 +40,21 @@ fn a_rod_falls_in_a_quarter_of_its_period() {
 /// actuator is too weak there is none, or the right one. A time does not depend on the others.
 #[test]
 fn times_are_those_of_the_steps() {
-    let (mut gear, [force, load, flag, time]) =
-        started(GEAR, ["actuator.force", "load_factor", "retracted", "upstop.impact_time"]);
+    let mut gear = started(GEAR);
+    let inputs = ["actuator.force", "load_factor"];
     let samples: Vec<f64> =
         (0..64).flat_map(|k| [28e3 + 12e3 * f64::from(k * 5 % 64) / 63.0, 1.0 + f64::from(k) / 31.5]).collect();
-    let of = gear.model().travel_time(flag, &[force, load], &samples).unwrap();
+    let of = gear.travel_time("retracted", &inputs, &samples).unwrap().unwrap();
     let points: Vec<f64> = (0..35).flat_map(|k| [15e3 + 1e3 * f64::from(k), f64::from(k * 11 % 35) / 10.0]).collect();
     let mut times = vec![0.0; 35];
     of.times(&points, &mut times);
     gear.set("solver.tolerance", 1e-13).unwrap();
-    let model = gear.model_mut();
     let mut found = 0;
     for (point, found_time) in points.chunks_exact(2).zip(&times) {
-        model.set_real(force, point[0]).unwrap();
-        model.set_real(load, point[1]).unwrap();
-        model.initialize().unwrap();
-        model.step(0.5).unwrap();
-        let exact = model.real(time).unwrap();
+        inputs.iter().zip(point).for_each(|(name, value)| gear.set(name, *value).unwrap());
+        gear.initialize().unwrap();
+        gear.step(0.5).unwrap();
+        let exact = gear.get("upstop.impact_time").unwrap();
         let inside = point[0] >= 28e3 && (1.0..=3.0).contains(&point[1]);
         println!("{point:?}: {found_time} {exact} {:e}", found_time - exact);
         assert!(
@@ -73,30 +69,33 @@ fn times_are_those_of_the_steps() {
     assert!(found > 15, "{found}");
 }
 
-/// What the integral does not give: losses, a start in motion, a bumper, a lock that holds, an input that sizes no load.
+/// Losses, a start in motion, a bumper, a lock that holds, an input that sizes no load: the integral gives no time.
 #[test]
 fn where_the_integral_does_not_hold_there_is_no_function() {
-    let names = ["actuator.force", "airspeed", "retracted"];
-    let sample = [3e4];
-    let (mut gear, [force, air, flag]) = started(GEAR, names);
-    assert!(gear.model().travel_time(flag, &[force], &sample).is_some());
-    assert!(gear.model().travel_time(flag, &[air], &sample).is_none());
-    assert!(gear.model().travel_time(force, &[force], &sample).is_none());
+    let of = |gear: &Simulation, inputs: &[&str]| gear.travel_time("retracted", inputs, &[3e4]).unwrap();
+    let mut gear = started(GEAR);
+    assert!(of(&gear, &["actuator.force"]).is_some());
+    assert!(of(&gear, &["airspeed"]).is_none());
+    assert!(of(&gear, &["crank.mass"]).is_none());
+    assert!(gear.travel_time("crank.angle", &["actuator.force"], &[3e4]).unwrap().is_none());
     // Too weak.
-    assert!(gear.model().travel_time(flag, &[force], &[1e3]).is_none());
-    let changes: [fn(&mut Simulation) -> Result<(), SimulationError>; 4] = [
+    assert!(gear.travel_time("retracted", &["actuator.force"], &[1e3]).unwrap().is_none());
+    let changes: [fn(&mut Simulation) -> Result<(), SimulationError>; 5] = [
         |gear| gear.set("airspeed", 80.0),
         |gear| gear.set("crank.start_speed", -0.1),
         |gear| gear.set("friction.enabled", true),
+        |gear| gear.set("upstop.rigid", false),
         |gear| gear.set("solver.method", "rigid_fem"),
     ];
     for (k, change) in changes.iter().enumerate() {
-        let (mut other, [force, _, flag]) = started(GEAR, names);
+        let mut other = started(GEAR);
         change(&mut other).unwrap();
+        // The bumper has no stiffness yet.
+        other.set("upstop.stiffness", 1e6).unwrap();
         other.initialize().unwrap();
-        assert!(other.model().travel_time(flag, &[force], &sample).is_none(), "change {k}");
+        assert!(of(&other, &["actuator.force"]).is_none(), "change {k}");
     }
     gear.set("downlock.engage", true).unwrap();
     gear.initialize().unwrap();
-    assert!(gear.model().travel_time(flag, &[force], &sample).is_none());
+    assert!(of(&gear, &["actuator.force"]).is_none());
 }

