@@ -16,7 +16,7 @@ pub use data::{Data, Status, Wanted};
 pub use fmu_cli::View as Arguments;
 use linkage_fmu::inspection::Severity;
 pub use page::{Live, as_script, html, live};
-use std::path::Path;
+use std::path::{Path, is_separator};
 
 /// Write the page; whether it shows the whole motion that was asked for.
 ///
@@ -38,8 +38,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         data.compare_with(other, &arguments.compare_set);
     }
     let html = html(&data)?;
-    let path =
-        arguments.out.clone().unwrap_or_else(|| workspace.output("view").join(format!("{}.html", data.file_name())));
+    let named = |folder: &Path| folder.join(format!("{}.html", data.file_name()));
+    let path = match &arguments.out {
+        Some(out) if out.is_dir() || out.as_os_str().to_string_lossy().ends_with(is_separator) => named(out),
+        Some(out) => out.clone(),
+        None => named(&workspace.output("view")),
+    };
     files::replace_named(&path, "--out", html.as_bytes())?;
     let written = format!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
     match path.is_file() {

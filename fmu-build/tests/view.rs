@@ -112,6 +112,25 @@ fn the_travel_goes_from_stop_to_stop_with_all_joints_closed() {
     assert_eq!((sweep.drives[0].0.as_str(), sweep.drives[0].1), ("actuator.length", false));
 }
 
+/// The ends of cylinders have names as stops have.
+#[test]
+fn a_travel_that_cylinders_end_names_their_ends() {
+    let sweep = Simulation::open(&definition("LiftArm")).unwrap().model_mut().sweep(8).unwrap();
+    assert_eq!(sweep.ends, ["guy.extended", "lift.extended"].map(|name| Some(name.to_owned())));
+    let angles = &sweep.coordinates[0].1;
+    let facts = checked(&definition("LiftArm")).inspection.facts;
+    let arm = facts.iter().find(|fact| fact.topic == "Travel").unwrap();
+    assert_eq!([0, 1].map(|k| arm.quantities[k].value), [angles[0], angles[8]]);
+}
+
+/// An error stands in the units of the file.
+#[test]
+fn the_reason_why_there_is_no_motion_is_in_the_units_of_the_file() {
+    let text = gear_with("/bodies/coupler/length", json!(0.02));
+    let error = data(&text.replacen('{', r#"{ "units": { "length": "mm" }, "#, 1), &[]).error.unwrap();
+    assert!(error.contains(" mm apart") && !error.contains(" m "), "{error}");
+}
+
 #[test]
 fn a_whole_round_is_shown_where_nothing_stops_the_motion() {
     let mut four_bar = Simulation::open(&definition("FourBar")).unwrap();
@@ -146,15 +165,17 @@ fn forces_along_the_travel_agree_with_the_potential() {
     }
 }
 
-/// The same gear with a prescribed motion and with a force has the same forces at rest.
+/// The same gear with a prescribed motion, with a hydraulic circuit and with a force has the same forces at rest.
 #[test]
-fn a_prescribed_motion_has_forces_at_rest_too() {
+fn a_prescribed_motion_and_a_circuit_have_forces_at_rest_too() {
     let holding = |name: &str| {
         let json = serde_json::to_value(data(&definition(name), &[])).unwrap();
         let values = json["travel"]["values"].as_array().unwrap().clone();
         values.into_iter().find(|value| value["name"] == "actuator.holding_force").unwrap()["values"].clone()
     };
-    assert_eq!(holding("SmoothRetraction"), holding("LandingGearRetraction"));
+    for other in ["SmoothRetraction", "LandingGearRetractionHydraulic"] {
+        assert_eq!(holding(other), holding("LandingGearRetraction"), "{other}");
+    }
 }
 
 #[test]
@@ -332,6 +353,10 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     assert!(view::run(&workspace, &arguments(gear, "gear.html")).unwrap());
     let page = fs::read_to_string(folder.join("gear.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && !page.contains("connect-src") && !page.contains("CodeMirror"));
+    // A folder gets the page under the name of the model.
+    let gear = workspace.descriptions().join("LandingGearRetraction");
+    assert!(view::run(&workspace, &arguments(gear, "new/")).unwrap());
+    assert!(folder.join("new/LandingGearRetraction.html").exists());
     // A run of no length is the start.
     let gear = workspace.descriptions().join("LandingGearRetraction");
     assert!(view::run(&workspace, &Arguments { stop_time: Some(0.0), ..arguments(gear, "start.html") }).unwrap());

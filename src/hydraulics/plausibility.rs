@@ -77,13 +77,24 @@ const SHARED: [&str; 9] = [
     "frequency",
 ];
 
+/// Remedy for a pressure in another unit.
+const PASCAL: &str = "pressures are in Pa: 1 bar = 1e5 Pa, 1 MPa = 1e6 Pa";
+
 /// What is wrong with a number of a network that is probably in another unit, by the path of its key, and the remedy.
 pub fn implausible(path: &str, value: f64) -> Option<(String, &'static str)> {
-    let last = |path: &str| path.rsplit('.').next().filter(|key| SHARED.contains(key)).map(str::to_owned);
+    let last = |path: &str| path.rsplit('.').next().map(str::to_owned);
     let key = last(path)?;
-    let (_, least, most, unit, remedy) =
-        PLAUSIBLE.into_iter().find(|(name, ..)| last(name).as_deref() == Some(&key))?;
-    let is_usual = value == 0.0 || (least..=most).contains(&value);
+    let (_, least, most, unit, remedy) = match (path.split('.').next()?, key.as_str()) {
+        ("accumulators", "volume") => ("", 1e-5, 1.0, "m3", "volumes are in m3: 1 l = 1e-3 m3"),
+        (_, "start_pressure" | "precharge_pressure" | "release_pressure" | "max_pressure" | "full_pressure")
+        | ("reliefs", "pressure") => ("", 1e4, 1e9, "Pa", PASCAL),
+        (_, shared) if SHARED.contains(&shared) => {
+            PLAUSIBLE.into_iter().find(|(name, ..)| last(name).as_ref() == Some(&key))?
+        }
+        _ => return None,
+    };
+    // A pressure may be below that of the air.
+    let is_usual = value == 0.0 || (least..=most).contains(&if unit == "Pa" { value.abs() } else { value });
     (!is_usual).then(|| (unusual(value, [least, most], unit), remedy))
 }
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -89,6 +90,13 @@ def until(shown: Shown, condition: str, seconds: float = 20.0) -> None:
     while not shown.page.evaluate(condition):
         assert time.monotonic() < end, f"not within {seconds} s: {condition}"
         time.sleep(0.02)
+
+
+def inaccessible(shown: Shown) -> list[str]:
+    """Serious and critical findings of axe-core, each with its element."""
+    found = Axe().run(shown.page).response["violations"]
+    serious = [one for one in found if one["impact"] in ("serious", "critical")]
+    return [f"{one['id']}: {node['html']}" for one in serious for node in one["nodes"]]
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from conftest import FMU_FOLDER, Show, Shown, definition
+from conftest import FMU_FOLDER, Show, Shown, definition, inaccessible
 
 NAMES = sorted(fmu.stem for fmu in FMU_FOLDER.glob("*.fmu") if not fmu.name.endswith(".fmi3.fmu"))
 GEAR = "LandingGearRetraction"
@@ -181,3 +181,10 @@ def test_it_prints_on_white_with_all_tables(unpacked: Unpack, show: Show, tmp_pa
     printed = tmp_path / "page.pdf"
     page.pdf(path=printed, format="A4")
     assert printed.read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1200), ("dark", 390)])
+def test_axe_finds_nothing_serious(scheme: str, width: int, unpacked: Unpack, show: Show) -> None:
+    shown = opened(show, unpacked(GEAR), scheme, width)
+    shown.page.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true))")
+    assert inaccessible(shown) == []

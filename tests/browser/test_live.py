@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
-from conftest import REPOSITORY, Shown, until
+from conftest import REPOSITORY, Shown, inaccessible, until
 from playwright.sync_api import Browser
 
 GEAR = (REPOSITORY / "modelDescription/LandingGearRetraction/resources/mechanism.json").read_text(encoding="utf-8")
@@ -262,6 +262,26 @@ def test_two_pages_share_the_file(serve: Serve) -> None:
     assert text_of(other) == GEAR == text_of(one)
 
 
+def test_a_deleted_file_is_said_and_written_again(serve: Serve) -> None:
+    live = serve(GEAR)
+    shown = live.open()
+    live.file.unlink()
+    until(shown, "!document.getElementById('live-lost').hidden")
+    assert live.file.name in shown.page.locator("#live-lost").inner_text()
+    assert text_of(shown) == GEAR
+    shown.page.get_by_role("button", name="Save").click()
+    until(shown, "document.getElementById('live-state').textContent === 'Saved'")
+    assert live.file.read_text(encoding="utf-8") == GEAR
+    assert not shown.page.locator("#live-lost").is_visible()
+
+
+def test_numbers_in_messages_have_few_digits(serve: Serve) -> None:
+    shown = serve(GEAR).open()
+    edit(shown, '"stop_time": 0.15', '"stop_time": -0.0033333333333333335')
+    settled(shown)
+    assert re.search(r"-0\.00333333\b", shown.page.locator("#findings").inner_text())
+
+
 def test_hostile_texts_are_texts(serve: Serve) -> None:
     evil = "</script><img src=x onerror=alert(1)>"
     live = serve(GEAR.replace("Retraction mechanism of", evil), "a&lt;b'\"<i>.json")
@@ -294,6 +314,7 @@ def test_only_the_page_itself_is_served(serve: Serve) -> None:
 
     own = f"http://127.0.0.1:{address.port}"
     assert status("GET", address.path) == 200
+    assert status("GET", address.path.rstrip("/")) == 308
     for path in (
         "/",
         "/" + "0" * 32 + "/",
@@ -312,3 +333,12 @@ def test_only_the_page_itself_is_served(serve: Serve) -> None:
     assert live.file.read_text(encoding="utf-8") == GEAR
     assert status("POST", save, Origin=own) == 200
     assert live.file.read_text(encoding="utf-8") == "lost"
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1500), ("dark", 390)])
+def test_axe_finds_nothing_serious(scheme: str, width: int, serve: Serve) -> None:
+    shown = serve(GEAR).open(width, 900, scheme)
+    assert inaccessible(shown) == []
+    edit(shown, '"shape": "uniform_rod"', '"shape": "rod"')
+    settled(shown)
+    assert inaccessible(shown) == []

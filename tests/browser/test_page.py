@@ -7,7 +7,7 @@ import re
 from copy import deepcopy
 
 import pytest
-from conftest import Make, Mechanism, Show, Shown, definition, until
+from conftest import Make, Mechanism, Show, Shown, definition, inaccessible, until
 
 GEAR = definition("LandingGearRetraction")
 #: Distance of the gear's ground pins [m].
@@ -189,6 +189,20 @@ def length_of(shown: Shown, name: str) -> float:
     path = shown.page.locator(f"[data-arrow='{name}'].reaction path").first.get_attribute("d") or ""
     points = [tuple(map(float, pair)) for pair in re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)]
     return math.dist(points[0], points[3])
+
+
+def test_a_peak_of_a_force_stays_in_the_drawing_and_ends_of_cylinders_have_names(make: Make, show: Show) -> None:
+    page = show(make(definition("LiftArm")).path).page
+    assert [page.locator(f"#travel-{end}").inner_text() for end in ("low", "high")] == ["guy.extended", "lift.extended"]
+    assert "lift.extended" in page.locator("#hint").inner_text()
+    assert page.locator(".arrow.load.cut").count() == 2
+    room = page.locator("#drawing").bounding_box()
+    assert room
+    for arrow in page.locator(".arrow.load path").all():
+        box = arrow.bounding_box()
+        assert box
+        assert room["x"] <= box["x"] <= box["x"] + box["width"] <= room["x"] + room["width"]
+        assert room["y"] <= box["y"] <= box["y"] + box["height"] <= room["y"] + room["height"]
 
 
 def test_reactions_are_arrows_to_scale_that_can_be_switched(make: Make, show: Show) -> None:
@@ -402,3 +416,9 @@ def test_start_values_and_stop_time_are_taken(make: Make, show: Show) -> None:
     assert shown.values("crank.angle")[0] == pytest.approx(math.radians(30), abs=1e-6)
     assert shown.values("actuator.force")[0] == 2e4
     assert shown.page.evaluate("mechanism.clock.last * mechanism.clock.step") == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("scheme", "width"), [("light", 1400), ("dark", 390)])
+@pytest.mark.parametrize("mechanism", [GEAR, broken()], ids=["motion", "gap"])
+def test_axe_finds_nothing_serious(mechanism: Mechanism, scheme: str, width: int, make: Make, show: Show) -> None:
+    assert inaccessible(show(make(mechanism).path, width=width, scheme=scheme)) == []

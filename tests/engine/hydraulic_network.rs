@@ -296,5 +296,5 @@ fn a_check_reports_the_network() {
     assert!(value("Cylinder", "lift", "force at the start").unwrap() > 1e4);
     assert!(value("Accumulator", "bottle", "oil at the start").unwrap() > 1e-4);
     let warnings: Vec<String> = found.findings.iter().map(|finding| finding.to_string()).collect();
-    assert_says(warnings.join("\n"), &["hydraulics.pressure_locks.parking", "the most similar names are Parking"]);
+    assert_says(warnings.join("\n"), &["hydraulics.pressure_locks.parking", "locks without a pressure lock: Parking"]);
 }

@@ -73,7 +73,7 @@ pub fn command() -> Command {
              that needs a newer version is an error",
         ),
         ("demo", "out", "Folder for the results [default: the current folder]"),
-        ("view", "out", "File for the page [default: <Name>.html in the current folder]"),
+        ("view", "out", "File for the page, or folder in which <Name>.html is written [default: the current folder]"),
         (
             "optimise",
             "out",

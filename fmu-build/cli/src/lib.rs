@@ -119,7 +119,7 @@ pub struct View {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "MECHANISM")]
     pub path: PathBuf,
-    /// File for the page [default: target/view/<Name>.html in the repository]
+    /// File for the page, or folder in which <Name>.html is written [default: target/view in the repository]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Open the page in the browser

@@ -35,8 +35,8 @@ impl FileUnits {
     /// A finding in the units of the file; a circuit is in SI units in any file.
     pub fn told(&self, mut finding: Finding) -> Finding {
         if !finding.path.contains(".hydraulics") {
-            finding.message = self.converted(&finding.message);
-            finding.remedy = self.converted(&finding.remedy);
+            finding.message = self.message(&finding.message);
+            finding.remedy = self.message(&finding.remedy);
         }
         finding
     }
@@ -76,7 +76,7 @@ impl FileUnits {
     }
 
     /// Every number that is followed by a converted unit in this unit.
-    fn converted(&self, message: &str) -> String {
+    pub fn message(&self, message: &str) -> String {
         let mut out = String::with_capacity(message.len());
         let has_degrees = self.0.iter().any(|unit| unit.own == "deg");
         // Nobody who states degrees means radians.
@@ -167,8 +167,8 @@ mod tests {
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
             ("at 15.70796327 rad; if you mean 15 degrees, write 0.2 rad", "at 900 deg"),
         ] {
-            assert_eq!(text.converted(message), told);
-            assert_eq!(none.converted(message), message);
+            assert_eq!(text.message(message), told);
+            assert_eq!(none.message(message), message);
         }
     }
 }

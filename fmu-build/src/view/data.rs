@@ -15,6 +15,8 @@ use linkage_fmu::mechanism::inspection::Scene;
 use linkage_fmu::simulation::Simulation;
 pub use motion::Motion;
 use serde::Serialize;
+use std::panic::resume_unwind;
+use std::thread;
 pub use still::Still;
 pub use sweep::Travel;
 pub use wanted::Wanted;
@@ -113,27 +115,41 @@ impl Data {
         };
         let refused = match opened {
             Ok(simulation) => match data.play(simulation, wanted, &checked.units) {
-                Ok(()) => return data,
+                Ok(error) => {
+                    data.error = error.map(|error| checked.units.message(&error));
+                    return data;
+                }
                 Err(refused) => refused,
             },
             Err(error) => error.clone(),
         };
-        data.error = Some(refused);
+        data.error = Some(checked.units.message(&refused));
         data.stand(&checked.text);
         data
     }
 
-    /// The motion and the travel; why there is no start, if there is none.
-    fn play(&mut self, simulation: &mut Simulation, wanted: &Wanted, units: &FileUnits) -> Result<(), String> {
+    /// The motion and the travel, and why the motion ends before its time; why there is no start, if there is none.
+    fn play(
+        &mut self,
+        simulation: &mut Simulation,
+        wanted: &Wanted,
+        units: &FileUnits,
+    ) -> Result<Option<String>, String> {
         let words = |error: &dyn std::fmt::Display| error.to_string();
         simulation.initialize().map_err(|error| words(&error))?;
         let model = simulation.model_mut();
         let scene = model.scene().map_err(|error| words(&error))?;
-        let travel = Travel::new(model, &scene, units).map_err(|error| words(&error))?;
-        let (motion, error) = Motion::new(simulation, &scene, wanted, units).map_err(|error| words(&error))?;
+        let mut still = model.clone();
+        let (travel, motion) = thread::scope(|scope| {
+            let travel = scope.spawn(|| Travel::new(&mut still, &scene, units));
+            let motion = Motion::new(simulation, &scene, wanted, units);
+            (travel.join().unwrap_or_else(|panic| resume_unwind(panic)), motion)
+        });
+        let travel = travel.map_err(|error| words(&error))?;
+        let (motion, error) = motion.map_err(|error| words(&error))?;
         self.status = if error.is_none() { Status::Whole } else { Status::Part };
-        (self.error, self.scene, self.travel, self.motion) = (error, Some(scene), Some(travel), Some(motion));
-        Ok(())
+        (self.scene, self.travel, self.motion) = (Some(scene), Some(travel), Some(motion));
+        Ok(error)
     }
 
     /// Poses of a definition that gives no motion.

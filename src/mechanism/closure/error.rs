@@ -66,7 +66,7 @@ impl fmt::Display for AssemblyError {
                     others.iter().map(|(name, length)| format!("{name} {} m", told(*length))).collect();
                 let (what, only) = match length.0.total_cmp(&reach.0) {
                     Ordering::Greater => ("cannot close", " only"),
-                    Ordering::Equal => ("fits only when stretched flat, and cannot move", " only"),
+                    Ordering::Equal => ("fits only when stretched flat, and cannot move", " exactly"),
                     Ordering::Less => ("is stretched almost flat, and can hardly move", ""),
                 };
                 let (between, remedy) = match is_slide {

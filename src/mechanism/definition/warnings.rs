@@ -11,7 +11,6 @@ use crate::hydraulics::plausibility::circuit_warnings;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::numerics::order::sorted;
-use crate::variables::{edits, nearest};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
@@ -281,19 +280,18 @@ impl Mechanism {
         }
     }
 
-    /// The warning about a pressure lock of a network that operates no lock, but whose name is almost that of one.
-    fn misspelt_lock(&self, network: &HydraulicSystem, name: &str) -> Option<Finding> {
+    /// The warning about a pressure lock of a network that operates no lock, where a lock has no pressure lock.
+    fn idle_pressure_lock(&self, network: &HydraulicSystem, name: &str) -> Option<Finding> {
         if self.locks.get(name).is_some() {
             return None;
         }
-        let others = self.locks.names().into_iter().filter(|other| network.pressure_locks.get(other).is_none());
-        let near = nearest(others, name);
-        let is_alike = |other: &&str| (1..=1 + name.len() / 5).contains(&edits(name, other));
-        near.first().filter(|other| is_alike(other))?;
+        let mut others = self.locks.names();
+        others.retain(|other| network.pressure_locks.get(other).is_none());
+        let (first, more) = others.split_first()?;
         let message = format!(
-            "no lock of the mechanism has this name, so this pressure lock operates no lock; the most similar names \
-             are {}",
-            near.join(", ")
+            "no lock of the mechanism has this name, so this pressure lock operates no lock; locks without a pressure \
+             lock: {first}{}",
+            more.iter().map(|other| format!(", {other}")).collect::<String>()
         );
         let remedy = "give the pressure lock the name of the lock that it operates";
         Some(Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy))
@@ -308,7 +306,9 @@ impl Mechanism {
                                of the integration";
                 Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
             }));
-            all.extend(network.pressure_locks.names().into_iter().filter_map(|name| self.misspelt_lock(network, name)));
+            all.extend(
+                network.pressure_locks.names().into_iter().filter_map(|name| self.idle_pressure_lock(network, name)),
+            );
         }
         let Some((_, drive, circuit)) = self.hydraulic_drive() else { return };
         let mut values = vec![

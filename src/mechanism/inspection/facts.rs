@@ -172,10 +172,10 @@ fn functions(reduced: &Reduced) -> impl Fn(&Configuration, f64, &mut Vec<[f64; 2
     }
 }
 
-/// Least and largest value of a coordinate or a drive: `range`, or one cycle from the start on where it grows by
-/// `growth` over each cycle.
+/// Least and largest value of a coordinate or a drive: `range`, or one cycle from the start on where the whole cycle is
+/// travelled and it grows by `growth` over each.
 fn from_start(range: [f64; 2], start: f64, growth: f64) -> [f64; 2] {
-    if growth == 0.0 || range[1] - range[0] > 1.000_001 * growth.abs() {
+    if growth == 0.0 || (range[1] - range[0] - growth.abs()).abs() > 1e-6 * growth.abs() {
         return range;
     }
     [start.min(start + growth), start.max(start + growth)]
@@ -199,7 +199,9 @@ fn add_travel<'a>(
     for (i, name) in linkage.coordinates.iter().enumerate().take(FOLLOWED) {
         let unit = of_coordinate(linkage, i).0;
         let Extremes { range, stationary } = walk.extremes(i, 1.0);
-        let growth = reduced.curve().growth(i);
+        // Between stops that are less than a cycle apart, there is no cycle.
+        let growth = Some(reduced.curve().growth(i)).filter(|growth| range[1] - range[0] >= 0.999_999 * growth.abs());
+        let growth = growth.unwrap_or(0.0);
         let ([least, most], start) = (from_start(range, at_start[i][0], growth), at_start[i][0]);
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
         let fact = fact.with("start", start, unit);

@@ -4,16 +4,17 @@
 //! must not know what is drawn there.
 use super::scene::Scene;
 use crate::mechanism::closure::{Closure, guessed};
-use crate::mechanism::curve::Ends;
+use crate::mechanism::curve::{Configuration, Ends, Scratch};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::linkage::{Freedom, Linkage, Positions};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
+use crate::mechanism::motion::contact::RigidEnd;
 use crate::mechanism::motion::samples::ends;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::bracket::bisect;
+use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::plane::{Vec2, cross};
 use serde::Serialize;
 use std::sync::Arc;
@@ -23,6 +24,8 @@ pub type Pose = [f64; 3];
 
 /// Distance from the start, in sizes of the mechanism, up to which a travel without an end is shown.
 const SHOWN: f64 = 2.0;
+/// Part of its largest slope, and of the distance of two positions, to which a dead centre is found.
+const STANDS: f64 = 1e-8;
 /// Revolutions up to which a travel of many is shown whole.
 const REVOLUTIONS: f64 = 8.0;
 
@@ -52,6 +55,8 @@ pub struct Sweep {
     pub goes_on: [bool; 2],
     /// Stops that are met.
     pub stops: Vec<SweptStop>,
+    /// Name of the stop at the low and the high end, also of a cylinder's end.
+    pub ends: [Option<String>; 2],
 }
 
 /// A place at which a stop is met.
@@ -98,8 +103,11 @@ fn poses(positions: &Positions) -> Vec<Pose> {
 
 /// Poses at sigma after whole revolutions, by the exact evaluator; angles count on.
 fn poses_at(reduced: &Reduced, sigma: f64, revolutions: f64) -> (Vec<Pose>, Vec<f64>) {
-    let curve = reduced.at(sigma).curve();
-    let c = curve.configuration(sigma);
+    unwound(reduced, &reduced.at(sigma).curve().configuration(sigma), revolutions)
+}
+
+/// Poses of all bodies and the coordinates in a configuration after whole revolutions.
+fn unwound(reduced: &Reduced, c: &Configuration, revolutions: f64) -> (Vec<Pose>, Vec<f64>) {
     let growth = |i: usize| revolutions * reduced.curve().growth(i);
     let mut all = poses(&c.positions);
     for (pose, body) in all.iter_mut().zip(&reduced.linkage().bodies) {
@@ -157,18 +165,19 @@ impl Model {
         });
         out.drives = named.collect();
         let offsets: Vec<f64> = linkage.coordinates.iter().map(|name| offset(linkage, name)).collect();
+        let (mut scratch, mut c) = (Scratch::default(), Configuration::default());
         for &sigma in &out.sigma {
             let (on_curve, revolutions) = reduced.unwound(sigma);
-            let (poses, q) = poses_at(&reduced, on_curve, revolutions);
+            reduced.at(on_curve).curve().configure(on_curve, &mut scratch, &mut c);
+            let (poses, q) = unwound(&reduced, &c, revolutions);
             for (((_, values), q), offset) in out.coordinates.iter_mut().zip(q).zip(&offsets) {
                 values.push(q + offset);
             }
-            let c = reduced.at(on_curve).curve().configuration(on_curve);
             for (load, (.., values)) in out.drives.iter_mut().enumerate() {
                 let [s, ..] = reduced.loading().loads[load].displacement(linkage, &c);
                 values.push(s + revolutions * reduced.load_growth(load));
             }
-            let slopes = slopes(&reduced, on_curve);
+            let slopes = slopes(&reduced, &c);
             out.slopes.resize(slopes.len(), Vec::new());
             out.slopes.iter_mut().zip(slopes).for_each(|(column, slope)| column.push(slope));
             out.poses.push(poses);
@@ -183,15 +192,16 @@ impl Model {
             SweptStop { stop, sigma, poses: poses_at(&reduced, on_curve, revolutions).0 }
         });
         out.stops = met.collect();
+        let name = |end: RigidEnd| reduced.loading().stops[end.stop].name.clone();
+        out.ends = [0, 1].map(|side| state.travel.rigid[side].filter(|_| range[side] == whole[side]).map(name));
         Ok(out)
     }
 }
 
 /// Derivative along sigma of each coordinate, then of each drive's displacement.
-fn slopes(reduced: &Reduced, sigma: f64) -> Vec<f64> {
-    let c = reduced.at(sigma).curve().configuration(sigma);
+fn slopes(reduced: &Reduced, c: &Configuration) -> Vec<f64> {
     let drives = reduced.loading().loads.iter().take(reduced.loading().drives.len());
-    let drives = drives.map(|load| load.displacement(reduced.linkage(), &c)[1]);
+    let drives = drives.map(|load| load.displacement(reduced.linkage(), c)[1]);
     c.q_sigma.iter().copied().chain(drives).collect()
 }
 
@@ -200,14 +210,30 @@ impl Sweep {
     fn find_dead_centres(&mut self, reduced: &Reduced) {
         let names = self.coordinates.iter().map(|(name, _)| name);
         let names = names.chain(reduced.loading().drives.iter().map(|drive| &drive.name));
+        let at = |sigma: f64| {
+            let (on_curve, _) = reduced.unwound(sigma);
+            slopes(reduced, &reduced.at(on_curve).curve().configuration(on_curve))
+        };
+        // Coordinates often stand still together: the places that were found, with all slopes there.
+        let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
         for (k, (name, column)) in names.zip(&self.slopes).enumerate() {
             let largest = column.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
             for (pair, sigma) in column.windows(2).zip(self.sigma.windows(2)) {
                 if pair[0] * pair[1] >= 0.0 || pair[0].abs().max(pair[1].abs()) <= 1e-9 * largest {
                     continue;
                 }
-                let is_beyond = |sigma: f64| slopes(reduced, reduced.unwound(sigma).0)[k] * pair[1] > 0.0;
-                self.dead_centres.push((bisect(is_beyond, sigma[0], sigma[1])[0], name.clone()));
+                let is_here = |(at, slopes): &&(f64, Vec<f64>)| {
+                    (sigma[0]..=sigma[1]).contains(at) && slopes[k].abs() <= STANDS * largest
+                };
+                let known = found.iter().find(is_here).map(|(place, _)| *place);
+                let place = known.unwrap_or_else(|| {
+                    let sign = pair[1].signum();
+                    let (from, to) = ((sigma[0], pair[0] * sign), (sigma[1], pair[1] * sign));
+                    let place = false_position(|sigma| at(sigma)[k] * sign, from, to, STANDS * (to.0 - from.0));
+                    found.push((place, at(place)));
+                    place
+                });
+                self.dead_centres.push((place, name.clone()));
             }
         }
     }

@@ -130,7 +130,8 @@ impl Model {
 
     /// Values of outputs at rest at these positions along the curve, under the present inputs and parameters: for each
     /// output one value a position, not a number where it has none. `held_by` is a force or torque of a drive, an
-    /// input, that holds the mechanism at each position.
+    /// input, that holds the mechanism at each position. With a hydraulic circuit, whose pressures stay as they are,
+    /// only terms of one drive have values.
     ///
     /// # Errors
     /// As [`Self::equilibria`].
@@ -140,13 +141,18 @@ impl Model {
         outputs: &[Reference],
         held_by: Option<Reference>,
     ) -> Result<Vec<Vec<f64>>, ModelError> {
-        self.has_two_states()?;
+        let is_hydraulic = self.original.parameter_values.mechanism().has_hydraulics();
+        if !is_hydraulic {
+            self.has_two_states()?;
+        }
+        let is_term = |output: &Output| !is_hydraulic || matches!(output, Output::OneElement { .. });
         let (mut motion, reduced) = self.motion_at_rest()?;
         let mut columns = vec![Vec::with_capacity(positions.len()); outputs.len()];
         for &position in positions {
             let (inputs, _) = self.put_at_rest(held_by, (&mut motion, &reduced), position);
             for (column, output) in columns.iter_mut().zip(outputs) {
-                let value = self.output_of(*output).and_then(|output| motion.output(&reduced, &inputs, output).ok());
+                let output = self.output_of(*output).filter(is_term);
+                let value = output.and_then(|output| motion.output(&reduced, &inputs, output).ok());
                 column.push(value.unwrap_or(f64::NAN));
             }
             self.release(held_by, (&mut motion, &reduced));

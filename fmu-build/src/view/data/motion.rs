@@ -65,6 +65,8 @@ pub struct Recorded {
 struct Frames {
     poses: Vec<Vec<Pose>>,
     columns: Vec<Vec<f64>>,
+    /// Largest angle by which a body turns from one frame to the next [rad].
+    turn: f64,
 }
 
 impl Motion {
@@ -81,15 +83,15 @@ impl Motion {
         let stop_time = wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time);
         // A run of no length is its start.
         let mut count = if stop_time > 0.0 { FRAMES } else { 0 };
-        let (mut frames, _) = record(simulation, stop_time, count, &[])?;
-        let turn = frames.largest_turn();
-        if turn > TURN {
-            count = ((count as f64 * turn / TURN).ceil()).min(MOST_FRAMES as f64) as usize;
-        }
         let all = candidates(simulation, scene);
-        let room = MOST_VALUES / (count + 1);
-        let error;
-        (frames, error) = record(simulation, stop_time, count, &all[..all.len().min(room)])?;
+        let mut room = MOST_VALUES / (count + 1);
+        let (mut frames, mut error) = record(simulation, stop_time, count, &all[..all.len().min(room)], TURN)?;
+        if frames.turn > TURN {
+            count = ((count as f64 * frames.turn / TURN).ceil()).min(MOST_FRAMES as f64) as usize;
+            room = MOST_VALUES / (count + 1);
+            let recorded = &all[..all.len().min(room)];
+            (frames, error) = record(simulation, stop_time, count, recorded, f64::INFINITY)?;
+        }
         let variables = simulation.model().variables();
         let recorded = all.iter().zip(&frames.columns).filter_map(|(&reference, column)| {
             let variable = variables.get(reference)?;
@@ -164,20 +166,14 @@ impl Recorded {
     }
 }
 
-impl Frames {
-    /// Largest angle by which a body turns from one frame to the next [rad].
-    fn largest_turn(&self) -> f64 {
-        let pairs = self.poses.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
-        pairs.map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max)
-    }
-}
-
-/// Run from the start in equal steps; the frames, and why they end before their time.
+/// Run from the start in equal steps; the frames, and why they end before their time. Once a body turns by more than
+/// `turn` from one frame to the next, only poses are recorded: these frames are too far apart to be shown.
 fn record(
     simulation: &mut Simulation,
     stop_time: f64,
     count: usize,
     references: &[Reference],
+    turn: f64,
 ) -> Result<(Frames, Option<String>), SimulationError> {
     simulation.initialize()?;
     let mut frames = Frames { columns: vec![Vec::with_capacity(count + 1); references.len()], ..Frames::default() };
@@ -187,7 +183,8 @@ fn record(
             let why = format!("at {} s the motion stopped with an error: {error}", simulation.time());
             return Ok((frames, Some(why)));
         }
-        frames.add(simulation, references)?;
+        let is_far = frames.turn > turn;
+        frames.add(simulation, if is_far { &[] } else { references })?;
     }
     Ok((frames, None))
 }
@@ -195,6 +192,9 @@ fn record(
 impl Frames {
     fn add(&mut self, simulation: &mut Simulation, references: &[Reference]) -> Result<(), ModelError> {
         self.poses.extend(simulation.model().poses());
+        if let [.., before, now] = &self.poses[..] {
+            self.turn = before.iter().zip(now).fold(self.turn, |most, (a, b)| most.max((a[0] - b[0]).abs()));
+        }
         let model = simulation.model_mut();
         for (column, &reference) in self.columns.iter_mut().zip(references) {
             let is_boolean = model.variables().get(reference).is_some_and(|v| v.kind == Kind::Boolean);

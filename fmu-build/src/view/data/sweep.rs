@@ -43,6 +43,8 @@ pub struct Travel {
     is_closed: bool,
     goes_on: [bool; 2],
     stops: Vec<Met>,
+    /// Name of the stop at the low and the high end.
+    ends: [Option<String>; 2],
     dead_centres: Vec<Mark>,
     equilibria: Vec<Mark>,
 }
@@ -100,6 +102,7 @@ impl Travel {
             is_closed: sweep.is_closed,
             goes_on: sweep.goes_on,
             stops: sweep.stops.iter().map(met).filter(|met| is_shown(&met.at)).collect(),
+            ends: sweep.ends.clone(),
             dead_centres: together(sweep.dead_centres.iter().map(|(sigma, name)| (part(*sigma), name.clone()))),
             equilibria: equilibria.filter(|mark| is_shown(&mark.at)).take(MARKS).collect(),
         })

@@ -8,6 +8,8 @@ const KINDS = [
 ];
 /** Length of the longest arrow as a part of the drawing. */
 const LONGEST = 0.24;
+/** A peak is drawn up to so many times that length, and no arrow nearer to the edge of the drawing than this [px]. */
+const [MOST, EDGE] = [1.6, 8];
 
 /** Path of an arrow from a point along a vector, with a head of this length; pixels. */
 function arrow([x, y], [dx, dy], head) {
@@ -139,6 +141,19 @@ class Arrows {
     element("text", { x: fixed(-length / 2), y: -7, "text-anchor": "middle" }, this.key, withPrefix(size, "N"));
   }
 
+  /** The part of an arrow that there is room for. */
+  room(from, vector) {
+    const { width, height } = this.drawing;
+    const length = Math.hypot(...vector);
+    let part = (MOST * LONGEST * Math.min(width, height) * this.magnification) / length;
+    const ends = [width, height].map((size, k) => (vector[k] > 0 ? size - EDGE - from[k] : from[k] - EDGE));
+    // An arrow from outside the view of a drawing that is zoomed in stays outside.
+    if (from.every((v, k) => v > 0 && v < [width, height][k])) {
+      ends.forEach((end, k) => (part = Math.min(part, Math.max(end / Math.abs(vector[k]), 2 * EDGE / length))));
+    }
+    return Math.min(part, 1);
+  }
+
   show(poses, index) {
     const isOn = (item) => index !== undefined && this.visible[item.kind];
     switchTo(this.key, index !== undefined && this.forces.some(isOn));
@@ -148,7 +163,10 @@ class Arrows {
       const [x, y] = item.vector(poses, index);
       const from = this.drawing.at(place(poses, item.on));
       const isThere = Number.isFinite(x) && Number.isFinite(y);
-      item.path.setAttribute("d", isThere ? arrow(from, [x * this.perNewton, -y * this.perNewton], 10) : "");
+      const vector = [x * this.perNewton, -y * this.perNewton];
+      const part = isThere ? this.room(from, vector) : 0;
+      item.group.classList.toggle("cut", part < 1);
+      item.path.setAttribute("d", isThere ? arrow(from, vector.map((v) => part * v), 10) : "");
     }
     for (const item of this.torques) {
       switchTo(item.group, isOn(item));

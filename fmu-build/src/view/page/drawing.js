@@ -56,8 +56,7 @@ class Drawing {
   }
 
   /** Fit the drawing into its element and draw everything anew. */
-  layout() {
-    const { width, height } = this.svg.getBoundingClientRect();
+  layout({ width, height } = this.svg.getBoundingClientRect()) {
     if (width < 10 || height < 10) return;
     Object.assign(this, { width, height });
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);

@@ -7,6 +7,18 @@ const FAR = 30;
 /** Height of a label [px]. */
 const LINE = 15;
 
+/** Widths of labels [px], by class and words: to measure one again would lay the page out once more. */
+const widths = new Map();
+
+function widthOf(text) {
+  const [words, kind] = [text.textContent, text.getAttribute("class")];
+  const known = widths.get(kind + words);
+  if (known) return known;
+  const width = text.getComputedTextLength?.();
+  if (width) widths.set(kind + words, width);
+  return width || 7 * words.length;
+}
+
 class Labels {
   constructor(drawing) {
     Object.assign(this, { drawing, all: [], obstacles: [] });
@@ -35,7 +47,7 @@ class Labels {
   show(poses) {
     if (!this.isSorted) {
       this.all.sort((a, b) => a.priority - b.priority);
-      for (const label of this.all) label.width = label.text.getComputedTextLength?.() || 7 * label.text.textContent.length;
+      for (const label of this.all) label.width = widthOf(label.text);
       this.isSorted = true;
     }
     const { width, height } = this.drawing;

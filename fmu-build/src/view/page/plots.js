@@ -37,7 +37,7 @@ class Plots {
     this.over.motion ??= "";
     this.over.travel ??= data.travel ? leading(data.travel)?.name ?? PART : PART;
     this.fillPicker();
-    this.build();
+    this.build(true);
   }
 
   static source(source) {
@@ -114,26 +114,33 @@ class Plots {
     return { ...TIME, samples: Array.from({ length: source.count }, (_, k) => k * source.step) };
   }
 
-  build() {
-    this.plots.forEach(({ plot }) => plot.destroy());
-    this.parent.replaceChildren();
-    this.colours.clear();
-    this.plots = [];
+  /** Make the plots, or give those that are there other data where they stay the same. */
+  build(isOtherRun = false) {
     const source = this.sources[this.mode];
-    if (!source) return;
-    this.picker.value = `${this.mode}:${this.over[this.mode]}`;
-    this.x = this.axis();
-    this.otherX = this.others[this.mode] && this.axis(this.others[this.mode]);
-    this.marks = this.marksOf();
     const groups = new Map();
-    for (const name of this.chosen[this.mode]) {
+    if (source) {
+      this.picker.value = `${this.mode}:${this.over[this.mode]}`;
+      this.x = this.axis();
+      this.otherX = this.others[this.mode] && this.axis(this.others[this.mode]);
+      this.marks = this.marksOf();
+    }
+    for (const name of source ? this.chosen[this.mode] : []) {
       const variable = source.byName.get(name);
       const unit = Plots.unit(variable);
       const group = groups.get(unit) ?? groups.set(unit, []).get(unit);
       if (group.length < MOST_LINES) group.push(variable);
     }
+    const kinds = JSON.stringify([this.mode, this.over, [...groups].map(([unit, all]) => [unit, all.map(({ name }) => name)])]);
+    if (isOtherRun && kinds === this.kinds && !this.otherX && !this.hadOther) {
+      [...groups.values()].forEach((variables, k) => this.plots[k].update(variables));
+      return void (this.index !== undefined && this.show(this.index));
+    }
+    [this.kinds, this.hadOther] = [kinds, Boolean(this.otherX)];
+    this.plots.forEach(({ plot }) => plot.destroy());
+    this.parent.replaceChildren();
+    this.colours.clear();
     this.plots = [...groups].map(([unit, variables]) => this.plot(unit, variables));
-    if (!this.plots.length) {
+    if (source && !this.plots.length) {
       const hint = document.createElement("p");
       hint.className = "hint";
       hint.textContent = "Tick variables in the table to plot them.";
@@ -196,8 +203,12 @@ class Plots {
       label: variable.name, stroke: colour, width: isOther ? 1.2 : 1.6, dash: isOther ? [5, 4] : undefined,
       facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }], paths: drawLine(variable.is_boolean),
     });
-    const x = Plots.ends([...this.x.samples, ...(others.length ? this.otherX.samples : [])]);
-    const y = Plots.range([...shownLines, ...others].flatMap(({ samples }) => samples.filter((v) => v !== null)), this.mode === "travel");
+    let [x, y] = [];
+    const columns = () => {
+      x = Plots.ends([...this.x.samples, ...(others.length ? this.otherX.samples : [])]);
+      y = Plots.range([...shownLines, ...others].flatMap(({ samples }) => samples.filter((v) => v !== null)), this.mode === "travel");
+      return [null, ...shownLines.map((l) => [this.x.samples, l.samples]), ...others.map((l) => [this.otherX.samples, l.samples])];
+    };
     const plot = new uPlot({
       mode: 2, width: Math.max(this.parent.clientWidth, 200), height: HEIGHT, legend: { show: false }, padding: [8, 24, 0, 0],
       cursor: { show: false },
@@ -208,7 +219,7 @@ class Plots {
       ],
       series: [{}, ...shownLines.map((l) => series(l, false)), ...others.map((l) => series(l, true))],
       hooks: { drawAxes: [(u) => drawMarks(u, this.marks, css)] },
-    }, [null, ...shownLines.map((l) => [this.x.samples, l.samples]), ...others.map((l) => [this.otherX.samples, l.samples])], box);
+    }, columns(), box);
     plot.over.setAttribute("aria-hidden", "true");
     const now = plot.over.appendChild(document.createElement("div"));
     now.className = "now";
@@ -227,7 +238,11 @@ class Plots {
     plot.over.addEventListener("pointermove", drag);
     figure.setAttribute("role", "img");
     figure.setAttribute("aria-label", `${variables.map((v) => v.name).join(", ")} over ${this.x.name.toLowerCase()}, in ${unit}`);
-    return { plot, now, lines: shownLines, unit: head.textContent };
+    const update = (now) => {
+      shownLines.forEach((line, k) => Object.assign(line, { variable: now[k], samples: numbers(now[k]) }));
+      plot.setData(columns());
+    };
+    return { plot, now, lines: shownLines, unit: head.textContent, update };
   }
 
   /** The sample at which x has a value; of several the one that is near the present one. */

@@ -16,6 +16,12 @@ function readSeries(series, count) {
   return out;
 }
 
+/** Give a variable its samples when they are first read. */
+function readLater(variable, count) {
+  const set = (value) => Object.defineProperty(variable, "samples", { value });
+  Object.defineProperty(variable, "samples", { configurable: true, get: () => set(readSeries(variable.values, count)).samples });
+}
+
 /** Value between samples by a cubic through the neighbours' slopes: for poses, which are smooth. */
 function cubic(samples, index) {
   const last = samples.length - 1;
@@ -85,6 +91,14 @@ function shown(value, digits = 5) {
   let text = size >= 1e-3 && size < 1e7 ? value.toPrecision(digits) : value.toExponential(digits - 1);
   if (text.includes("e") && size >= 1 && size < 1e7) text = String(Number(text));
   return grouped(text.replace("-", "−").replace("e-", "e−").replace("e+", "e"));
+}
+
+/** A message whose numbers have six digits at most, unless two of them would become one. */
+function brief(text) {
+  const pattern = /\d+(\.\d+)?(e[-+]?\d+)?/g;
+  const rounded = (number) => (number.replace(/\D/g, "").length > 6 && number.includes(".") ? String(Number(Number(number).toPrecision(6))) : number);
+  const numbers = [...new Set(text.match(pattern))];
+  return new Set(numbers.map(rounded)).size < numbers.length ? text : text.replace(pattern, rounded);
 }
 
 /** A number on an axis whose largest number has this size. */

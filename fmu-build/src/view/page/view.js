@@ -20,7 +20,7 @@ function sampled(source) {
 function readAll({ motion, travel }) {
   for (const source of [motion, travel].filter(Boolean)) {
     source.frames = new Poses(source.poses, source.count);
-    for (const variable of source.variables ?? source.values) variable.samples = readSeries(variable.values, source.count);
+    for (const variable of source.variables ?? source.values) readLater(variable, source.count);
   }
 }
 
@@ -37,6 +37,8 @@ function runsBackward({ motion, travel }) {
 
 /** Show these data, in place of those shown before. */
 function show(data) {
+  // Before anything changes, this needs no new layout of the page.
+  const room = byId("drawing").getBoundingClientRect();
   readAll(data);
   if (data.compare) readAll(data.compare);
   page.isBackward = runsBackward(data);
@@ -65,7 +67,7 @@ function show(data) {
   fillResults(byId("results"), data, (index, part) => (index === undefined ? travelTo(part) : seek(index)));
   if (page.drawing) {
     fillLayers();
-    page.drawing.layout();
+    page.drawing.layout(room);
   }
   if (page.plots) fillSide();
   draw();
@@ -195,7 +197,7 @@ function fillControls() {
   if (page.mode !== "travel") byId("travel").value = partOf(data.travel.start);
   fillEnds();
   const [low, high] = data.travel.goes_on;
-  const stops = [...new Set(data.travel.stops.map((met) => data.scene.stops[met.stop].name))];
+  const stops = [...new Set([...data.travel.stops.map((met) => data.scene.stops[met.stop].name), ...data.travel.ends.filter(Boolean)])];
   const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end of the travel to the other end";
   const beyond = low || high ? "; the motion of the mechanism continues beyond this range" : "";
   byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame. In the drawing, the wheel or two fingers zoom, and a drag moves the view.`;
@@ -220,7 +222,7 @@ function onKey(event) {
 function fillEnds() {
   const { travel, scene } = page.data;
   const at = (part) => travel.stops.filter((met) => Math.abs(met.at - part) < 1e-6).map((met) => scene.stops[met.stop].name);
-  const words = [0, 1].map((part) => [...new Set(at(part))].join(", "));
+  const words = [0, 1].map((part) => [...new Set([...at(part), travel.ends[part]])].filter(Boolean).join(", "));
   [byId("travel-low").textContent, byId("travel-high").textContent] = page.isBackward ? [words[1], words[0]] : words;
   const track = byId("travel-low").parentElement;
   track.querySelectorAll("i").forEach((mark) => mark.remove());
@@ -338,7 +340,7 @@ function listFindings() {
     const where = item.appendChild(document.createElement("b"));
     where.textContent = [is_error ? "Error" : "Warning", number ? `line ${number}` : "", path].filter(Boolean).join(" · ");
     const words = item.appendChild(document.createElement("bdi"));
-    words.textContent = remedy ? `${message}; ${remedy}` : message;
+    words.textContent = brief(remedy ? `${message}; ${remedy}` : message);
   }
   byId("findings").hidden = !data.findings.length;
 }
@@ -350,7 +352,7 @@ function setTexts() {
   document.querySelector("h1 bdi").textContent = document.title;
   byId("lead").textContent = description;
   byId("error").hidden = !error;
-  byId("error-text").replaceChildren(error ?? "");
+  byId("error-text").replaceChildren(brief(error ?? ""));
   byId("error-title").textContent = "The motion could not be computed";
 }
 

@@ -9,7 +9,7 @@ mod page;
 mod server;
 
 use anyhow::{Context, Result, bail};
-use engine::Engine;
+use engine::{Asked, Engine};
 use file::{File, Saved};
 use fmu_build::fmu::is_fmu;
 use fmu_build::source::Source;
@@ -22,6 +22,7 @@ use server::{Answer, Request, Site};
 use std::io::{Write, stdout};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
+use std::thread;
 use std::time::Duration;
 
 /// Longest time for which a page waits for news of the file in one request.
@@ -71,6 +72,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.open {
         open::that_detached(&address).with_context(|| format!("{address}: no browser could open the page"))?;
     }
+    // The page that opens next finds its motion computed.
+    let first = Arc::clone(&live);
+    thread::spawn(move || {
+        let text = first.file.now().1.unwrap_or_default();
+        first.engine.run(&Asked { text, values: Vec::new() }).ok();
+    });
     server::serve(&listener, &Arc::new(site), move |request| live.answer(request));
     Ok(())
 }
@@ -81,7 +88,7 @@ impl Live {
         let answered = match (request.method.as_str(), request.path.as_str()) {
             ("GET", "") => self.page().map(Answer::page),
             ("GET", "file") => Ok(self.news(&request.query)),
-            ("POST", "run") => request.json().and_then(|asked| Ok(Answer::json(&self.engine.run(&asked)?))),
+            ("POST", "run") => request.json().and_then(|asked| Ok(Answer::json(&*self.engine.run(&asked)?))),
             ("POST", "save") => request.json().and_then(|saving| self.save(&saving)),
             (_, "" | "file" | "run" | "save") => return Answer::refused(405, "this method is not allowed here"),
             _ => return Answer::refused(404, "there is nothing here"),

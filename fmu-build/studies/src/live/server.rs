@@ -58,6 +58,8 @@ pub struct Answer {
     status: u16,
     kind: &'static str,
     body: Vec<u8>,
+    /// Where else the page is.
+    location: Option<String>,
 }
 
 impl Site {
@@ -94,8 +96,14 @@ impl Site {
         }
         let target = head.path.unwrap_or_default();
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
-        let known = path.strip_prefix('/').and_then(|path| path.split_once('/'));
-        match known.filter(|(token, _)| is_same(token, &self.token)) {
+        let own = path.strip_prefix('/').unwrap_or_default();
+        if is_same(own, &self.token) {
+            return Err(Answer {
+                location: Some(format!("/{own}/")),
+                ..Answer::refused(308, "the address ends with /")
+            });
+        }
+        match own.split_once('/').filter(|(token, _)| is_same(token, &self.token)) {
             Some((_, path)) => Ok((path.to_owned(), query.to_owned())),
             None => Err(Answer::refused(404, "there is nothing here")),
         }
@@ -132,27 +140,28 @@ impl Request {
 impl Answer {
     /// A page.
     pub fn page(html: String) -> Self {
-        Self { status: 200, kind: "text/html; charset=utf-8", body: html.into_bytes() }
+        Self { status: 200, kind: "text/html; charset=utf-8", body: html.into_bytes(), location: None }
     }
 
     /// JSON.
     pub fn json(value: &impl Serialize) -> Self {
         match serde_json::to_vec(value) {
-            Ok(body) => Self { status: 200, kind: "application/json", body },
+            Ok(body) => Self { status: 200, kind: "application/json", body, location: None },
             Err(error) => Self::refused(500, &error.to_string()),
         }
     }
 
     /// A refusal with its reason.
     pub fn refused(status: u16, why: &str) -> Self {
-        Self { status, kind: "text/plain; charset=utf-8", body: why.into() }
+        Self { status, kind: "text/plain; charset=utf-8", body: why.into(), location: None }
     }
 
     fn write(&self, stream: &mut TcpStream) -> io::Result<()> {
-        let Self { status, kind, body } = self;
+        let Self { status, kind, body, location } = self;
         let word = if *status < 300 { "OK" } else { "Refused" };
+        let location = location.as_ref().map_or_else(String::new, |path| format!("Location: {path}\r\n"));
         let head = format!(
-            "HTTP/1.1 {status} {word}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\
+            "HTTP/1.1 {status} {word}\r\n{location}Content-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\
              Cache-Control: no-store\r\nContent-Security-Policy: {POLICY}\r\nX-Content-Type-Options: nosniff\r\n\
              Referrer-Policy: no-referrer\r\nCross-Origin-Opener-Policy: same-origin\r\n\
              Cross-Origin-Resource-Policy: same-origin\r\n\r\n",
@@ -292,7 +301,8 @@ mod tests {
             ("GET /TOKEN/ HTTP/1.1\r\nHost: HOST\r\n\r\n".to_owned(), 200),
             ("GET /TOKEN/?a HTTP/1.1\r\nHost: HOST\r\nOrigin: http://HOST\r\n\r\n".into(), 200),
             (format!("{post}Origin: http://HOST\r\n{json}\r\n{{}}"), 200),
-            ("GET /TOKEN HTTP/1.1\r\nHost: HOST\r\n\r\n".into(), 404),
+            ("GET /TOKEN HTTP/1.1\r\nHost: HOST\r\n\r\n".into(), 308),
+            ("GET /TOKEN HTTP/1.1\r\nHost: evil.example\r\n\r\n".into(), 403),
             ("GET /0123456789abcdef0123456789abcdef/ HTTP/1.1\r\nHost: HOST\r\n\r\n".into(), 404),
             ("GET /../TOKEN/ HTTP/1.1\r\nHost: HOST\r\n\r\n".into(), 404),
             ("GET http://HOST/TOKEN/ HTTP/1.1\r\nHost: HOST\r\n\r\n".into(), 404),

@@ -1,14 +1,12 @@
 //! What the elements of a network must be to each other.
 //!
-//! In: a definition whose numbers are in range. Out: faults of names and connections; warnings about a network that
-//! runs, but is probably not the one that is meant. It must not know laws.
+//! In: a definition whose numbers are in range. Out: faults of names and connections. It must not know
+//! laws.
 use super::{
     CAPACITY, HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS,
 };
 use crate::format::{DefinitionError, Faults, Range};
 use crate::hydraulics::definition::check_pressure;
-use crate::hydraulics::plausibility::implausible;
-use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
 use crate::variables::nearest;
 
@@ -16,27 +14,27 @@ use crate::variables::nearest;
 const LEAST_WIDTH: f64 = 1e-9;
 
 /// A port that an element names.
-struct Link<'a> {
-    group: &'static str,
-    name: &'a str,
-    key: &'static str,
-    port: &'a str,
+pub struct Link<'a> {
+    pub group: &'static str,
+    pub name: &'a str,
+    pub key: &'static str,
+    pub port: &'a str,
 }
 
 impl Link<'_> {
-    fn path(&self) -> String {
+    pub fn path(&self) -> String {
         format!("{}.{}.{}", self.group, self.name, self.key)
     }
 
     /// Whether oil passes; a pilot, a lock and an accumulator only feel the pressure.
-    fn carries_flow(&self) -> bool {
+    pub fn carries_flow(&self) -> bool {
         !matches!(self.key, "pilot" | "at")
     }
 }
 
 impl HydraulicSystem {
     /// The ports that all elements name, in the order of the file.
-    fn links(&self) -> Vec<Link<'_>> {
+    pub fn links(&self) -> Vec<Link<'_>> {
         let mut all = Vec::new();
         macro_rules! links {
             ($($group:ident: $($key:ident)*;)*) => {$(
@@ -328,125 +326,6 @@ impl HydraulicSystem {
                 faults.push(DefinitionError::value(path, Decimal(lock.hysteresis), allowed));
             }
         }
-    }
-
-    /// The highest pressure that pumps and reservoirs give [Pa].
-    fn highest(&self) -> f64 {
-        let relief = self.reliefs.iter().fold(f64::INFINITY, |least, (_, relief)| relief.pressure.min(least));
-        let of_pump = |pump: &super::Pump| match pump.r#type {
-            PumpType::Compensated => pump.max_pressure,
-            PumpType::Fixed => relief,
-        };
-        let pumps = self.pumps.iter().map(|(_, pump)| of_pump(pump));
-        let given = self.reservoirs.iter().map(|(_, reservoir)| reservoir.pressure);
-        let starts = self.nodes.iter().map(|(_, node)| node.start_pressure);
-        pumps.chain(given).chain(starts).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Warnings about a network that is probably not the one that is meant.
-    pub fn warnings(&self) -> Vec<Finding> {
-        let (mut all, links, highest) = (Vec::new(), self.links(), self.highest());
-        let ports = Ports::new(self);
-        let mut warn = |path: String, message: String, remedy: &str| all.push(Finding::warning(path, message, remedy));
-        let feeds = |port: &str, except: &str| {
-            ports.find(port).is_some_and(|index| index >= ports.volumes)
-                || links.iter().any(|link| {
-                    link.port == port && link.name != except && (link.carries_flow() || link.group == "accumulators")
-                })
-        };
-        for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
-            if !feeds(link.port, link.name) {
-                let message = format!(
-                    "nothing but this valve is connected to \"{}\", so the valve has no {} line",
-                    link.port, link.key
-                );
-                warn(link.path(), message, "connect another element to this port, such as a pump or a reservoir");
-            }
-        }
-        for name in &ports.names()[ports.nodes..ports.volumes] {
-            if !feeds(name, "") {
-                let (cylinder, side) = name.split_once('.').unwrap_or((name, ""));
-                let message = format!(
-                    "nothing is connected to chamber {side} of this cylinder, so the oil cannot leave the chamber"
-                );
-                warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to this chamber");
-            }
-        }
-        for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Fixed) {
-            // The flow of a relief valve at a tenth above its pressure.
-            let relief = |least: f64, (_, relief): (&str, &super::Relief)| {
-                if relief.from == pump.to { least + 0.1 * relief.pressure * relief.conductance } else { least }
-            };
-            let flow = self.reliefs.iter().fold(0.0, relief);
-            if flow < pump.max_flow {
-                let message = format!(
-                    "is {} m3/s, but the relief valves at \"{}\" can discharge only {} m3/s at 10 % above their \
-                        opening pressure",
-                    Decimal(pump.max_flow),
-                    pump.to,
-                    Decimal::rounded(flow)
-                );
-                let remedy = "increase the conductance of a relief valve at the pump outlet, or use a compensated pump";
-                warn(format!("pumps.{name}.max_flow"), message, remedy);
-            }
-        }
-        for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Compensated) {
-            let below = self.reliefs.iter().find(|(_, one)| one.from == pump.to && one.pressure <= pump.full_pressure);
-            if let Some((relief, one)) = below {
-                let message = format!(
-                    "is {} Pa, above reliefs.{relief}.pressure = {} Pa: the relief valve opens before the flow of the \
-                     pump falls",
-                    Decimal(pump.full_pressure),
-                    Decimal(one.pressure)
-                );
-                warn(
-                    format!("pumps.{name}.full_pressure"),
-                    message,
-                    "raise the pressure of the relief valve, or lower full_pressure",
-                );
-            }
-        }
-        for (name, accumulator) in self.accumulators.iter().filter(|(_, one)| one.precharge_pressure >= highest) {
-            let message = format!(
-                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the accumulator never takes oil",
-                Decimal(accumulator.precharge_pressure),
-                Decimal(highest)
-            );
-            warn(format!("accumulators.{name}.precharge_pressure"), message, "lower the precharge pressure");
-        }
-        for (name, valve) in self.position_valves.iter() {
-            let Some(cylinder) = self.cylinders.get(&valve.cylinder) else { continue };
-            let (lower, upper) = (cylinder.lower_limit, cylinder.upper_limit);
-            let is_beyond = |low: f64, high: f64| (low, high) != (0.0, 0.0) && !(low..=high).contains(&valve.length);
-            if is_beyond(lower, upper) {
-                let message = format!(
-                    "is {} m, but the limits of {} are {} m and {} m: the cylinder never operates this valve",
-                    Decimal(valve.length),
-                    valve.cylinder,
-                    Decimal(lower),
-                    Decimal(upper)
-                );
-                let remedy = "state a length between lower_limit and upper_limit of the cylinder";
-                warn(format!("position_valves.{name}.length"), message, remedy);
-            }
-        }
-        for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
-            let message = format!(
-                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the lock never releases",
-                Decimal(lock.release_pressure),
-                Decimal(highest)
-            );
-            warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure");
-        }
-        self.clone().element_parameters(&mut |parameter, value| {
-            let path = parameter.key.concat();
-            if let Some((message, remedy)) = implausible(&path, *value) {
-                warn(path, message, remedy);
-            }
-        });
-        let coarse = self.experiment.coarse();
-        all.extend(coarse.map(|(key, message, remedy)| Finding::warning(key, message, remedy)));
-        all
     }
 }
 

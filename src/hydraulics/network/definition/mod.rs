@@ -7,6 +7,7 @@ mod choices;
 mod connections;
 mod ports;
 mod sections;
+mod warnings;
 
 use crate::format::{
     About, DefinitionError, Described, Element, Experiment, Faults, Key, Keyed, Named, Numbers, Owner, Slot, Visit,

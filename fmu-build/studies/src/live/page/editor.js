@@ -63,7 +63,7 @@ class Editor {
   mark(marks) {
     const { length } = this.state.doc;
     const diagnostics = marks.map(({ from, to, is_error, message }) => ({
-      from: Math.min(from, length), to: Math.min(Math.max(to, from + 1), length), severity: is_error ? "error" : "warning", message,
+      from: Math.min(from, length), to: Math.min(Math.max(to, from + 1), length), severity: is_error ? "error" : "warning", message: brief(message),
     }));
     this.view.dispatch(CodeMirror.setDiagnostics(this.state, diagnostics));
   }

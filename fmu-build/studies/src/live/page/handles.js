@@ -3,6 +3,8 @@
 // A handle has the path of its numbers, a point of the scene, and the angle by which the axes of the numbers are turned
 // against those of the point's frame.
 
+/** Most digits of a number that a drag writes. */
+const DIGITS = 6;
 const turnedBy = ([x, y], angle) => [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
 const isPair = (value) => Array.isArray(value) && value.length === 2 && value.every((number) => typeof number === "number");
@@ -101,7 +103,7 @@ function stopHandles(root, scene, travel, metre, radian) {
 /** Numbers of a handle that was dragged from one place of the mechanism frame to another one [m]. */
 function moved(handle, poses, from, to, perPixel) {
   const d = minus(to, from);
-  const rounded = (value, step) => Number(value.toFixed(Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 15)));
+  const rounded = (value, step) => Number(Number(value.toFixed(Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 15))).toPrecision(DIGITS));
   if (handle.kind === "angle") {
     const center = place(poses, handle.about);
     const [a, b] = [minus(from, center), minus(to, center)];
@@ -129,8 +131,8 @@ class Handles {
     Drawing.prototype.extents = function (...sources) {
       return own.drag?.box ?? extents.apply(this, sources);
     };
-    Drawing.prototype.layout = function () {
-      layout.call(this);
+    Drawing.prototype.layout = function (...room) {
+      layout.apply(this, room);
       if (this.scale !== undefined) own.layout(this);
     };
     addEventListener("pointermove", (event) => this.move(event));

@@ -72,7 +72,7 @@ function apply(data, notes, text) {
   if (hadError === byId("error").hidden) editor.keepInSight();
   if (playing) mechanism.clock?.play(true);
   knobs.update(notes.knobs);
-  byId("live-knobs-problem").textContent = notes.problems.join("; ");
+  byId("live-knobs-problem").textContent = brief(notes.problems.join("; "));
   // Of an older text the places are others.
   if (text === editor.text) editor.mark(notes.marks);
   tellFindings(notes.marks);
