@@ -1,7 +1,8 @@
 //! `cargo fmu import`: mechanisms of other programs as definitions.
 //!
 //! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF), ROS (URDF) or Gazebo (SDF), or a table of
-//! joints. Out: the text of a definition, and what of the file it does not hold. It must not know how a mechanism moves.
+//! joints. Out: the text of a definition, and what of the file it does not hold. It must not know how a mechanism
+//! moves.
 
 mod bars;
 mod couple;

@@ -5,7 +5,8 @@
 use super::table::{Kind, Row, Table, kind, number};
 use anyhow::{Context, Result, bail};
 
-/// An expression of Pyslvs, alone or in a project (YAML): `M[J[R, P[x, y], L[ground, a]], J[P, A[degrees], P[x, y], L[a, b]], ...]`.
+/// An expression of Pyslvs, alone or in a project (YAML): `M[J[R, P[x, y], L[ground, a]], J[P, A[degrees], P[x, y],
+/// L[a, b]], ...]`.
 ///
 /// # Errors
 /// Another form; the message tells the part.

@@ -24,11 +24,14 @@ pub const TABLE: &[Row] = &[
     ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
     ("sdf/model world/model", "name", Read, "name of the mechanism"),
     ("sdf/model world/model", "canonical_link", Read, "the ground, if no joint holds a link on the world"),
-    ("sdf/model world/model", "placement_frame", Rejected(""), "a placement frame is not supported: write the pose of the model frame instead"),
+    ("sdf/model world/model", "placement_frame", Rejected(""), "a placement frame is not supported: write the pose of \
+        the model frame instead"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "position and orientation"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and format of the rotation in the pose"),
+    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and format of \
+        the rotation in the pose"),
     ("link/pose joint/pose frame/pose", "relative_to", Read, "frame to which the pose refers"),
-    ("model/pose inertial/pose", "relative_to", Rejected(""), "the pose must refer to the world or to the link: remove relative_to"),
+    ("model/pose inertial/pose", "relative_to", Rejected(""), "the pose must refer to the world or to the link: \
+        remove relative_to"),
     ("model/static", "", Read, "links of a static model are the ground"),
     ("model/frame", "", Read, "a frame for poses"),
     ("model/frame", "name attached_to", Read, "name of the frame, and the element to which the frame is fixed"),
@@ -42,35 +45,42 @@ pub const TABLE: &[Row] = &[
     ("inertial/fluid_added_mass", "", Rejected(""), "a surrounding medium is not imported: remove this element"),
     ("link/collision", "", LeftOut, "bodies can pass through each other"),
     ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves according to its joints"),
-    ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink link/audio_source \
-        link/battery link/projector link/particle_emitter", "", NoEffect, "used only for drawing, sensors, contacts or numerical damping"),
-    ("model/joint", "", Read, "a revolute or prismatic joint, also in a closed loop of links; other types are rejected"),
+    ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink \
+        link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "used only for drawing, \
+        sensors, contacts or numerical damping"),
+    ("model/joint", "", Read, "a revolute or prismatic joint, also in a closed loop of links; other types are \
+        rejected"),
     ("model/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
     ("joint/parent joint/child", "", Read, "bodies of the joint; `world` is the ground"),
     ("joint/axis", "", Read, "axis, limits, spring and damper"),
-    ("joint/axis2 joint/gearbox_ratio joint/gearbox_reference_body joint/thread_pitch joint/screw_thread_pitch", "", Rejected(""),
+    ("joint/axis2 joint/gearbox_ratio joint/gearbox_reference_body joint/thread_pitch \
+        joint/screw_thread_pitch", "", Rejected(""),
         "joints with two axes, gearboxes and screws are not supported: write joints with one axis and mimic"),
     ("axis/xyz", "", Read, "direction of the axis"),
     ("axis/xyz", "expressed_in", Read, "frame to which the direction of the axis refers"),
     ("axis/use_parent_model_frame", "", Read, "the direction of the axis refers to the model frame"),
     ("axis/limit", "", Read, "two rigid stops, except for `continuous`"),
     ("limit/lower limit/upper", "", Read, "limits of the joint"),
-    ("limit/effort limit/velocity", "", LeftOut, "the force, torque and speed of a drive have no limits in the definition"),
+    ("limit/effort limit/velocity", "", LeftOut, "the force, torque and speed of a drive have no limits in the \
+        definition"),
     ("limit/stiffness limit/dissipation", "", NoEffect, SOFT),
     ("axis/dynamics", "", Read, "a spring with a damper"),
-    ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "damping, stiffness, and angle or position at which the spring has no force"),
+    ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "damping, stiffness, and angle \
+        or position at which the spring has no force"),
     ("dynamics/friction", "", LeftOut, "add the key friction and a pin radius to the definition instead"),
     ("axis/mimic", "", Read, "a coupling by gears or a rack: multiplier (value - reference) + offset"),
     ("axis/mimic", "joint axis", Read, "name of the joint that this joint follows"),
     ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
     ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
     ("joint/physics joint/sensor", "", NoEffect, "used only by the numerical method or by sensors"),
-    ("model/model model/include world/include", "", Rejected(""), "nested and included models are not read: write the links and joints \
-        into one model (`gz sdf -p FILE` prints included models)"),
+    ("model/model model/include world/include", "", Rejected(""), "nested and included models are not read: write the \
+        links and joints into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
-    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "used only for contacts or by the numerical method"),
+    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "used only for \
+        contacts or by the numerical method"),
     ("world/physics world/light world/scene world/gui world/atmosphere world/wind world/magnetic_field world/audio \
-        world/spherical_coordinates world/road world/population world/state world/frame world/joint sdf/light", "", NoEffect, "used only for drawing or by the numerical method"),
+        world/spherical_coordinates world/road world/population world/state world/frame world/joint \
+        sdf/light", "", NoEffect, "used only for drawing or by the numerical method"),
 ];
 
 struct Model<'a> {

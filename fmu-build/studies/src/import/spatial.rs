@@ -213,7 +213,8 @@ pub fn project(space: Space) -> Result<Linkage> {
         let gap = dot(add(hinge.other.unwrap_or(hinge.place), scaled(hinge.place, -1.0)), normal);
         ensure!(
             gap.abs() <= 1e-3,
-            "the joint {} connects points that are {gap:.3} m apart across the plane of motion: move them into one plane",
+            "the joint {} connects points that are {gap:.3} m apart across the plane of motion: move them into one \
+                plane",
             hinge.name
         );
         joints.push(add_hinge(&mut own, hinge, ends, normal, flat)?);

@@ -1,4 +1,5 @@
-//! Joints in a table, as CSV, PMKS and Pyslvs have them: each with its kind, its place, its direction and the links that it
+//! Joints in a table, as CSV, PMKS and Pyslvs have them: each with its kind, its place, its direction and the links
+//! that it
 //! joins.
 //!
 //! In: text of CSV. Out: rows, and the linkage that rows give. No such program has masses.

@@ -42,7 +42,8 @@ pub const TABLE: &[Row] = &[
     ("joint/dynamics", "friction", LeftOut, "add the key friction and a pin radius to the definition instead"),
     ("joint/limit", "", Read, "two rigid stops, except for `continuous`"),
     ("joint/limit", "lower upper", Read, "limits of the joint"),
-    ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the definition"),
+    ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the \
+        definition"),
     ("joint/safety_controller joint/calibration", "", LeftOut, CONTROL),
     ("robot/transmission robot/gazebo robot/ros2_control", "", LeftOut, CONTROL),
 ];

@@ -144,7 +144,8 @@ fn what_has_no_counterpart_is_rejected() {
 fn ranges_count_from_the_reference() {
     let angles = |joint: &str, settings: &str| -> Vec<f64> {
         let text = format!(
-            r#"<mujoco>{settings}<worldbody><body name="a"><joint name="j" axis="0 1 0" {joint}/><geom size=".1"/></body>
+            r#"<mujoco>{settings}<worldbody><body name="a"><joint name="j" axis="0 1 0" {joint}/><geom \
+                size=".1"/></body>
             </worldbody></mujoco>"#
         );
         let text = import(Form::Mjcf, "Imported", &text).unwrap().definition;

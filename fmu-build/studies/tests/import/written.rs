@@ -251,7 +251,8 @@ fn file_of_a_spreadsheet() {
 /// A slider-crank in a link of PMKS+ from 2022, as its template writes one.
 #[test]
 fn old_link_of_pmks_plus() {
-    let link = "https://pmks.example/?j=A,0,0,AB,R,t,0,0.1,t,%0AB,8,6,AB%7CBC,R,f,0,0.1,f,%0AC,36,0,BC,P,t,0,0.1,f,%0A&l=\
+    let link = "https://pmks.example/?j=A,0,0,AB,R,t,0,0.1,t,%0AB,8,6,AB%7CBC,R,f,0,0.1,f,%0A\
+        C,36,0,BC,P,t,0,0.1,f,%0A&l=\
                 AB,1.5,0.0025,4,3,A%7CB,,l,0,0,8,0,8,6,0,6%0ABC,0.9,0.009,22,3,B%7CC,,l,8,0,36,0,36,6,8,6%0A\
                 &f=F1,BC,20,1,20,4,t,true,0,100%0A&pp=&tp=&s=20,true,false,cm";
     let mut hand = slider_crank();

@@ -79,9 +79,15 @@ fn times_by_energy_are_those_of_the_steps() {
     let folder = Folder::new("energy");
     let force = json!({ "uniform": [20000, 40000] });
     let factors = [
-        json!({ "actuator.force": force, "load_factor": { "uniform": [0.5, 3] }, "wheel.force_x": { "values": [0, 500] } }),
+        json!({
+            "actuator.force": force, "load_factor": { "uniform": [0.5, 3] },
+            "wheel.force_x": { "values": [0, 500] }
+        }),
         json!({ "actuator.force": force, "airspeed": { "values": [0, 50] } }),
-        json!({ "actuator.force": force, "load_factor": { "uniform": [0.5, 3] }, "crank.mass": { "values": [12, 14] } }),
+        json!({
+            "actuator.force": force, "load_factor": { "uniform": [0.5, 3] },
+            "crank.mass": { "values": [12, 14] }
+        }),
     ];
     for factors in factors {
         let [alone, both] = [json!({}), json!({ "down": { "event": "extended" } })].map(|mut responses| {

@@ -128,8 +128,8 @@ impl Mjcf {
         let off = (0..3).map(|k| apart(other.1[k], wanted.1[k])).fold(apart(other.0, wanted.0), f64::max);
         ensure!(
             off <= OFF,
-            "{}: at the position of the file the two bodies do not stand as this weld holds them (difference {off:.2e}): \
-             write the bodies in the welded position",
+            "{}: at the position of the file the two bodies do not stand as this weld holds them (difference \
+                {off:.2e}): write the bodies in the welded position",
             node.at()
         );
         self.space.weld(first, second);
@@ -154,8 +154,8 @@ impl Mjcf {
         };
         ensure!(
             (2..5).all(|k| part(k) == 0.0),
-            "{}: polycoef: a coupling whose ratio varies is not supported: set the last three numbers to 0, or add a cam \
-             to the definition",
+            "{}: polycoef: a coupling whose ratio varies is not supported: set the last three numbers to 0, or add a \
+                cam to the definition",
             node.at()
         );
         self.space.ratios.push(Ratio { first, second, ratio: part(1), offset: part(0) });
@@ -250,8 +250,8 @@ impl Mjcf {
             (None, None) => {
                 ensure!(
                     bias == [0.0; 3],
-                    "{}: an actuator that controls a site or a slider-crank is not supported: let it act on a joint or a \
-                     tendon",
+                    "{}: an actuator that controls a site or a slider-crank is not supported: let it act on a joint \
+                        or a tendon",
                     node.at()
                 );
                 self.space.notes.push(format!("{}: this actuator acts on no joint and is left out", node.at()));
@@ -268,8 +268,8 @@ impl Mjcf {
         };
         ensure!(
             spring.stiffness >= 0.0 && spring.damping >= 0.0,
-            "{}: the control law pushes away from its position or drives with its speed, which no spring or damper does: \
-             correct the signs of its bias",
+            "{}: the control law pushes away from its position or drives with its speed, which no spring or damper \
+                does: correct the signs of its bias",
             node.at()
         );
         acting.springs.push(spring);

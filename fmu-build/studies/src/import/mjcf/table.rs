@@ -55,18 +55,24 @@ pub const TABLE: &[Row] = &[
     ("mujoco/compiler", "", Read, "settings of the file, as stated in the next rows"),
     ("mujoco/compiler", "angle eulerseq", Read, "unit of all angles, and order of the rotations in `euler`"),
     ("mujoco/compiler", "autolimits", Read, "whether a joint with a `range` but without `limited` has limits"),
-    ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "which bodies have masses that are computed from their geoms, and from which geoms"),
+    ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "which bodies have masses that are computed from \
+        their geoms, and from which geoms"),
     ("mujoco/compiler", "settotalmass", Read, "`import` scales all masses so that their sum is this mass"),
     ("mujoco/compiler", "boundmass boundinertia", Read, "smallest allowed mass and moment of inertia of a body"),
-    ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a newer version of MuJoCo"),
-    ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute changes only moments of inertia that no rigid body can have"),
-    ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough savecanonical \
-        savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern files, drawing, or the program MuJoCo itself"),
+    ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a \
+        newer version of MuJoCo"),
+    ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute changes only moments of inertia that no rigid body \
+        can have"),
+    ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough \
+        savecanonical savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern \
+        files, drawing, or the program MuJoCo itself"),
     ("compiler/lengthrange", "", NoEffect, "used only for muscles"),
     ("mujoco/option", "", Read, "settings of the simulation, as stated in the next rows"),
     ("mujoco/option", "gravity", Read, "gravity, in the plane of motion"),
-    ("mujoco/option", "density viscosity", Rejected("0"), "a surrounding medium is not imported: set density and viscosity to 0, and add the key air to the definition"),
-    ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "the attribute concerns a surrounding medium, sensors or groups of actuators"),
+    ("mujoco/option", "density viscosity", Rejected("0"), "a surrounding medium is not imported: set density and \
+        viscosity to 0, and add the key air to the definition"),
+    ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "the attribute concerns a surrounding medium, \
+        sensors or groups of actuators"),
     ("mujoco/option", "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations \
         ls_tolerance noslip_iterations noslip_tolerance o_friction o_margin o_solimp o_solref sdf_initpoints \
         sdf_iterations sleep_tolerance solver timestep tolerance collision apirate mpr_iterations mpr_tolerance",
@@ -76,12 +82,14 @@ pub const TABLE: &[Row] = &[
         "`disable` leaves out gravity, springs, dampers, limits, equalities, friction losses or actuators; \
          `constraint` stands for limits, equalities and friction losses"),
     ("option/flag", "contact", Read, "with `disable`, `import` prints no note about contacts"),
-    ("option/flag", "clampctrl autoreset diagexact energy eulerdamp filterparent fwdinv invdiscrete ipc island midphase \
-        multiccd nativeccd override refsafe sensor sleep speculative warmstart passive", NoEffect, SOLVER),
+    ("option/flag", "clampctrl autoreset diagexact energy eulerdamp filterparent fwdinv invdiscrete ipc island \
+        midphase multiccd nativeccd override refsafe sensor sleep speculative warmstart passive", NoEffect, SOLVER),
     ("mujoco/size mujoco/statistic mujoco/visual mujoco/custom mujoco/asset", "", NoEffect, LOOK),
-    ("mujoco/default", "", NoEffect, "the element only states default attributes, which `import` reads as attributes of the elements of its classes"),
+    ("mujoco/default", "", NoEffect, "the element only states default attributes, which `import` reads as attributes \
+        of the elements of its classes"),
     ("mujoco/include", "file", Read, "`import` also reads this file, in the folder of the imported file"),
-    ("mujoco/extension mujoco/deformable", "", Rejected(""), "plugins and deformable bodies are not supported: remove them"),
+    ("mujoco/extension mujoco/deformable", "", Rejected(""), "plugins and deformable bodies are not supported: remove \
+        them"),
     ("mujoco/contact", "", LeftOut, "contacts between bodies are not imported"),
     ("mujoco/sensor", "", LeftOut, "the definition has its own outputs"),
     ("mujoco/keyframe", "", LeftOut, "the start position is the position of the bodies in the file"),
@@ -92,34 +100,45 @@ pub const TABLE: &[Row] = &[
     ("body/body", "", Read, "a body; a body without joints is fixed to the body that contains it"),
     ("body/body body/frame", "pos quat axisangle euler xyaxes zaxis", Read, POSE),
     ("body/body", "name childclass", Read, "name of the body, and default class of the elements in it"),
-    ("body/body", "gravcomp", Read, "a constant force against the weight: the attribute is the fraction of the weight that the force carries"),
+    ("body/body", "gravcomp", Read, "a constant force against the weight: the attribute is the fraction of the weight \
+        that the force carries"),
     ("body/body", "mocap", LeftOut, "the body does not move"),
     ("body/body", "fuse simple sleep user", NoEffect, SOLVER),
     ("body/frame", "", Read, "position and orientation of all elements in this frame"),
     ("body/frame", "childclass", Read, "default class of the elements in this element"),
     ("body/frame", "name", NoEffect, LOOK),
-    ("body/replicate body/attach body/composite", "", Rejected(""), "the import does not copy models: save the compiled model with \
-        mj_saveLastXML of MuJoCo, and import the saved file"),
-    ("body/flexcomp body/plugin geom/plugin", "", Rejected(""), "plugins and deformable bodies are not supported: remove them"),
+    ("body/replicate body/attach body/composite", "", Rejected(""), "the import does not copy models: save the \
+        compiled model with mj_saveLastXML of MuJoCo, and import the saved file"),
+    ("body/flexcomp body/plugin geom/plugin", "", Rejected(""), "plugins and deformable bodies are not supported: \
+        remove them"),
     ("body/inertial", "", Read, "mass, centre and moment of inertia of the body"),
-    ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass, moments of inertia, position and orientation"),
-    ("body/joint", "", Read, "a revolute or prismatic joint; if a body has several joints, `import` adds massless bodies between the joints"),
-    ("body/joint", "name class type pos axis", Read, "name, class, type (`hinge` or `slide`), position and axis of the joint; other types are rejected"),
+    ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass, moments of \
+        inertia, position and orientation"),
+    ("body/joint", "", Read, "a revolute or prismatic joint; if a body has several joints, `import` adds massless \
+        bodies between the joints"),
+    ("body/joint", "name class type pos axis", Read, "name, class, type (`hinge` or `slide`), position and axis of \
+        the joint; other types are rejected"),
     ("body/joint", "range limited", Read, "two rigid stops"),
-    ("body/joint", "stiffness springref damping", Read, "a spring with a damper; coefficients of higher order are rejected"),
-    ("body/joint", "ref", Read, "joint angle or position in the file, to which the ranges, springs and control signals of the joint refer"),
-    ("body/joint", "armature", Read, "for a joint on the ground: additional moment of inertia of the body, or (for a slide) inertia of a screw; rejected for a joint between two moving bodies"),
-    ("body/joint", "frictionloss", Read, "`import` rejects values other than 0, because a definition has no constant friction torque"),
+    ("body/joint", "stiffness springref damping", Read, "a spring with a damper; coefficients of higher order are \
+        rejected"),
+    ("body/joint", "ref", Read, "joint angle or position in the file, to which the ranges, springs and control \
+        signals of the joint refer"),
+    ("body/joint", "armature", Read, "for a joint on the ground: additional moment of inertia of the body, or (for a \
+        slide) inertia of a screw; rejected for a joint between two moving bodies"),
+    ("body/joint", "frictionloss", Read, "`import` rejects values other than 0, because a definition has no constant \
+        friction torque"),
     ("body/joint", "springdamper springyield", Rejected("0"), "not supported: write stiffness and damping instead"),
     ("body/joint", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("body/joint", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
     ("body/joint", "actuatorgravcomp group user", NoEffect, LOOK),
     ("body/freejoint", "", Rejected(""), "a free body is not part of a mechanism: remove this element"),
     ("body/geom", "", Read, "mass of the body that contains the geom, if the body has no `inertial`"),
-    ("body/geom", "class type size fromto pos quat axisangle euler xyaxes zaxis mass density group", Read, "mass, centre and moment of inertia of `sphere`, \
-        `capsule`, `cylinder`, `box`, `ellipsoid`"),
-    ("body/geom", "mesh", Read, "`import` rejects a mesh in a body without `inertial`, because the mass of the mesh is unknown"),
-    ("body/geom", "shellinertia", Read, "`import` rejects the attribute if the mass of the body is computed from the geom"),
+    ("body/geom", "class type size fromto pos quat axisangle euler xyaxes zaxis mass density group", Read, "mass, \
+        centre and moment of inertia of `sphere`, `capsule`, `cylinder`, `box`, `ellipsoid`"),
+    ("body/geom", "mesh", Read, "`import` rejects a mesh in a body without `inertial`, because the mass of the mesh \
+        is unknown"),
+    ("body/geom", "shellinertia", Read, "`import` rejects the attribute if the mass of the body is computed from the \
+        geom"),
     ("body/geom", "fluidcoef fluidshape", LeftOut, "an imported mechanism has no surrounding medium"),
     ("body/geom", "contype conaffinity", Read, "whether the note of `import` about contacts names the geom"),
     ("body/geom", "adhesion condim friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
@@ -131,42 +150,59 @@ pub const TABLE: &[Row] = &[
 
     ("mujoco/equality", "", Read, "connections and couplings"),
     ("equality/connect", "", Read, "a revolute joint, if its bodies move in one plane"),
-    ("equality/connect", "name class active body1 body2 anchor site1 site2", Read, "ends of the joint; sites may have a distance in the file, because the program assembles the mechanism"),
+    ("equality/connect", "name class active body1 body2 anchor site1 site2", Read, "ends of the joint; sites may have \
+        a distance in the file, because the program assembles the mechanism"),
     ("equality/weld", "", Read, "two bodies become one rigid body"),
-    ("equality/weld", "class active body1 body2 anchor relpose site1 site2 torquescale", Read, "the two welded bodies, which must be in the welded position in the file"),
+    ("equality/weld", "class active body1 body2 anchor relpose site1 site2 torquescale", Read, "the two welded \
+        bodies, which must be in the welded position in the file"),
     ("equality/joint", "", Read, "a coupling by gears or a rack; joints without a common body are rejected"),
-    ("equality/joint", "class active joint1 joint2 polycoef", Read, "coupled joints, offset and ratio; a variable ratio is rejected"),
+    ("equality/joint", "class active joint1 joint2 polycoef", Read, "coupled joints, offset and ratio; a variable \
+        ratio is rejected"),
     ("equality/weld equality/joint", "name", NoEffect, LOOK),
     ("equality/*", "solimp solref", LeftOut, SOFT),
-    ("equality/tendon equality/flex equality/flexstrain equality/flexvert equality/distance", "", Rejected(""), "only the equalities connect, weld and joint are supported: remove this equality"),
+    ("equality/tendon equality/flex equality/flexstrain equality/flexvert equality/distance", "", Rejected(""), "only \
+        the equalities connect, weld and joint are supported: remove this equality"),
 
     ("mujoco/tendon", "", Read, "tendons"),
-    ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or pulleys are rejected"),
-    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "same meaning as for a joint; `springlength` is the free length of the spring"),
+    ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or \
+        pulleys are rejected"),
+    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "same \
+        meaning as for a joint; `springlength` is the free length of the spring"),
     ("tendon/spatial", "springyield", Rejected("0"), "springs cannot yield: set springyield to 0"),
     ("tendon/spatial", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("tendon/spatial", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
     ("tendon/spatial", "group material rgba user width", NoEffect, LOOK),
     ("spatial/site", "", Read, "end of the tendon"),
     ("spatial/site", "site", Read, "name of the site"),
-    ("spatial/geom spatial/pulley", "", Rejected(""), "only tendons between two sites are supported: remove this element"),
-    ("tendon/fixed", "", Rejected(""), "a tendon that couples several joints is not supported: couple the joints by an equality, or let drives act on the joints"),
+    ("spatial/geom spatial/pulley", "", Rejected(""), "only tendons between two sites are supported: remove this \
+        element"),
+    ("tendon/fixed", "", Rejected(""), "a tendon that couples several joints is not supported: couple the joints by \
+        an equality, or let drives act on the joints"),
 
     ("mujoco/actuator", "", Read, "drives"),
-    ("actuator/general actuator/motor actuator/position actuator/velocity actuator/intvelocity actuator/damper actuator/cylinder actuator/adhesion",
+    ("actuator/general actuator/motor actuator/position actuator/velocity actuator/intvelocity actuator/damper \
+        actuator/cylinder actuator/adhesion",
         "", Read, "a drive of a joint or a tendon, whose input is the force or torque"),
-    ("actuator/general", "biastype biasprm gaintype gainprm", Read, "`import` converts the bias to a spring and a damper for the control signal 0, and prints a note with the gain"),
-    ("actuator/position actuator/intvelocity", "kp kv dampratio", Read, "a spring and a damper for the control signal 0; `dampratio` is rejected"),
+    ("actuator/general", "biastype biasprm gaintype gainprm", Read, "`import` converts the bias to a spring and a \
+        damper for the control signal 0, and prints a note with the gain"),
+    ("actuator/position actuator/intvelocity", "kp kv dampratio", Read, "a spring and a damper for the control signal \
+        0; `dampratio` is rejected"),
     ("actuator/velocity", "kv", Read, "a damper"),
-    ("actuator/position actuator/velocity", "gainprm", Read, "default value of `kp` or `kv`, if the attribute is stated in the default class `general`"),
+    ("actuator/position actuator/velocity", "gainprm", Read, "default value of `kp` or `kv`, if the attribute is \
+        stated in the default class `general`"),
     ("actuator/damper", "kv", Read, "the damper has no force at the control signal 0"),
-    ("actuator/cylinder", "area diameter bias", Read, "`import` converts the bias of the force to a spring and a damper, and prints a note with the piston area"),
-    ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "joint or tendon on which the drive acts, gear ratio, and damping and inertia of the motor"),
-    ("actuator/*", "actdim actearly actlimited actrange ctrllimited ctrlrange delay dynprm dyntype ffrange forcelimited forcerange gain \
-        imax inheritrange posrange slewmax timeconst velrange", LeftOut, DRIVE),
-    ("actuator/*", "body cranklength cranksite refsite site slidersite", LeftOut, "a drive of the definition acts only on a joint or between two points"),
+    ("actuator/cylinder", "area diameter bias", Read, "`import` converts the bias of the force to a spring and a \
+        damper, and prints a note with the piston area"),
+    ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "joint or tendon on which the \
+        drive acts, gear ratio, and damping and inertia of the motor"),
+    ("actuator/*", "actdim actearly actlimited actrange ctrllimited ctrlrange delay dynprm dyntype ffrange \
+        forcelimited forcerange gain imax inheritrange posrange slewmax timeconst velrange", LeftOut, DRIVE),
+    ("actuator/*", "body cranklength cranksite refsite site slidersite", LeftOut, "a drive of the definition acts \
+        only on a joint or between two points"),
     ("actuator/*", "group input interp lengthrange name nsample user", NoEffect, LOOK),
-    ("actuator/orientation actuator/pid actuator/muscle actuator/dcmotor actuator/plugin", "", Rejected(""), "the control law is not supported: replace the actuator by an element motor, and let the simulation tool compute the force"),
+    ("actuator/orientation actuator/pid actuator/muscle actuator/dcmotor actuator/plugin", "", Rejected(""), "the \
+        control law is not supported: replace the actuator by an element motor, and let the simulation tool compute \
+        the force"),
 ];
 
 /// The contact between geoms of two bodies of which neither carries the other.
