@@ -109,6 +109,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     let statics = pairs.map(|(target, library)| StaticLibrary::build(workspace, library, target));
     let statics = statics.collect::<Result<Vec<_>>>()?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.fmu_folder());
+    if out.extension().is_some_and(|extension| extension == "fmu") && !out.is_dir() {
+        bail!(
+            "{}: the folder for the FMUs has the name of an FMU; state a folder, in which each FMU has the name of its \
+             model",
+            out.display()
+        );
+    }
     files::make_folder(&out, "--out")?;
     let interfaces: HashMap<_, _> =
         prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();

@@ -3,6 +3,8 @@
 //!
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
+mod macos;
+
 use crate::binary::{ARM_LINUX, Binary, COMPATIBLE, MAC};
 use crate::library::served::SharedLibrary;
 use crate::library::{self, Target, sources};
@@ -24,7 +26,7 @@ struct Toolchain {
     folder: &'static str,
     triple: &'static str,
     extension: &'static str,
-    /// The linker, and the package of Debian that has it; none where zig links.
+    /// The linker, and the package of Debian that has it; none for macOS.
     linker: Option<(&'static str, &'static str)>,
     /// How Debian gives Rust's standard library to its own Rust, where it does. Debian 12 has a recent Rust under the
     /// names of a browser's (rustc-web): its package rust-src is of Rust 1.63.
@@ -230,13 +232,20 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
     if glibc.is_none() && toolchain.tuple == version::tuple() {
         return Ok(None);
     }
-    let (subcommand, linked) = match toolchain.linker.filter(|_| glibc.is_none()) {
-        Some(named) => ("build", linker(triple, named)),
-        None => ("zigbuild", path_with_zig(workspace).map(|path| ("PATH".to_owned(), path))),
+    let (subcommand, linked) = match toolchain.linker {
+        None => ("build", macos::libraries(workspace)),
+        Some(named) if glibc.is_none() => ("build", linker(triple, named).map(Some)),
+        Some(_) => ("zigbuild", path_with_zig(workspace).map(|path| Some(("PATH".to_owned(), path)))),
     };
-    let (arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
+    let (mut arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
+    let (name, mut flags) = sources::variable()?;
+    if toolchain.linker.is_none() {
+        arguments.extend(macos::STRIPPED_BY_LINKER);
+        flags.push(macos::FLAGS);
+    }
+    let variables = linked.into_iter().chain([(name, flags)]).collect();
     let triple = glibc.map_or_else(|| triple.to_owned(), |glibc| format!("{triple}.{glibc}"));
-    Ok(Some(Target { subcommand, triple, extension, arguments, variables: vec![linked, sources::variable()?] }))
+    Ok(Some(Target { subcommand, triple, extension, arguments, variables }))
 }
 
 /// Both parts of a toolchain.
@@ -256,10 +265,15 @@ fn both<A, B>(first: Result<A>, second: Result<B>) -> Result<(A, B)> {
 /// # Errors
 /// They cannot be installed from PyPI.
 pub fn path_with_zig(workspace: &Workspace) -> Result<OsString> {
-    let requirements = workspace.python_scripts().join("zig").join("requirements.txt");
-    let python = command::environment(&workspace.target("venv-zig"), &requirements).context("zig")?;
+    let python = zig(workspace)?;
     let folder = python.parent().map(Path::to_path_buf).into_iter();
     Ok(env::join_paths(folder.chain(env::split_paths(&env::var_os("PATH").unwrap_or_default())))?)
+}
+
+/// Interpreter of the environment with zig.
+fn zig(workspace: &Workspace) -> Result<PathBuf> {
+    let requirements = workspace.python_scripts().join("zig").join("requirements.txt");
+    command::environment(&workspace.target("venv-zig"), &requirements).context("zig")
 }
 
 /// Rust's name for this machine, for which `--glibc` asks the linker.
@@ -321,14 +335,20 @@ pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>>
 
 /// What rustc answers, as a path.
 fn asked(arguments: &[&str]) -> Result<PathBuf> {
-    let mut rustc = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    let output = rustc
+    answer(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()), arguments)
+}
+
+/// What a program answers, as a path.
+fn answer(program: impl Into<OsString>, arguments: &[&str]) -> Result<PathBuf> {
+    let program = program.into();
+    let name = Path::new(&program).file_name().unwrap_or_default().display();
+    let output = Command::new(&program)
         .args(arguments)
         .stderr(Stdio::null())
         .output()
-        .context("rustc cannot be started; check that Rust is installed")?;
+        .with_context(|| format!("{name} cannot be started; check that it is installed"))?;
     if !output.status.success() {
-        bail!("rustc {} failed ({})", arguments.join(" "), output.status);
+        bail!("{name} {} failed ({})", arguments.join(" "), output.status);
     }
     Ok(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
 }

@@ -133,7 +133,10 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
         Some((shown, factor)) if unit == shown => Ok(value / factor),
         _ => {
             let other = display.map_or(String::new(), |(shown, _)| format!(" or {shown}"));
-            bail!("the unit of {name} is {own}{other}, not \"{}\"", unit.escape_debug())
+            bail!(
+                "the unit of {name} is {own}{other}, not \"{}\"; convert the value to {own}{other}",
+                unit.escape_debug()
+            )
         }
     }
 }

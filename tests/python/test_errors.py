@@ -60,14 +60,143 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
     assert result[f"{owner}.acceleration"][50] == pytest.approx(9.0 * by, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda g, s: g.simulate(start_values={"crank.mas": 1}), "most similar names are crank.mass"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": -1}), "crank.mass = -1"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": "12 lb"}), "the unit of crank.mass is kg"),
+        (lambda g, s: g.simulate(start_values={"crank.mass": [1]}), "crank.mass"),
+        (lambda g, s: g.simulate(output=["crank.angel"]), "most similar names are crank.angle"),
+        (lambda g, s: g.simulate(output="crank.angle"), "list of names"),
+        (lambda g, s: g.simulate(stop_time=-1), "stop_time"),
+        (lambda g, s: g.simulate(stop_time=float("nan")), "stop_time"),
+        (lambda g, s: g.simulate(output_interval=0), "output_interval"),
+        (lambda g, s: g.simulate(0, 1e9, 1e-3), "GB, but a result has at most 2.0 GB"),
+        (lambda g, s: g.simulate(stop_time="1"), "stop_time = '1': must be a number"),
+        (lambda g, s: g.simulate(stop_time=10**400), "is too large for a number"),
+        (lambda g, s: g.simulate(start_time=1e16, output_interval=1e-3), "nearer to 0 s"),
+        (lambda g, s: g.simulate(start_values=[1]), "start_values = [1]: must be a dict"),
+        (lambda g, s: g.simulate(output=5), "output = 5: must be a list of names"),
+        (lambda g, s: g.simulate(output=["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: s.get(["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: s.set(["load_factor"] * 2, [1, 2]), "load_factor occurs twice"),
+        (lambda g, s: s.prepare(["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.kinematics(4, ["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.linearise(outputs=["crank.angle"] * 2), "crank.angle occurs twice"),
+        (lambda g, s: g.linearise_travel(10**9), "count = 1000000000: must be a whole number from 1 to 100000"),
+        (lambda g, s: g.kinematics(10**6, (v.name for v in g.variables)), "has at most 2.0 GB"),
+        (lambda g, s: s.set_derivative("actuator.force", 1.0, 2**40), "order"),
+        (lambda g, s: s.step("1"), "h = '1': must be a number"),
+        (lambda g, s: s.step(10**400), "too large"),
+        (lambda g, s: s["\udc80"], "name"),
+        (lambda g, s: s.set(["friction.enabled", "crank.mass"], ["maybe", 20]), "is not true or false"),
+        (lambda g, s: lf.Mechanism({"name": {1, 2}}), "cannot be written as JSON"),
+        (lambda g, s: lf.sweep(5), "study = 5: must be a path"),
+        (lambda g, s: lf.info(None), "path = None: must be a path"),
+        (lambda g, s: g.simulate(relative_tolerance=-1), "relative_tolerance"),
+        (lambda g, s: g.simulate(input=[1, 2]), "structured array"),
+        (lambda g, s: g.simulate(input={"time": [0], "crank.mass": [1]}), "is not an input"),
+        (lambda g, s: g.simulate(input={"time": [1, 0], "load_factor": [1, 1]}), "decreases"),
+        (lambda g, s: g.simulate(input={"time": [0, 1], "load_factor": [1]}), "1 values at 2 times"),
+        (lambda g, s: g.simulate(input={"time": [0], "load_factor": [np.nan]}), "finite"),
+        (lambda g, s: g.simulate(input={"time": [0], "load_factor": [[1]]}), "one column"),
+        (lambda g, s: s.get("crank.angel"), "most similar names are crank.angle"),
+        (lambda g, s: s.get(["crank.angle"], np.empty(2)), "1 numbers"),
+        (lambda g, s: s.get(["crank.angle"], [0.0]), "writable array"),
+        (lambda g, s: s.set("crank.angle", 1.0), "crank.angle"),
+        (lambda g, s: s.set("actuator.force", float("inf")), "finite"),
+        (lambda g, s: s.set("actuator.force", True), "must be a number, or a text with a unit"),
+        (lambda g, s: s.set("actuator.force", None), "must be a number, or a text with a unit"),
+        (lambda g, s: s.set("actuator.force", "3 kN"), 'is N, not "kN"; convert the value to N'),
+        (lambda g, s: g.package("gear.fmu"), "the folder for the FMUs has the name of an FMU"),
+        (lambda g, s: s.set("friction.enabled", "yes"), "is not true or false"),
+        (lambda g, s: s.set("friction.enabled", 2), "True or False"),
+        (lambda g, s: s.set("solver.method", "magic"), "magic"),
+        (lambda g, s: s.set(INPUTS, [1.0, 2.0]), "2 values, but there are 4 names"),
+        (lambda g, s: s.set(INPUTS, np.zeros((2, 2))), "2 dimensions"),
+        (lambda g, s: s.set(INPUTS, 5.0), "array or a list"),
+        (lambda g, s: s.set(INPUTS, [1, 2, 3, np.nan]), "finite"),
+        (lambda g, s: s.step(-1.0), ""),
+        (lambda g, s: s.step(float("nan")), ""),
+        (lambda g, s: s.run_until(-1.0), "not before the present time"),
+        (lambda g, s: s.set_derivative("actuator.force", 1.0, 9), ""),
+        (lambda g, s: s.directional_derivative(["crank.angle"], ["crank.mass"], [1.0]), ""),
+        (lambda g, s: s.directional_derivative(["crank.speed"], ["load_factor"], [1.0, 2.0]), "2 numbers"),
+        (lambda g, s: g.kinematics(0), "count"),
+        (lambda g, s: g.kinematics(10, ["crank.mass"]), "not an output"),
+        (lambda g, s: g.kinematics(10, "crank.angle"), "list of names"),
+        (lambda g, s: g.linearise("crank.angel"), "most similar names are crank.angle"),
+        (lambda g, s: g.view(start_values={"a": 1}), "most similar names"),
+        (lambda g, s: lf.Mechanism("nowhere.json"), "no such file"),
+        (lambda g, s: lf.example("Nothing"), "the examples are"),
+        (lambda g, s: lf.example("HydraulicActuator").view(), "no mechanism that can be drawn"),
+        (lambda g, s: lf.example("HydraulicActuator").kinematics(), "no travel"),
+        (lambda g, s: lf.validate("nowhere.fmu"), "nowhere.fmu"),
+        (lambda g, s: lf.info("nowhere.fmu"), "nowhere.fmu"),
+        (lambda g, s: lf.sweep({"mechanism": "nowhere", "responses": {}}), "responses"),
+        (lambda g, s: g.package("/dev/null/x"), ""),
+        (lambda g, s: g.package(fmi=4), "fmi"),
+        (lambda g, s: g.package(platforms=["amiga"]), "there is no platform amiga"),
+    ],
+)
+def test_bad_input_has_a_text(
+    gear: lf.Mechanism,
+    simulation: lf.Simulation,
+    call: Callable[[lf.Mechanism, lf.Simulation], Any],
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = simulation.get(["crank.angle", *INPUTS])
+    with pytest.raises(lf.LinkageError) as caught:
+        call(gear, simulation)
+    assert text in str(caught.value)
+    assert "--" not in str(caught.value), "an option of the command line"
+    assert np.array_equal(simulation.get(["crank.angle", *INPUTS]), before), "a refused call has changed something"
+
+
+def test_types_are_checked(gear: lf.Mechanism) -> None:
+    for kind in (TypeError, ValueError, lf.LinkageError):
+        with pytest.raises(kind, match="source = 5: must be a path, a dict or a text"):
+            lf.Mechanism(5)  # type: ignore[arg-type]
+
+
+def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
+    with gear.simulation() as simulation:
+        simulation.initialize()
+    with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):
+        simulation.step(1e-3)
+    assert repr(simulation) == "<Simulation, closed>"
+    simulation.close()
+
+
+def test_a_panic_is_an_exception() -> None:
+    with pytest.raises(lf.InternalError, match="please report it"):
+        lf._engine.panics()
+    assert lf.example("FourBar").simulate(stop_time=0.01, output=["crank.angle"])["crank.angle"].size > 1
+
+
 def test_names_belong_to_their_mechanism(simulation: lf.Simulation) -> None:
     other = lf.example("FourBar").simulation()
     with pytest.raises(lf.InputError, match="call prepare"):
         other.get(simulation.prepare(["crank.angle"]))
 
 
-def test_wrong_arguments_are_named() -> None:
+def test_masses_of_its_own_are_no_part_of_a_definition_without_masses(tmp_path: Path) -> None:
+    given = lf.example("FourBar").to_dict()
+    for body in given["bodies"].values():
+        for key in ("mass", "inertia", "shape"):
+            body.pop(key, None)
+    bare = lf.Mechanism(given, massless=True)
+    assert bare.to_dict() == given
+    with pytest.raises(lf.MechanismError):
+        lf.Mechanism(bare.save(tmp_path / "mechanism.json"))
     study = {"factors": {}, "responses": {"end": {"final": "crank.angle"}}}
+    for call in (bare.equilibria, lambda: lf.sweep(study, bare)):
+        with pytest.raises(lf.SimulationError, match="without masses"):
+            call()
     with pytest.raises(lf.InputError, match="must be a Mechanism"):
         lf.sweep(study, "gear.json")  # type: ignore[arg-type]
     with pytest.raises(lf.InputError, match="height"):

@@ -24,6 +24,10 @@ const STEPS: usize = 200;
 /// Largest difference between platforms, as a part of an output's largest value. Reactions and accelerations of stiff
 /// models repeat the round-off of the state enlarged; 100 times the tolerance of the integration would be a fault.
 const LARGEST: f64 = 1e-7;
+/// Least value that a difference is related to, as a part of the output's nominal value: FMI's absolute tolerance of a
+/// solver is 0.01 x tolerance x nominal, which is allowed here at the tolerance 1e-9 of the models. An output that stays
+/// below is the remainder of larger quantities, as the flow through an orifice is between two equal pressures.
+const LEAST: f64 = 0.01 * 1e-9 / LARGEST;
 
 /// How a program for a platform is compiled and run here.
 #[derive(Clone, Copy)]
@@ -63,6 +67,8 @@ struct Unpacked {
     identifier: String,
     /// Names of the real outputs.
     outputs: Vec<String>,
+    /// Their nominal values, 0 where none is stated.
+    nominals: Vec<f64>,
     /// Their value references.
     references: Vec<String>,
 }
@@ -72,7 +78,7 @@ struct Difference {
     numbers: usize,
     /// Numbers with other bits.
     others: usize,
-    /// The output that differs most, and by how much, as a part of its largest value.
+    /// The output that differs most, and by how much, as a part of its largest value or of a part of its nominal value.
     largest: (String, f64),
 }
 
@@ -134,7 +140,8 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
             let _ = writeln!(text, "| {} | {numbers} | {others} | {size:.0e} | {place} |", fmu.identifier);
             if size > LARGEST {
                 bail!(
-                    "{shown}: {name} of {} differs by {size:.1e} of its largest value, at most {LARGEST:e} is allowed",
+                    "{shown}: {name} of {} differs by {size:.1e} of its largest value, or of {LEAST:.0e} of its \
+                     nominal value; at most {LARGEST:e} is allowed",
                     fmu.identifier
                 );
             }
@@ -211,9 +218,11 @@ impl Unpacked {
             files::replace(&folder.join(&name), &fmu.read(&name)?.unwrap_or_default())?;
         }
         let is_output = |v: &&crate::xml::description::Described| v.causality == "output" && v.kind == "Real";
-        let outputs = description.variables.iter().filter(is_output).map(|v| v.name.clone()).collect();
-        let references = description.variables.iter().filter(is_output).map(|v| v.reference.clone()).collect();
-        Ok(Self { folder: folder.canonicalize()?, description, identifier, outputs, references })
+        let of_outputs = || description.variables.iter().filter(is_output);
+        let outputs = of_outputs().map(|v| v.name.clone()).collect();
+        let nominals = of_outputs().map(|v| v.nominal.unwrap_or_default()).collect();
+        let references = of_outputs().map(|v| v.reference.clone()).collect();
+        Ok(Self { folder: folder.canonicalize()?, description, identifier, outputs, nominals, references })
     }
 
     fn library(&self, machine: &Machine) -> PathBuf {
@@ -269,7 +278,8 @@ impl Unpacked {
         };
         let scale = |column: usize| {
             let own = values(expected, column);
-            own.into_iter().filter(|value| value.is_finite()).fold(0.0_f64, |most, value| most.max(value.abs()))
+            let least = LEAST * self.nominals[column];
+            own.into_iter().filter(|value| value.is_finite()).fold(least, |most, value| most.max(value.abs()))
         };
         let columns = self.outputs.iter().enumerate();
         for (column, name) in columns.clone() {

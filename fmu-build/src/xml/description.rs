@@ -63,6 +63,9 @@ pub struct Described {
     pub unit: String,
     /// Start value.
     pub start: Option<String>,
+    /// Usual magnitude.
+    #[serde(skip)]
+    pub nominal: Option<f64>,
     /// Description.
     pub description: String,
 }
@@ -169,6 +172,7 @@ impl Description {
                 kind: if name == "ScalarVariable" { String::new() } else { name },
                 unit: attributes.take("unit"),
                 start: attributes.0.remove("start"),
+                nominal: attributes.number("nominal")?,
             }),
             ["fmiModelDescription", "ModelVariables", _] if name == "Dimension" => {
                 if let Some(variable) = self.variables.last_mut() {
@@ -179,6 +183,7 @@ impl Description {
                 if let Some(variable) = self.variables.last_mut() {
                     (variable.kind, variable.unit) = (name, attributes.take("unit"));
                     variable.start = attributes.0.remove("start");
+                    variable.nominal = attributes.number("nominal")?;
                 }
             }
             _ => {}
@@ -197,14 +202,14 @@ mod tests {
                       guid=\"{1}\"><CoSimulation \
                       modelIdentifier=\"ab\"><SourceFiles/></CoSimulation><DefaultExperiment stopTime=\"2\" \
                       stepSize=\"1e-3\"/><ModelVariables><ScalarVariable name=\"x\" valueReference=\"7\" \
-                      causality=\"input\"><Real unit=\"N\" \
+                      causality=\"input\"><Real unit=\"N\" nominal=\"2e3\" \
                       start=\"3\"/><Annotations/></ScalarVariable></ModelVariables></fmiModelDescription>";
         let read = Description::parse(second).unwrap();
         assert_eq!((&*read.name, &*read.guid, &*read.interfaces["CoSimulation"]), ("A & B", "{1}", "ab"));
         assert_eq!((read.experiment.stop_time, read.experiment.tolerance), (Some(2.0), None));
         let variable = &read.variables[0];
         assert_eq!((&*variable.name, &*variable.reference, &*variable.kind), ("x", "7", "Real"));
-        assert_eq!((&*variable.unit, variable.start.as_deref()), ("N", Some("3")));
+        assert_eq!((&*variable.unit, variable.start.as_deref(), variable.nominal), ("N", Some("3"), Some(2e3)));
         let third = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{2}\"><ModelVariables>\
             <Float64 name=\"x\" unit=\"N\" start=\"3\"/><Float64 name=\"y\"><Dimension \
             start=\"2\"/></Float64></ModelVariables>\
