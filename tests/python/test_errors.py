@@ -29,7 +29,7 @@ def test_all_findings_come_with_the_exception() -> None:
 
 
 def test_a_mechanism_without_masses_has_no_dynamics() -> None:
-    """The example of Shigley's four-bar linkage, without its masses, along its travel, and under a given motion."""
+    """The four-bar linkage without its masses: along its travel, and under a given motion."""
     whole = lf.example("FourBar")
     given = whole.to_dict()
     for body in given["bodies"].values():
@@ -37,27 +37,24 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
             body.pop(key, None)
     bare = lf.Mechanism(given)
     assert bare.to_dict() == given
-    with pytest.raises(lf.SimulationError, match="no body has a mass.*crank"):
-        bare.simulate()
-    with pytest.raises(lf.SimulationError, match="no body has a mass.*crank"):
-        bare.linearise()
+    for call in (bare.simulate, bare.linearise):
+        with pytest.raises(lf.SimulationError, match="no body has a mass.*crank"):
+            call()
     assert "no body has a mass" in bare.equilibria()[0].text
     assert not [own.name for own in bare.variables if "mass" in own.name or "force" in own.name]
-    angles = [own.name for own in bare.variables if own.name.endswith("angle") and own.causality == "output"]
-    first, second = angles[:2]
-    travel, other = bare.kinematics(400), whole.kinematics(400)
-    order = [np.argsort(one[first]) for one in (travel, other)]
-    common = [np.interp(0.1, one[first][k], one[second][k]) for one, k in zip((travel, other), order, strict=True)]
-    assert common[0] == pytest.approx(common[1], abs=1e-3)
-    drive = next(iter(given["actuators"]))
-    given["actuators"][drive]["motion"] = {"profile": "constant_speed", "speed": 3.0}
+    ratios = []
+    for mechanism in (bare, whole):
+        travel = mechanism.kinematics(400, ["crank.angle", "rocker.angle"])
+        ratio = travel.influence("rocker.angle", "crank.angle")
+        ratios.append(np.interp(1.5, travel["crank.angle"], ratio, period=2.0 * np.pi))
+    assert ratios[0] == pytest.approx(ratios[1], abs=1e-4)
+    given["actuators"]["drive"] = {"joint": "S", "motion": {"profile": "constant_speed", "speed": 3.0}}
     moved = lf.Mechanism(given)
-    result = moved.simulate(stop_time=2.5, output_interval=0.01)
-    rate = moved.kinematics(20).second_influence(second, first)
-    by = np.interp(result[first][50], moved.kinematics(4000)[first], moved.kinematics(4000).second_influence(second, first))
-    owner = second.rpartition(".")[0]
-    assert np.isfinite(rate).all()
-    assert result[f"{owner}.acceleration"][50] == pytest.approx(9.0 * by, rel=1e-4)
+    result = moved.simulate(stop_time=0.5, output_interval=0.1)
+    travel = moved.kinematics(4000, ["crank.angle", "rocker.angle"])
+    second = travel.second_influence("rocker.angle", "crank.angle")
+    expected = 9.0 * np.interp(result["crank.angle"], travel["crank.angle"], second, period=2.0 * np.pi)
+    np.testing.assert_allclose(result["rocker.acceleration"], expected, atol=1e-4)
 
 
 @pytest.mark.parametrize(
