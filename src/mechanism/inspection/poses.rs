@@ -216,8 +216,14 @@ impl Sweep {
         };
         // Coordinates often stand still together: the places that were found, with all slopes there.
         let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
-        for (k, (name, column)) in names.zip(&self.slopes).enumerate() {
-            let largest = column.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let largest = |column: &Vec<f64>| column.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+        let are_angles = (0..self.coordinates.len()).map(|k| k < self.angles).chain(self.drives.iter().map(|d| d.1));
+        // Largest slopes as of angles: what turns as little as rounding stands still everywhere.
+        let unit = |is_angle: bool| if is_angle { 1.0 } else { reduced.linkage().size };
+        let sizes: Vec<f64> = self.slopes.iter().zip(are_angles).map(|(all, is)| largest(all) / unit(is)).collect();
+        let moves = STANDS * sizes.iter().copied().fold(0.0, f64::max);
+        for (k, (name, column)) in names.zip(&self.slopes).enumerate().filter(|(k, _)| sizes[*k] > moves) {
+            let largest = largest(column);
             for (pair, sigma) in column.windows(2).zip(self.sigma.windows(2)) {
                 if pair[0] * pair[1] >= 0.0 || pair[0].abs().max(pair[1].abs()) <= 1e-9 * largest {
                     continue;

@@ -25,6 +25,7 @@ class Editor {
       EditorView.contentAttributes.of({ "aria-label": "Text of the definition", tabindex: "0" }),
       EditorView.updateListener.of((update) => update.docChanged && edited(update)),
     ];
+    this.words = "[]";
     this.view = new EditorView({ parent, state: EditorState.create({ doc: text, extensions }) });
   }
 
@@ -61,7 +62,12 @@ class Editor {
 
   /** Underline what the check has found. */
   mark(marks) {
-    const { length } = this.state.doc;
+    const { doc } = this.state;
+    const { length } = doc;
+    const words = JSON.stringify(marks);
+    // The same again would let the editor measure the page, which takes longer than the rest of a run.
+    if (words === this.words && (doc === this.marked || !marks.length)) return;
+    [this.words, this.marked] = [words, doc];
     const diagnostics = marks.map(({ from, to, is_error, message }) => ({
       from: Math.min(from, length), to: Math.min(Math.max(to, from + 1), length), severity: is_error ? "error" : "warning", message: brief(message),
     }));
