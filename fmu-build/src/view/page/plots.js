@@ -72,7 +72,9 @@ class Plots {
       groups.push(group("Run", [option("Time", "motion", ""), ...[...outputs.filter(isPlace), ...outputs.filter((v) => !isPlace(v))].map((v) => option(v.name, "motion", v.name))]));
     }
     if (travel) groups.push(group("Travel, without time", [...travel.variables.filter(isPlace).map((v) => option(`${v.name} (travel)`, "travel", v.name)), option(PART, "travel", PART)]));
-    this.picker.replaceChildren(...groups);
+    const words = groups.map(({ textContent }) => textContent).join();
+    if (words !== this.words) this.picker.replaceChildren(...groups);
+    this.words = words;
   }
 
   /** Plot the run or the travel. */

@@ -17,6 +17,13 @@ class Table {
   load(data) {
     this.data = data;
     this.isTravel = Boolean(this.isTravel && data.travel);
+    // Rows of the same variables stay: to lay them out anew takes longer than a run.
+    if (this.key() === this.built) {
+      const byName = new Map(this.list().map((variable) => [variable.name, variable]));
+      for (const row of this.rows) row.variable = byName.get(row.variable.name);
+      this.paint();
+      return void (this.index !== undefined && this.show(this.index));
+    }
     this.kinds.replaceChildren();
     for (const [kind, words] of CAUSALITIES) {
       if (!data.motion?.variables.some((v) => v.causality === kind)) continue;
@@ -26,6 +33,13 @@ class Table {
       button.addEventListener("click", () => this.switchTo(kind));
     }
     this.build();
+  }
+
+  /** What the rows depend on. */
+  key() {
+    const kinds = new Set(this.data.motion?.variables.map((v) => v.causality));
+    const variables = this.list().map(({ name, unit, display, description }) => [name, unit, display, description]);
+    return JSON.stringify([this.isTravel, this.kind, this.filter.value, [...kinds], variables]);
   }
 
   switchTo(kind) {
@@ -42,6 +56,7 @@ class Table {
   build() {
     for (const button of this.kinds.children) button.setAttribute("aria-pressed", String(button.dataset.kind === this.kind));
     this.kinds.hidden = this.isTravel;
+    this.built = this.key();
     this.title.textContent = this.isTravel ? "Values along the travel" : "Values";
     this.table.querySelectorAll("tbody").forEach((body) => body.remove());
     this.sight.disconnect();
