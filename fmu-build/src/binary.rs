@@ -170,21 +170,24 @@ impl Binary {
     }
 
     /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that
-    /// the file holds; none of FMI 3.0 if the library has not its functions.
+    /// the file holds, with what is for it; none of FMI 3.0 if the library has not its functions.
     pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
         let Platform { tuples, architectures, .. } = self.platform;
         let holds = |architecture: &'static Architecture| {
             let one = Platform { architectures: std::slice::from_ref(architecture), ..*self.platform };
             check(&one, &self.content, FUNCTION_3).is_ok()
         };
-        let folders: Vec<&str> = match version {
-            Version::Two => vec![self.folder],
+        let parts: Vec<(&str, &[u8])> = match version {
+            Version::Two => vec![(self.folder, &self.content)],
             Version::Three => {
-                tuples.iter().zip(*architectures).filter(|(_, of)| holds(of)).map(|(tuple, _)| *tuple).collect()
+                let held = tuples.iter().zip(*architectures).filter(|(_, of)| holds(of));
+                held.map(|(tuple, of)| (*tuple, universal::part(&self.content, *of))).collect()
             }
         };
-        let paths = folders.into_iter().filter_map(|folder| path(folder, model_identifier));
-        paths.map(|name| Entry { name, content: self.content.clone() }).collect()
+        let named = |(folder, content): (&str, &[u8])| {
+            Some(Entry { name: path(folder, model_identifier)?, content: content.to_vec() })
+        };
+        parts.into_iter().filter_map(named).collect()
     }
 }
 

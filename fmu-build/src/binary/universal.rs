@@ -1,9 +1,11 @@
 //! One file of macOS with the libraries of several processors: a list in front, then the libraries, each from the start
 //! of a page on (`mach-o/fat.h`).
 //!
-//! In: libraries for one processor each. Out: the file. It must not know FMI.
+//! In: libraries for one processor each, or the file. Out: the file, or one library. It must not know FMI.
 
 use anyhow::{Context, Result};
+use object::Architecture;
+use object::read::macho::{FatArch, MachOFatFile32};
 
 /// How the file begins, and a library of macOS for one 64-bit processor.
 const FILE: u32 = 0xcafe_babe;
@@ -37,11 +39,17 @@ pub fn file(parts: &[&[u8]]) -> Result<Vec<u8>> {
     Ok(list)
 }
 
+/// The library for a processor in a file; the file itself, if it is no file of several libraries.
+pub fn part(file: &[u8], processor: Architecture) -> &[u8] {
+    let parsed = MachOFatFile32::parse(file).ok();
+    let found = parsed.and_then(|fat| fat.arches().iter().find(|arch| arch.architecture() == processor));
+    found.and_then(|arch| arch.data(file).ok()).unwrap_or(file)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use object::read::macho::{FatArch, MachOFatFile32};
-    use object::{Architecture, FileKind};
+    use object::FileKind;
 
     /// The first words of a library for a processor.
     fn library(processor: u32, kind: u32, size: usize) -> Vec<u8> {
@@ -60,6 +68,8 @@ mod tests {
         let found: Vec<_> = fat.arches().iter().map(|arch| (arch.architecture(), arch.data(&*file).unwrap())).collect();
         assert_eq!(found, [(Architecture::X86_64, parts[0]), (Architecture::Aarch64, parts[1])]);
         assert!(fat.arches().iter().all(|arch| arch.file_range().0 % (1 << 14) == 0));
+        assert_eq!([Architecture::X86_64, Architecture::Aarch64].map(|of| part(&file, of)), parts);
+        assert_eq!(part(parts[0], Architecture::X86_64), parts[0]);
     }
 
     #[test]
