@@ -25,7 +25,7 @@ fn a_rod_falls_in_a_quarter_of_its_period() {
     let of = started(&rod.to_string()).travel_time("down", &["load_factor"], &[1.0]).unwrap().unwrap();
     // Upwards it does not fall, and without weight it stays.
     let factors = [1.0, 4.0, 0.01, -1.0, 0.0, f64::NAN, 1e300, f64::INFINITY];
-    let mut times = [0.0; 8];
+    let mut times = [0.0_f64; 8];
     of.times(&factors, &mut times);
     for (factor, time) in factors.iter().zip(times) {
         let exact = K * (2.0 * 0.6 / (3.0 * 9.81 * factor)).sqrt();
@@ -62,7 +62,7 @@ fn times_are_those_of_the_steps() {
             "{point:?}: {found_time} {exact}"
         );
         found += usize::from(!found_time.is_nan());
-        let mut alone = [0.0];
+        let mut alone = [0.0_f64];
         of.times(point, &mut alone);
         assert_eq!(alone[0].to_bits(), found_time.to_bits());
     }
