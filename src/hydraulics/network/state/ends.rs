@@ -103,8 +103,8 @@ impl State {
     ) -> u16 {
         let layout = &setting.laws.layout;
         let mut met_ends = 0;
-        for cylinder in 0..layout.cylinders {
-            if let Some(at_end) = self.moved_at_end(setting, cylinder, motions[cylinder]) {
+        for (cylinder, motion) in motions.iter().enumerate().take(layout.cylinders) {
+            if let Some(at_end) = self.moved_at_end(setting, cylinder, *motion) {
                 let [mass, length, speed] =
                     [Part::Mass, Part::Length, Part::Speed].map(|part| setting.get(cylinder, part));
                 let begun = at_end.begin(mass, [length, speed]);
