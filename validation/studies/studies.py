@@ -336,10 +336,11 @@ def page(rows: list[tuple[Way, float, float]], told: list[tuple[str, str, str]],
 
 Machine: {processor()}, {os.cpu_count()} cores, {platform.system()}. {versions}, Python {platform.python_version()}.
 
-{reduced}A run: the time at which the landing gear meets its up-stop, for a force of the actuator and a load factor,
-nothing else. Runs by steps ask for the other stop, too, for which the energy integral does not serve. CPU time of all processes, of the number of runs in the table less that of few, by their difference:
-start, packing and set-up do not count. Ways that take long are measured on fewer runs, and the last column is
-computed from the time of one.
+{reduced}A run: the time at which the landing gear meets its up-stop, for a force of the actuator and a load
+factor, nothing else. Runs by steps ask for the other stop, too, for which the energy integral does not serve.
+CPU time of all processes, of the number of runs in the table less that of few, by their difference: start,
+packing and set-up do not count. Ways that take long are measured on fewer runs, and the last column is computed
+from the time of one.
 
 | way | runs measured | CPU time of a run | to the first | 1e6 runs, CPU time |
 |---|---|---|---|---|
