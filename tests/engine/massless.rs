@@ -370,7 +370,6 @@ fn what_cannot_be_without_masses_asks_for_them() {
     });
     assert_says(refusal(named), &["reduced inertia is zero"]);
     // One body with a mass makes it a mechanism with masses.
-    let mixed = massless(four_bar()).with(json!({ "bodies": { "rocker": { "mass": 1, "center": [0.05, 0] } } }));
-    let speed = two_circles([0.1, 0.04, 0.12, 0.08], 0.7, SPEED)[1][1];
-    Run::new(mixed).started().near("energy.kinetic", 0.5 * (0.05 * speed).powi(2), 1e-12);
+    let mixed = massless(four_bar()).with(json!({ "bodies": { "crank": { "mass": 1, "center": [0.02, 0] } } }));
+    Run::new(mixed).started().near("energy.kinetic", 0.5 * (0.02 * SPEED).powi(2), 1e-12);
 }

@@ -68,6 +68,7 @@ impl Mechanism {
         }
         if self.solver.method == Some(Method::RigidFem) {
             refuse("solver.method", "\"rigid_fem\"", "remove this key");
+            self.solver.method = None;
         }
         if self.start.equilibrium {
             refuse("start", "an equilibrium", "give a start position");
@@ -141,8 +142,7 @@ impl Mechanism {
             all.push(Finding::warning(key, "has no effect, because no body has a mass", remedy));
         }
         if self.motion_drive().is_none() {
-            let message =
-                "no body has a mass and no drive has the key motion, so the mechanism has a travel, but no run";
+            let message = "no body has a mass and no drive has the key motion, so nothing moves the mechanism in a run";
             let remedy = format!(
                 "add the key motion to a drive in actuators, or add the key mass to one of the bodies {bodies}"
             );

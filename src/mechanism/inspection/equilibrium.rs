@@ -4,7 +4,6 @@
 //! drive. It must not know laws: it reads outputs.
 use super::place::Places;
 use crate::inspection::Fact;
-use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::contact::Travel;
@@ -23,7 +22,7 @@ const MOST: usize = 12;
 /// Add the facts of the equilibrium; the model is left at rest.
 pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, facts: &mut Vec<Fact>) {
     if reduced.linkage().is_massless {
-        facts.push(Fact::new(ALL, "").saying(ModelError::massless(reduced.linkage()).to_string()));
+        facts.push(Fact::new(ALL, "").saying("not computed, because no body has a mass"));
         return;
     }
     let start = &model.original.parameter_values.mechanism().start;

@@ -94,4 +94,9 @@ impl Model {
     pub fn experiment(&self) -> Experiment {
         self.original.parameter_values.mechanism().experiment
     }
+
+    /// Whether a run can move the mechanism: without masses only if a drive has a motion.
+    pub fn can_move(&self) -> bool {
+        !self.original.reduced.linkage().is_massless || self.original.reduced.loading().motion.is_some()
+    }
 }

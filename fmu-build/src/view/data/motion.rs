@@ -80,7 +80,11 @@ impl Motion {
         wanted: &Wanted,
         units: &FileUnits,
     ) -> Result<(Self, Option<String>), SimulationError> {
-        let stop_time = wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time);
+        // What nothing moves is shown at its start, and along its travel.
+        let stop_time = match simulation.model().can_move() {
+            true => wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time),
+            false => 0.0,
+        };
         // A run of no length is its start.
         let mut count = if stop_time > 0.0 { FRAMES } else { 0 };
         let all = candidates(simulation, scene);
