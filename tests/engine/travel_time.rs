@@ -80,7 +80,8 @@ fn where_the_integral_does_not_hold_there_is_no_function() {
     assert!(gear.travel_time("crank.angle", &["actuator.force"], &[3e4]).unwrap().is_none());
     // Too weak.
     assert!(gear.travel_time("retracted", &["actuator.force"], &[1e3]).unwrap().is_none());
-    let changes: [fn(&mut Simulation) -> Result<(), SimulationError>; 5] = [
+    type Change = fn(&mut Simulation) -> Result<(), SimulationError>;
+    let changes: [Change; 5] = [
         |gear| gear.set("airspeed", 80.0),
         |gear| gear.set("crank.start_speed", -0.1),
         |gear| gear.set("friction.enabled", true),
