@@ -187,3 +187,29 @@ def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
     assert np.array_equal(np.all(told, axis=0), ~locked)
     assert [name for name in result.dtype.names if name not in inverse and not np.all(np.isfinite(result[name]))] == []
     assert result["bucket.angle"][-1] > 2.7
+
+
+@pytest.mark.parametrize("version", ["2", "3"])
+def test_a_mechanism_without_masses_has_its_motion_alone(folder: Path, version: str) -> None:
+    """The slider-crank mechanism without masses at constant speed of its crank, more than once round."""
+    own = mechanism()
+    own["name"] = "Massless"
+    own["bodies"] = {"ground": {}, "crank": {"length": CRANK}, "rod": {"length": ROD}, "slider": {}}
+    own["actuators"] = {"servo": {"joint": "bearing", "motion": {"profile": "constant_speed", "speed": SPEED}}}
+    own["start"]["speed"] = 0
+    del own["torques"]
+    (folder / "massless.json").write_text(json.dumps(own), encoding="utf-8")
+    done = package(folder, "massless.json", "--fmi", version, "--out", "massless")
+    assert done.returncode == 0, done.stderr
+    fmu = folder / "massless" / ("Massless.fmu" if version == "2" else "Massless.fmi3.fmu")
+    assert validate_fmu(str(fmu)) == []
+    names = ["guide.position", "guide.speed", "guide.acceleration"]
+    result = simulate_fmu(str(fmu), output=names, output_interval=0.005)
+    sine, cosine = np.sin(0.5 + SPEED * result["time"]), np.cos(0.5 + SPEED * result["time"])
+    along = np.sqrt(ROD**2 - (CRANK * sine) ** 2)
+    first = -(CRANK**2) * sine * cosine / along
+    second = (-(CRANK**2) * (cosine**2 - sine**2) - first**2) / along
+    position, speed, acceleration = (result[name] for name in names)
+    np.testing.assert_allclose(position, CRANK * cosine + along, rtol=0.0, atol=ROUNDING)
+    np.testing.assert_allclose(speed, SPEED * (first - CRANK * sine), rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(acceleration, SPEED**2 * (second - CRANK * cosine), rtol=0.0, atol=1e-7)
