@@ -40,7 +40,7 @@ fn medium_softness_and_second_drives() {
     let text = replaced(MJCF, "<option", r#"<option density="0" wind="1 0 0""#);
     assert_says(&notes(Form::Mjcf, &text), &["<option> wind is left out"]);
     let text = text.replace(r#"density="0""#, r#"density="1.2""#);
-    assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set it to 0"]);
+    assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set density and viscosity to 0"]);
     let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
     assert_says(&notes(Form::Mjcf, &text), &["<joint> margin is left out", "<joint> solreflimit is left out"]);
     let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
@@ -121,12 +121,12 @@ fn what_has_no_counterpart_is_rejected() {
         ("", r#"<equality><joint joint1="j" joint2="k" polycoef="0 1 .1"/></equality>"#, &["polycoef", "a cam"]),
         ("", r#"<equality><joint joint1="j" joint2="m"/></equality>"#, &["there is no joint m"]),
         ("", r#"<equality><weld body1="a" body2="c" relpose="1 0 0 1 0 0 0"/></equality>"#, &["difference 1.00e0"]),
-        ("", r#"<equality><tendon tendon1="t"/></equality>"#, &["<tendon>", "remove it"]),
+        ("", r#"<equality><tendon tendon1="t"/></equality>"#, &["<tendon>", "remove this equality"]),
         ("", r#"<tendon><fixed name="f"/></tendon>"#, &["<fixed \"f\">", "several joints"]),
         ("", r#"<tendon><spatial><site site="s"/><site site="t"/><site site="s"/></spatial></tendon>"#, &["two sites"]),
         ("", r#"<actuator><position joint="j" dampratio="1"/></actuator>"#, &["dampratio", "write kv"]),
         ("", r#"<actuator><general joint="j" biastype="affine" biasprm="0 1"/></actuator>"#, &["signs of its bias"]),
-        ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "write <motor>"]),
+        ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "an element motor"]),
         ("", "<worldbody><replicate/></worldbody>", &["<replicate>", "mj_saveLastXML"]),
         ("", r#"<include file="other.xml"/>"#, &["<include>", "other.xml"]),
     ] {
@@ -144,9 +144,8 @@ fn what_has_no_counterpart_is_rejected() {
 fn ranges_count_from_the_reference() {
     let angles = |joint: &str, settings: &str| -> Vec<f64> {
         let text = format!(
-            r#"<mujoco>{settings}<worldbody><body name="a"><joint name="j" axis="0 1 0" {joint}/><geom \
-                size=".1"/></body>
-            </worldbody></mujoco>"#
+            r#"<mujoco>{settings}<worldbody><body name="a"><joint name="j" axis="0 1 0" {joint}/>
+            <geom size=".1"/></body></worldbody></mujoco>"#
         );
         let text = import(Form::Mjcf, "Imported", &text).unwrap().definition;
         let definition: Value = serde_json::from_str(&text).unwrap();
