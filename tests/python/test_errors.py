@@ -38,7 +38,7 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
     bare = lf.Mechanism(given)
     assert bare.to_dict() == given
     for call in (bare.simulate, bare.linearise):
-        with pytest.raises(lf.SimulationError, match="no body has a mass.*crank"):
+        with pytest.raises(lf.SimulationError, match=r"no body has a mass.*crank"):
             call()
     assert "no body has a mass" in bare.equilibria()[0].text
     assert not [own.name for own in bare.variables if "mass" in own.name or "force" in own.name]
