@@ -25,8 +25,8 @@ const STEPS: usize = 200;
 /// models repeat the round-off of the state enlarged; 100 times the tolerance of the integration would be a fault.
 const LARGEST: f64 = 1e-7;
 /// Least value that a difference is related to, as a part of the output's nominal value: FMI's absolute tolerance of a
-/// solver is 0.01 x tolerance x nominal, which is allowed here at the tolerance 1e-9 of the models. An output that stays
-/// below is the remainder of larger quantities, as the flow through an orifice is between two equal pressures.
+/// solver is 0.01 x tolerance x nominal, which is allowed here at the tolerance 1e-9 of the models. An output that is
+/// smaller is the remainder of larger quantities, as the flow through an orifice is between two equal pressures.
 const LEAST: f64 = 0.01 * 1e-9 / LARGEST;
 
 /// How a program for a platform is compiled and run here.
