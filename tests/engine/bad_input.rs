@@ -223,7 +223,8 @@ fn rods(left: &str, mass: &str, start: &str, guess: &str) -> String {
 fn positions_without_an_answer() {
     // A point mass in the bearing of the left rod never moves.
     check(&rods("0.1", "1", "0.5", "0.5"), &["almost zero at left = 0.5", "add a mass or an inertia"]);
-    check(&rods("0.1", "0", "0.5", "0.5"), &["the reduced inertia is zero", "add a mass or an inertia"]);
+    // Without any mass the motion alone is computed.
+    Model::from_json(&rods("0.1", "0", "0.5", "0.5")).unwrap();
     // Flat: parallelogram and antiparallelogram meet.
     let massive = |text: String| text.replace(r#""mass": 1"#, r#""mass": 1, "shape": "uniform_rod""#);
     check(

@@ -84,6 +84,6 @@ fn a_wheel_with_two_pitch_circles_is_warned_of() {
     // 0.1 m x 24 / (100 - 24), and half of 0.1 m.
     assert_says(
         &all[0],
-        &["couplings.outer.second_teeth", "planet", "0.0315789", "couplings.inner", "0.05 m", "twice"],
+        &["couplings.outer.second_teeth", "planet", "0.0315789", "couplings.inner", "0.05 m", "two planets"],
     );
 }
