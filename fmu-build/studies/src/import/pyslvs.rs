@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 /// L[a, b]], ...]`.
 ///
 /// # Errors
-/// Another form; the message tells the part.
+/// Another form; the message states the part.
 pub fn of_pyslvs(text: &str) -> Result<Table> {
     let (expression, rest) = match text.find("mechanism:") {
         Some(at) if !text.trim_start().starts_with("M[") => (expression(&text[at + "mechanism:".len()..])?, Some(text)),

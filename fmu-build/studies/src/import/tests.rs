@@ -1,4 +1,4 @@
-//! The tables of formats beside what the importers read, beside what MuJoCo has, and beside the pages of the reference.
+//! The tables of formats compared with what the importers read, with what MuJoCo has, and with the reference pages.
 #![allow(clippy::unwrap_used)]
 
 use super::xml::{Element, Fate, Row, row};

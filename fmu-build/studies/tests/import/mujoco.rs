@@ -1,4 +1,4 @@
-//! Imported mechanisms beside MuJoCo: accelerations that `mujoco_values.py` computed.
+//! Imported mechanisms compared with MuJoCo: accelerations that `mujoco_values.py` computed.
 
 use fmu_studies::import::{Form, Imported, import_with};
 use linkage_fmu::simulation::Simulation;
