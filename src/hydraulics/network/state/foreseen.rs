@@ -1,7 +1,7 @@
 //! The motion of a network that is foreseen over a step.
 //!
-//! In: the end of an integration. Out: its state, what moved the cylinders, what the step leaves to the next. It must not
-//! know how it was found.
+//! In: the end of an integration. Out: its state, what moved the cylinders, what the step leaves to the next. It must
+//! not know how it was found.
 use super::ends::Rested;
 use super::{Setting, Toggle};
 use crate::hydraulics::error::HydraulicsError;
