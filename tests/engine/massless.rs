@@ -193,7 +193,7 @@ fn what_needs_masses_is_no_variable_and_is_named() {
     for absent in ["mass", "inertia", "pin_radius", "friction", "gravity", "efficiency", "density", "method"] {
         assert!(!parameters.iter().any(|name| name.contains(absent)), "{absent}: {parameters:?}");
     }
-    let told = run.warnings().join("\n");
+    let warnings = run.warnings().join("\n");
     let idle = [
         "gravity",
         "forces.push",
@@ -208,7 +208,7 @@ fn what_needs_masses_is_no_variable_and_is_named() {
         "solver.method",
     ];
     for key in idle {
-        assert!(told.contains(&format!("{key}: has no effect, because no body has a mass")), "{key}\n{told}");
+        assert!(warnings.contains(&format!("{key}: has no effect, because no body has a mass")), "{key}\n{warnings}");
     }
     // A mass of 0 is no mass.
     let zero = massless(four_bar()).with(json!({ "bodies": { "crank": { "mass": 0 }, "rocker": { "inertia": 0 } } }));

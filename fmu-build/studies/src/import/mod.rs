@@ -61,12 +61,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let stem = path.file_stem().filter(|_| link.is_none()).unwrap_or_default().to_string_lossy();
     let folder = path.parent().unwrap_or_else(|| Path::new("")).to_owned();
-    let beside = |file: &str| -> Result<String> {
+    let included = |file: &str| -> Result<String> {
         String::from_utf8(files::read(&folder.join(file), LARGEST)?)
             .ok()
             .with_context(|| format!("{file}: is not UTF-8 text; save the file as UTF-8"))
     };
-    let imported = import_with(form, &stem, &text, &beside).with_context(|| format!("{shown}"))?;
+    let imported = import_with(form, &stem, &text, &included).with_context(|| format!("{shown}"))?;
     for note in &imported.notes {
         eprintln!("note: {note}");
     }

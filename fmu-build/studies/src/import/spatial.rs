@@ -245,8 +245,8 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
     let slides: Vec<Vector> = space.hinges.iter().filter(|hinge| hinge.slides).filter_map(|hinge| hinge.axis).collect();
     let across = || slides.iter().skip(1).find_map(|other| unit(cross(slides[0], *other)));
     let upward = unit(scaled(space.gravity, -1.0)).unwrap_or([0.0, 0.0, 1.0]);
-    let beside = || slides.first().and_then(|slide| unit(cross(*slide, upward)));
-    let Some(normal) = turning.or_else(across).or_else(beside) else {
+    let sideways = || slides.first().and_then(|slide| unit(cross(*slide, upward)));
+    let Some(normal) = turning.or_else(across).or_else(sideways) else {
         bail!("no hinge or slide defines the plane of the motion: add a joint");
     };
     for hinge in &space.hinges {

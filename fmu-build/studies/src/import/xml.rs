@@ -123,11 +123,11 @@ impl Element {
     fn parsed(&self, name: &str, text: &str) -> Result<Vec<f64>> {
         let parse = |word: &str| word.parse::<f64>().ok().filter(|value| value.is_finite());
         let all: Option<Vec<f64>> = text.split_whitespace().map(parse).collect();
-        let told = || format!("{}: {name} = \"{}\"", self.at(), text.escape_debug());
-        let all = all.with_context(|| format!("{} contains text that is not a number", told()))?;
+        let stated = || format!("{}: {name} = \"{}\"", self.at(), text.escape_debug());
+        let all = all.with_context(|| format!("{} contains text that is not a number", stated()))?;
         let is_size = SIZES.contains(&name) || self.tag == "mass";
         if is_size && all.iter().any(|value| *value < 0.0) {
-            bail!("{}: must not be negative", told());
+            bail!("{}: must not be negative", stated());
         }
         Ok(all)
     }

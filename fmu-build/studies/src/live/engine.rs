@@ -51,14 +51,14 @@ pub enum Number {
 
 /// What the page gets.
 #[derive(Debug, Serialize)]
-pub struct Told {
+pub struct Outcome {
     /// What the page of `view` shows.
     pub data: Data,
     /// What the page shows besides.
     pub notes: Notes,
 }
 
-/// What is told of a text besides its motion.
+/// What the page shows of a text besides its motion.
 #[derive(Debug, Serialize)]
 pub struct Notes {
     marks: Vec<Mark>,
@@ -100,7 +100,7 @@ struct Model {
     /// What was set, with the values before.
     set: Vec<(String, Number)>,
     /// What was asked for last, with the answer: a page that opens asks for it again.
-    last: Option<(Asked, Arc<Told>)>,
+    last: Option<(Asked, Arc<Outcome>)>,
 }
 
 impl Engine {
@@ -118,7 +118,7 @@ impl Engine {
     ///
     /// # Errors
     /// There is no such kind of definition.
-    pub fn run(&self, asked: &Asked) -> Result<Arc<Told>> {
+    pub fn run(&self, asked: &Asked) -> Result<Arc<Outcome>> {
         let began = Instant::now();
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let (text, fault) = match shared::completed(&self.path, asked.text.clone()) {
@@ -132,9 +132,9 @@ impl Engine {
             None => self.open(text)?,
         };
         let is_whole = fault.is_none();
-        if let Some((_, told)) = model.last.clone().filter(|(last, _)| last == asked && is_whole) {
+        if let Some((_, outcome)) = model.last.clone().filter(|(last, _)| last == asked && is_whole) {
             kept.insert(0, model);
-            return Ok(told);
+            return Ok(outcome);
         }
         let problems = model.set(&asked.values);
         let mut data = Data::played(&model.checked, &mut model.opened, &self.wanted);
@@ -143,11 +143,11 @@ impl Engine {
         }
         let (marks, knobs) = (model.marks(&asked.text), model.knobs());
         let milliseconds = 1e3 * began.elapsed().as_secs_f64();
-        let told = Arc::new(Told { data, notes: Notes { marks, knobs, problems, milliseconds } });
-        model.last = is_whole.then(|| (asked.clone(), Arc::clone(&told)));
+        let outcome = Arc::new(Outcome { data, notes: Notes { marks, knobs, problems, milliseconds } });
+        model.last = is_whole.then(|| (asked.clone(), Arc::clone(&outcome)));
         kept.insert(0, model);
         kept.truncate(KEPT);
-        Ok(told)
+        Ok(outcome)
     }
 
     fn open(&self, text: String) -> Result<Model> {

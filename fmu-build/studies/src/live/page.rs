@@ -28,9 +28,9 @@ const SCRIPTS: [&str; 7] = [
 /// The template is wrong.
 pub fn html(engine: &Engine, version: u64, text: Text) -> Result<String> {
     let (text, error) = text.map_or_else(|error| (String::new(), Some(error)), |text| (text, None));
-    let told = engine.run(&Asked { text: text.clone(), values: Vec::new() })?;
+    let outcome = engine.run(&Asked { text: text.clone(), values: Vec::new() })?;
     let first =
-        json!({ "shown": engine.shown(), "version": version, "text": text, "error": error, "notes": told.notes });
+        json!({ "shown": engine.shown(), "version": version, "text": text, "error": error, "notes": outcome.notes });
     let schema = String::from_utf8(schema::text(MECHANISM))?;
     let live = view::Live {
         style: STYLE,
@@ -39,5 +39,5 @@ pub fn html(engine: &Engine, version: u64, text: Text) -> Result<String> {
         script: &["(() => {\n", &SCRIPTS.concat(), "})();\n"].concat(),
         data: &[("live-first", &first.to_string()), ("live-schema", &schema)],
     };
-    view::live(&told.data, &live)
+    view::live(&outcome.data, &live)
 }

@@ -184,13 +184,13 @@ pub fn serve(listener: &TcpListener, site: &Arc<Site>, answer: impl Fn(&Request)
         let place = Place::take(&open);
         let (site, answer) = (Arc::clone(site), Arc::clone(&answer));
         thread::spawn(move || {
-            let told = match place {
+            let outcome = match place {
                 Some(_) => read(&mut stream, &site).map(|request| answer(&request)),
                 None => Err(Answer::refused(503, "too many connections")),
             };
-            let rejected = told.is_err();
+            let rejected = outcome.is_err();
             // A client that has gone needs no answer.
-            if told.unwrap_or_else(|refused| refused).write(&mut stream).is_ok() && rejected {
+            if outcome.unwrap_or_else(|refused| refused).write(&mut stream).is_ok() && rejected {
                 let _ = io::copy(&mut (&mut stream).take(DRAINED), &mut io::sink());
             }
             drop(place);

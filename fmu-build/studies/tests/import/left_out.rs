@@ -64,9 +64,9 @@ fn contact_between_geoms() {
 
 #[test]
 fn limits_of_urdf() {
-    let told = notes(Form::Urdf, URDF);
-    assert_says(&told, &["<limit> effort is left out", "<limit> velocity is left out"]);
-    assert!(!told.contains("collision"));
+    let found = notes(Form::Urdf, URDF);
+    assert_says(&found, &["<limit> effort is left out", "<limit> velocity is left out"]);
+    assert!(!found.contains("collision"));
     let bare = replaced(URDF, r#" effort="1" velocity="1""#, "");
     assert!(!notes(Form::Urdf, &bare).contains("<limit>"));
     let shapes = URDF.replace("<inertial>", "<collision/><inertial>");

@@ -195,12 +195,12 @@ fn mjcf() {
         assert_says(&refusal(Form::Mjcf, &MJCF.replace(from, to)), words);
     }
     assert_says(&refusal(Form::Mjcf, "<mujoco"), &["not XML"]);
-    for (geom, told) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
+    for (geom, named) in [("mass=\"-2\"", "mass = \"-2\""), ("density=\"-1\"", "density = \"-1\"")] {
         let text = format!(
             "<mujoco><worldbody><body><joint axis=\"0 1 0\"/><geom type=\"sphere\" size=\"0.1\" \
              {geom}/></body></worldbody></mujoco>"
         );
-        assert_says(&refusal(Form::Mjcf, &text), &[told, "must not be negative"]);
+        assert_says(&refusal(Form::Mjcf, &text), &[named, "must not be negative"]);
     }
     let (open, close) = ("<body>".repeat(20_000), "</body>".repeat(20_000));
     let deep = format!("<mujoco><worldbody>{open}{close}</worldbody></mujoco>");
