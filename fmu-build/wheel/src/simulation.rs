@@ -357,8 +357,8 @@ impl State {
         self.time
     }
 
-    /// Return the saved state as bytes. The method `Simulation.state_from_bytes` reads the bytes, also in another
-    /// process.
+    /// Return the saved state as bytes. The method `Simulation.state_from_bytes` makes a saved state from these bytes,
+    /// also in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
             let mut snapshot = self.snapshot.lock().map_err(refused)?;

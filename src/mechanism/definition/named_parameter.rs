@@ -23,8 +23,8 @@ keys! {
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
-        /// Contents of the file of shared parameters. Do not write the key `contents` yourself. The command `package`
-        /// writes `contents` into the copy of the mechanism file inside an FMU.
+        /// Copy of the file of shared parameters inside an FMU. Do not write the key `contents` yourself, because the
+        /// command `package` writes the key.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 

@@ -72,7 +72,7 @@ pub const TABLE: &[Row] = &[
     ("axis/mimic", "joint axis", Read, "name of the joint that this joint follows"),
     ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
     ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
-    ("joint/physics joint/sensor", "", NoEffect, "used only by the numerical method or by sensors"),
+    ("joint/physics joint/sensor", "", NoEffect, "a setting of a solver or sensor, which this program does not use"),
     ("model/model model/include world/include", "", Rejected(""), "nested and included models are not read: write the \
         links and joints into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),

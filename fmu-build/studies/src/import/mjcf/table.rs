@@ -47,7 +47,7 @@ const POSE: &str = "position and orientation, with the angle unit and rotation o
 const SOFT: &str = "limits, connections and couplings of a definition are rigid";
 const TOUCH: &str = "property of contacts between bodies, which are not imported";
 const LOOK: &str = "used only for drawing, or as a name for other programs";
-const SOLVER: &str = "used only by the numerical method";
+const SOLVER: &str = "a setting of MuJoCo's solver, which this program does not use";
 const DRIVE: &str = "the drive follows its input at once and without limits";
 
 #[rustfmt::skip]
