@@ -23,6 +23,7 @@ mod refusal;
 mod snapshot;
 mod step;
 mod tables;
+mod values;
 pub use linearise::{Linearisation, Linearised};
 
 use crate::codec::sections::Sections;

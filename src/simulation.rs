@@ -14,8 +14,11 @@
 //! println!("{:?} {:?}", trace.times().last(), trace.column("crank.angle").and_then(|angles| angles.last()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod ensemble;
+
 use crate::mechanism::{Model, ModelError, TravelTime};
 use crate::variables::{Causality, Kind, Reference, Variability};
+pub use ensemble::{Ensemble, Runs};
 use std::fmt;
 
 /// Most steps of a run.
@@ -39,8 +42,12 @@ pub enum SimulationError {
     Name { name: String, nearest: Vec<String> },
     /// The span or the longest step of a run [s] is not finite or not > 0, or the steps are too many.
     Span { span: f64, step: f64 },
+    /// So many start values of many runs do not form rows with a value for each input.
+    Rows { values: usize, inputs: usize },
     /// The model returned an error.
     Model(ModelError),
+    /// The model refused a value.
+    Refused(String),
 }
 
 impl fmt::Display for SimulationError {
@@ -61,7 +68,11 @@ impl fmt::Display for SimulationError {
                      run has at most {MOST_STEPS:e} steps"
                 )
             }
+            Self::Rows { values, inputs } => {
+                write!(f, "{values} start values for {inputs} inputs: give each run one value for each input")
+            }
             Self::Model(error) => error.fmt(f),
+            Self::Refused(why) => f.write_str(why),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! In: pairs of a name and a text. Out: a model with these parameters and inputs.
 
 use anyhow::{Context, Result, bail};
-use linkage_fmu::component::{Component, Refused};
+use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
 
 /// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
@@ -59,9 +59,9 @@ pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Resu
             other => others.push((reference, other)),
         }
     }
-    for together in reals.chunks(most_together(model)) {
+    for together in reals.chunks(model.most_together()) {
         let (references, values): (Vec<_>, Vec<_>) = together.iter().copied().unzip();
-        set_reals(model, &references, &values).context("--start-values")?;
+        model.set_reals(&references, &values).context("--start-values")?;
     }
     for (reference, value) in others {
         let set = match &value {
@@ -72,27 +72,6 @@ pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Resu
         set.with_context(|| format!("--start-values {}", model.interface().list()[reference as usize].name))?;
     }
     Ok(())
-}
-
-/// Most Reals that are set in one call. Those of a mechanism are set together, as a number by an expression may follow
-/// from several; those of a hydraulic actuator one after the other, as what one is checked against may depend on one
-/// before.
-pub fn most_together(model: &Component) -> usize {
-    match model {
-        Component::Mechanism(_) => usize::MAX,
-        Component::Hydraulic(_) => 1,
-    }
-}
-
-/// Set Reals, all or none.
-///
-/// # Errors
-/// The model refuses one of them, or what follows from them.
-pub fn set_reals(model: &mut Component, references: &[Reference], values: &[f64]) -> Result<(), Refused> {
-    let all = || references.iter().zip(values);
-    all().try_for_each(|(&reference, &value)| model.check_real(reference, value))?;
-    model.check_together(references, values)?;
-    all().try_for_each(|(&reference, &value)| model.take_real(reference, value))
 }
 
 /// Names with their values.

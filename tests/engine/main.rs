@@ -20,6 +20,7 @@ mod drag;
 mod drawn;
 mod drives;
 mod ends_meet;
+mod ensemble;
 mod exact;
 mod expressions;
 mod frames;

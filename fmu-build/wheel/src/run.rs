@@ -5,7 +5,7 @@
 use crate::arguments;
 use crate::errors::{SimulationError, input, refused, value};
 use crate::names::{Names, with_numbers};
-use fmu_build::start_values::{find, most_together, set_reals};
+use fmu_build::start_values::find;
 use linkage_fmu::component::{Component, Paused, Pauses, Stepped};
 use linkage_fmu::variables::{Causality, Kind, Reference, Value, Variability};
 use pyo3::prelude::*;
@@ -116,9 +116,9 @@ impl Run {
         let ends = set.iter().any(|(reference, _)| is(self, *reference)[0]);
         // As a host does it: what a value is checked against may depend on one before.
         set.sort_by_key(|(reference, _)| *reference);
-        for together in set.chunks(most_together(&self.model)) {
+        for together in set.chunks(self.model.most_together()) {
             let (references, values): (Vec<_>, Vec<_>) = together.iter().copied().unzip();
-            set_reals(&mut self.model, &references, &values).map_err(value)?;
+            self.model.set_reals(&references, &values).map_err(value)?;
         }
         self.is_initialized &= !ends;
         Ok(())

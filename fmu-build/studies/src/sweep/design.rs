@@ -9,7 +9,6 @@ use super::factor::{Factor, Source, coded, variable};
 use super::points::Points;
 use super::unit_cube::{UnitCube, each, most_dimensions};
 use anyhow::{Context, Result, bail};
-use fmu_build::start_values::{most_together, set_reals};
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::DefinitionError;
 use linkage_fmu::variables::{Causality, Kind, Reference};
@@ -45,7 +44,7 @@ impl Call {
         if self.kind == Kind::Real {
             scratch.clear();
             scratch.extend(self.factors.iter().map(|index| point[*index]));
-            return set_reals(model, &self.references, scratch);
+            return model.set_reals(&self.references, scratch);
         }
         self.factors.iter().zip(&self.references).try_for_each(|(index, reference)| {
             let (factor, value) = (&factors[*index], point[*index]);
@@ -63,7 +62,7 @@ impl Call {
 pub fn calls(model: &Component, factors: &[Factor]) -> Vec<Call> {
     let mut calls: Vec<Call> = Vec::new();
     for kind in [Kind::Real, Kind::Boolean, Kind::Enumeration] {
-        let most = if kind == Kind::Real { most_together(model) } else { usize::MAX };
+        let most = if kind == Kind::Real { model.most_together() } else { usize::MAX };
         for (index, factor) in (0..).zip(factors).filter(|(_, factor)| factor.kind == kind) {
             match calls.last_mut().filter(|call| call.kind == kind && call.factors.len() < most) {
                 Some(call) => {

@@ -8,7 +8,6 @@ use super::factor::Factor;
 use super::responses::{Measure, Progress, Responses};
 use super::scenario::{Event, Scenario, Set, Step};
 use anyhow::{Context, Result, bail};
-use fmu_build::start_values::set_reals;
 use linkage_fmu::component::{Component, Snapshot, Stepped};
 use linkage_fmu::numerics::decimal::Decimal;
 
@@ -247,7 +246,7 @@ impl<'a> Runner<'a> {
 fn set_start(model: &mut Component, scenario: &Scenario) -> Result<()> {
     let (reals, others) = &scenario.start;
     for (references, values) in reals {
-        set_reals(model, references, values).context("start values")?;
+        model.set_reals(references, values).context("start values")?;
     }
     for (reference, set) in others {
         let done = match set {

@@ -8,7 +8,7 @@ use super::definition::{Definition, Input, Setting};
 use super::factor::{settable, shown};
 use anyhow::{Context, Result, bail};
 use fmu_build::run::signals::{self, Signals, is_close};
-use fmu_build::start_values::{find, most_together};
+use fmu_build::start_values::find;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
 use std::path::Path;
@@ -191,7 +191,7 @@ fn in_calls(start: Vec<(Reference, Set)>, model: &Component) -> (Vec<Reals>, Vec
             other => others.push((reference, other)),
         }
     }
-    (reals.chunks(most_together(model)).map(|together| together.iter().copied().unzip()).collect(), others)
+    (reals.chunks(model.most_together()).map(|together| together.iter().copied().unzip()).collect(), others)
 }
 
 /// Values that hold from the start on.
