@@ -5,6 +5,7 @@
 //! to the ambient pressure.
 mod choices;
 mod connections;
+mod cylinders;
 mod ports;
 mod sections;
 mod warnings;
@@ -15,6 +16,7 @@ use crate::format::{
 };
 use crate::hydraulics::definition::{Fluid, Leakage, Seal, Solver};
 pub use choices::*;
+pub use cylinders::*;
 pub use ports::Ports;
 pub use sections::*;
 
