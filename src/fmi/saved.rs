@@ -25,7 +25,7 @@ use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
 /// Version of the form. It changes with every change of the bytes or of what is hashed.
-const VERSION: u32 = 13;
+const VERSION: u32 = 14;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// More bytes than most states have, so that none are moved while they are written.

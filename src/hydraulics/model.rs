@@ -391,7 +391,7 @@ impl Model {
     /// Right-hand-side evaluations and accepted and rejected integration steps since initialisation.
     pub fn statistics(&self) -> Statistics {
         let Some(state) = &self.state else { return Statistics::default() };
-        let mut all = state.driven;
+        let mut all = state.driven.clone();
         all.count(&state.coupled.with_components());
         all.statistics()
     }

@@ -62,15 +62,17 @@ impl Model {
 
     /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
-        let Self { inputs, state, warnings, .. } = *self;
-        Snapshot { parameters: Arc::clone(&self.parameters), inputs, state, warnings }
+        let Self { parameters, inputs, state, warnings, .. } = self;
+        let parameters = Arc::clone(parameters);
+        Snapshot { parameters, inputs: *inputs, state: state.clone(), warnings: *warnings }
     }
 
     /// [`Self::snapshot`] into an existing snapshot, without allocation.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         share(&mut snapshot.parameters, &self.parameters);
-        (snapshot.inputs, snapshot.state, snapshot.warnings) = (self.inputs, self.state, self.warnings);
+        (snapshot.inputs, snapshot.warnings) = (self.inputs, self.warnings);
+        snapshot.state.clone_from(&self.state);
     }
 
     /// Return to a snapshot of this actuator, taken of this or of another instance; without allocation.
@@ -80,7 +82,8 @@ impl Model {
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), HydraulicsError> {
         share(&mut self.parameters, &snapshot.parameters);
-        (self.inputs, self.state, self.warnings) = (snapshot.inputs, snapshot.state, snapshot.warnings);
+        (self.inputs, self.warnings) = (snapshot.inputs, snapshot.warnings);
+        self.state.clone_from(&snapshot.state);
         self.cache.clear();
         Ok(())
     }

@@ -31,7 +31,7 @@ const OVERRUN: f64 = 1e-3;
 const FADING: f64 = 0.95;
 
 /// Where a hydraulic actuator is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Time since the start [s], and what its sum has lost to rounding.
     time: [f64; 2],

@@ -16,7 +16,6 @@ mod system;
 
 pub use control::Integrator;
 pub use dense::Dense;
-pub use kept::Kept;
 pub use root::Direction;
 pub use statistics::{Method, Statistics};
 pub use step::Step;

@@ -22,8 +22,8 @@ pub struct Outcome<K, const N: usize> {
     pub stages: K,
     /// State at the end.
     pub end: [f64; N],
-    /// f at the end.
-    pub last: [f64; N],
+    /// f at the end, if the method has evaluated it.
+    pub last: Option<[f64; N]>,
     /// Rounding that the sums up to the end have lost.
     pub carry: [f64; N],
 }

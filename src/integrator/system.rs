@@ -1,6 +1,4 @@
 //! What is integrated, and why an integration stops.
-use super::kept::Kept;
-
 /// A first-order system with the error weights of its components. f must be smooth: who has kinks ends a step at each.
 pub trait System<const N: usize> {
     /// Whether df/dy can have eigenvalues far in the left half-plane. Only then does the integration look for stiffness
@@ -46,16 +44,6 @@ pub trait System<const N: usize> {
     fn admits(&mut self, _y: &[f64; N]) -> bool {
         true
     }
-
-    /// The Jacobian that implicit steps keep from step to step, if the system has a place for one: it then belongs to
-    /// the memory of the integration. Without one each step takes a new one.
-    fn take_kept(&mut self) -> Option<Box<Kept<N>>> {
-        None
-    }
-
-    /// Put back what [`Self::take_kept`] took.
-    #[expect(clippy::boxed_local, reason = "a system that has a place keeps the box")]
-    fn give_kept(&mut self, _kept: Box<Kept<N>>) {}
 
     /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
     /// know better, as Newton's method converges the faster the more exact this is.

@@ -141,7 +141,7 @@ impl Model {
                     }
                 }
                 check_inputs_at(&setting, &original.variables, h, Some(overrun))?;
-                let memory = state.driven;
+                let memory = state.driven.clone();
                 // The motion foreseen begins with the same rates.
                 let foreseen = seen.as_ref().ok().filter(|foreseen| !foreseen.course.met_end);
                 let rates = foreseen.map(|foreseen| &foreseen.start_rates);
@@ -201,7 +201,7 @@ fn first_event(
         }
     }
     check_inputs_at(setting, variables, h, Some(overrun)).ok()?;
-    let mut trial = *state;
+    let mut trial = state.clone();
     let (reached, event) = trial.follow(&watching, h, None).ok()?;
     event.map(|event| (reached, event))
 }

@@ -15,7 +15,7 @@ use crate::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// Version of the record.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// All values that decide how a model continues.
 #[derive(Clone, Debug)]

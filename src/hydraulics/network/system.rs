@@ -52,15 +52,14 @@ impl Memory {
     pub fn new(layout: &Layout) -> Self {
         let ports = layout.volumes() + layout.reservoirs;
         match layout.components().max(layout.flow_inputs()).max(ports) <= SMALL {
-            true => Self::Small(Box::default()),
-            false => Self::Large(Box::default()),
+            true => Self::Small(Box::new(Integrator::keeping())),
+            false => Self::large(),
         }
     }
 
     /// The memory of any network.
-    #[cfg(test)]
     pub fn large() -> Self {
-        Self::Large(Box::default())
+        Self::Large(Box::new(Integrator::keeping()))
     }
 
     /// Become the same as another one of the same network.

@@ -25,7 +25,7 @@ const EXPLAINED: f64 = 0.1;
 const MOST_ACCELERATION: f64 = 1e30;
 
 /// The motion foreseen with one element over a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
     /// Size of the step [s].
     pub h: f64,
@@ -237,7 +237,7 @@ impl State {
             let pressures = || setting.laws.describe_pressures([circuit[0], circuit[1]]);
             (blind, (blind == Blind::Failed).then(|| stuck_with(setting, 0.0, &pressures())))
         })?;
-        let mut memory = self.coupled;
+        let mut memory = self.coupled.clone();
         memory.branch_off();
         memory.begin_with(first);
         memory.count_evaluations(1);

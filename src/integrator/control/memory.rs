@@ -1,6 +1,7 @@
 //! Memory of an integration from step to step.
 use super::stiffness::Stiffness;
 use crate::codec::record::{Damaged, Record};
+use crate::integrator::kept::Kept;
 use crate::integrator::methods::radau::Collocation;
 use crate::integrator::pair::{Outcome, Pair, Path, Start};
 use crate::integrator::step::{Stages, Step};
@@ -24,7 +25,7 @@ pub struct Begin<const N: usize> {
 
 /// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the
 /// history that the choice of the method needs.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Integrator<const N: usize> {
     /// Step size that the error control proposes next [s]; none before the first step.
     pub(super) proposal: Option<f64>,
@@ -40,6 +41,8 @@ pub struct Integrator<const N: usize> {
     pub(super) last: Option<(f64, f64)>,
     /// The last step, if it was one of Radau.
     pub(super) before: Option<Collocation<N>>,
+    /// Jacobian that implicit steps keep from step to step; without a place for one each step takes a new one.
+    pub(super) kept: Option<Box<Kept<N>>>,
     pub(super) method: Method,
     pub(super) statistics: Statistics,
 }
@@ -54,6 +57,7 @@ impl<const N: usize> Default for Integrator<N> {
             longest_span: [f64::INFINITY; WHOLE_SPAN],
             last: None,
             before: None,
+            kept: None,
             method: Method::default(),
             statistics: Statistics::default(),
         }
@@ -61,6 +65,11 @@ impl<const N: usize> Default for Integrator<N> {
 }
 
 impl<const N: usize> Integrator<N> {
+    /// With a place for a Jacobian, which implicit steps then keep.
+    pub fn keeping() -> Self {
+        Self { kept: Some(Box::default()), ..Self::default() }
+    }
+
     /// Work done so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
@@ -118,19 +127,27 @@ impl<const N: usize> Integrator<N> {
         record.option("last implicit step", &mut self.before, Collocation::blank, |record, before| {
             before.record(record)
         })?;
+        if let Some(kept) = &mut self.kept {
+            kept.record(record)?;
+        }
         self.method.record(record)?;
         self.statistics.record(record)
     }
 
-    /// Become the same as another one: as by assignment, but the stages of an implicit step, more than all the rest,
-    /// are copied only if there are some.
+    /// Become the same as another one, without allocation. The stages of an implicit step and its Jacobian, more than
+    /// all the rest, are copied only if there are some.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
-        let Self { proposal, derivative, carry, stiffness, longest_span, last, before, method, statistics } = self;
+        let Self { proposal, derivative, carry, stiffness, longest_span, last, before, kept, method, statistics } =
+            self;
         (*proposal, *derivative, *carry, *stiffness) = (other.proposal, other.derivative, other.carry, other.stiffness);
         (*longest_span, *last, *method, *statistics) = (other.longest_span, other.last, other.method, other.statistics);
         if before.is_some() || other.before.is_some() {
             *before = other.before;
+        }
+        match (kept, &other.kept) {
+            (Some(own), Some(other)) => own.copy_from(other),
+            (own, other) => own.clone_from(other),
         }
     }
 
@@ -159,7 +176,9 @@ impl<const N: usize> Integrator<N> {
 
     /// The state or the right-hand side has jumped: forget everything but the statistics.
     pub fn restart(&mut self) {
-        *self = Self { statistics: self.statistics, method: self.method, ..Self::default() };
+        let mut kept = self.kept.take();
+        kept.iter_mut().for_each(|kept| kept.is_useful = false);
+        *self = Self { statistics: self.statistics, method: self.method, kept, ..Self::default() };
     }
 
     /// Forget everything, the statistics too, as before the first step.
@@ -182,7 +201,7 @@ impl<const N: usize> Integrator<N> {
     /// Go on from the end of a step.
     #[inline]
     pub(super) fn arrive<P>(&mut self, outcome: &Outcome<P, N>) {
-        (self.derivative, self.carry) = (Some(outcome.last), outcome.carry);
+        (self.derivative, self.carry) = (outcome.last, outcome.carry);
     }
 
     /// Go on from the end of an accepted step.
@@ -205,6 +224,7 @@ impl<const N: usize> Integrator<N> {
     pub(super) fn after_explicit<P: Pair<N>, S: System<N>>(&mut self) {
         if S::CAN_BE_STIFF {
             self.before = None;
+            self.kept.iter_mut().for_each(|kept| kept.is_useful = false);
         }
         for span in self.longest_span.iter_mut().take(P::METHOD as usize) {
             *span *= TRY_AGAIN;

@@ -101,10 +101,10 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Step<N>, IntegrationError> {
-        match system.take_kept() {
+        match self.kept.take() {
             Some(mut kept) => {
                 let step = self.implicit_step_with(system, begin, (end, tolerance), &mut kept);
-                system.give_kept(kept);
+                self.kept = Some(kept);
                 step
             }
             None => self.implicit_step_with(system, begin, (end, tolerance), &mut Kept::default()),
@@ -159,7 +159,8 @@ impl<const N: usize> Integrator<N> {
     fn renew<S: System<N>>(&mut self, system: &mut S, start: &Start<N>, kept: &mut Kept<N>) {
         let jacobian = system.jacobian(start.t, &start.y);
         self.statistics.jacobians += 1;
-        kept.take(jacobian, largest_eigenvalue(&jacobian, system.leading_components()));
+        let leading = system.leading_components();
+        kept.take(&jacobian, leading, largest_eigenvalue(&jacobian, leading));
     }
 
     /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by

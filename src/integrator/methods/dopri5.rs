@@ -97,7 +97,7 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
         let increment = std::array::from_fn(|n| h * (weighted(n) + last[5] * k[5][n]));
         let (end, lost) = add_compensated(y, &increment, carry);
         k[STAGES - 1] = system.derivative(t + h, &end);
-        Outcome { last: k[STAGES - 1], stages: Self(k), end, carry: lost }
+        Outcome { last: Some(k[STAGES - 1]), stages: Self(k), end, carry: lost }
     }
 
     /// As that of RK4, with an estimate that is the local error of order 4 and falls as h^5.

@@ -69,7 +69,7 @@ impl<const N: usize> Pair<N> for Rk4<N> {
             std::array::from_fn(|n| h * (B[0] * first[n] + B[1] * second[n] + B[2] * third[n] + B[3] * fourth[n]));
         let (end, carry) = add_compensated(y, &increment, carry);
         let last = system.derivative(t + h, &end);
-        Outcome { stages: Self { first: *first, fourth, last }, end, last, carry }
+        Outcome { stages: Self { first: *first, fourth, last }, end, last: Some(last), carry }
     }
 
     /// Square of the estimate e, relative to the scales, over that of the tolerance with a margin.

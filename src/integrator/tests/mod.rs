@@ -2,7 +2,7 @@
 use super::methods::radau::{Newton, Radau};
 use super::pair::{Pair, Start};
 use super::step::Stages;
-use super::{Integrator, Kept, Statistics, Step, System};
+use super::{Integrator, Statistics, Step, System};
 
 mod choice;
 mod dop853;
@@ -93,8 +93,8 @@ pub fn run(system: &mut impl System<2>, h: f64, spans: u32, tolerance: f64) -> (
 pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
     let (start, jacobian) = (start(system, t, y), system.jacobian(t, y));
     let newton = Newton { scale: &[1.0; N], tolerance: 1e-14, before: None };
-    let mut kept = Kept::default();
-    kept.take(jacobian, 0.0);
+    let mut kept = super::kept::Kept::default();
+    kept.take(&jacobian, system.leading_components(), 0.0);
     let outcome = Radau::attempt(system, &start, (&newton, &mut kept), h, &mut Statistics::default()).unwrap().0;
     Step::new(&start, h, false, outcome)
 }

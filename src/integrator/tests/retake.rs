@@ -16,10 +16,9 @@ fn an_explicit_step_cut_short_is_the_step_of_that_size() {
     }
     // The whole step again gives the same bits, compensation included.
     let step = integrator.step(&mut oscillator, t, &y, 100.0, 1e-12).unwrap();
-    let memory = integrator;
+    let mut memory = integrator.clone();
     assert_eq!(integrator.retake(&mut oscillator, &step, step.h).end, step.end);
     let next = integrator.step(&mut oscillator, t + step.h, &step.end, 100.0, 1e-12).unwrap();
-    let mut memory = memory;
     assert_eq!(next, memory.step(&mut oscillator, t + step.h, &step.end, 100.0, 1e-12).unwrap());
 }
 

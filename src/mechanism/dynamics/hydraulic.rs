@@ -6,7 +6,7 @@
 //! speed. It must not know steps.
 use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, SPOOL, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
-use crate::integrator::{Kept, System};
+use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
@@ -53,8 +53,6 @@ pub struct Ports<'a> {
     kinks: [f64; INSTANTS],
     /// Whether a stop, a lock or drives hold the mechanism at rest.
     pub held: bool,
-    /// Jacobian that implicit steps keep.
-    pub kept: Option<Box<Kept<DRIVEN>>>,
 }
 
 /// An input over a step.
@@ -85,7 +83,7 @@ impl<'a> Ports<'a> {
         order::sort(&mut kinks[..count]);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
-        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false, kept: None }
+        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
     }
 
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
@@ -205,16 +203,6 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
         y[LEADING..].iter().sum::<f64>().is_finite()
             && ports.laws.has_pressures([a, b, spool, rate, supply])
             && ports.laws.has_room(length_at(self, (ports.load, ports.length), sigma)[0])
-    }
-
-    fn take_kept(&mut self) -> Option<Box<Kept<DRIVEN>>> {
-        self.ports.as_mut()?.kept.take()
-    }
-
-    fn give_kept(&mut self, kept: Box<Kept<DRIVEN>>) {
-        if let Some(ports) = &mut self.ports {
-            ports.kept = Some(kept);
-        }
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

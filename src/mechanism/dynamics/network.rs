@@ -8,7 +8,7 @@ use crate::hydraulics::inputs::Polynomial;
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::hydraulics::network::inputs::limits;
 use crate::hydraulics::network::laws::{Border, Drive, Laws, Lock};
-use crate::integrator::{Kept, System};
+use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{INSTANTS, MOTION, ON_BORDER, SPEED_FLOOR, length_at, next_instant};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -82,8 +82,6 @@ pub struct NetworkPorts<'a> {
     kinks: [f64; INSTANTS],
     /// Whether a stop, a lock or drives hold the mechanism at rest.
     pub held: bool,
-    /// Jacobian that implicit steps keep.
-    pub kept: Option<Box<Kept<NETWORKED>>>,
 }
 
 /// An input of the network over a step, by its index among those.
@@ -122,7 +120,7 @@ impl<'a> NetworkPorts<'a> {
             }
             order::sort(&mut kinks[..count]);
         }
-        Some(Self { drives, lengths, inputs, kinks, held: false, kept: None })
+        Some(Self { drives, lengths, inputs, kinks, held: false })
     }
 
     /// The next instant after t [s] at which an input is clipped; infinite if there is none.
@@ -204,6 +202,10 @@ impl EquationOfMotion<'_> {
 impl System<NETWORKED> for EquationOfMotion<'_> {
     const CAN_BE_STIFF: bool = true;
 
+    fn leading_components(&self) -> usize {
+        MOTION + self.network.as_ref().map_or(0, |ports| ports.drives.laws.layout.leading())
+    }
+
     fn derivative(&mut self, t: f64, y: &[f64; NETWORKED]) -> [f64; NETWORKED] {
         self.time = t;
         self.set_pressures_of_network(y);
@@ -255,16 +257,6 @@ impl System<NETWORKED> for EquationOfMotion<'_> {
         y[MOTION + laws.layout.leading()..].iter().sum::<f64>().is_finite()
             && laws.has_pressures(&y[MOTION..])
             && (0..laws.layout.cylinders).all(has_room)
-    }
-
-    fn take_kept(&mut self) -> Option<Box<Kept<NETWORKED>>> {
-        self.network.as_mut()?.kept.take()
-    }
-
-    fn give_kept(&mut self, kept: Box<Kept<NETWORKED>>) {
-        if let Some(ports) = &mut self.network {
-            ports.kept = Some(kept);
-        }
     }
 
     /// By one-sided differences along the components that the right-hand side depends on.

@@ -5,7 +5,7 @@
 
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
-use crate::integrator::{Integrator, Kept, Statistics};
+use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED};
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -36,8 +36,6 @@ pub struct HydraulicMemory<const N: usize, const C: usize> {
     pub before: CircuitState<C>,
     /// Inputs of the circuit or network at the beginning of the last step.
     pub ports: Vec<f64>,
-    /// Jacobian that implicit steps keep; none during a step, which has it.
-    pub kept: Option<Box<Kept<N>>>,
 }
 
 /// Of the circuit of a drive.
@@ -73,12 +71,11 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
     /// A circuit or network with so many inputs that begins in this state.
     pub fn new(circuit: CircuitState<C>, ports: usize) -> Self {
         Self {
-            integrator: Integrator::default(),
+            integrator: Integrator::keeping(),
             lookahead: Lookahead::default(),
             circuit,
             before: circuit,
             ports: vec![0.0; ports],
-            kept: Some(Box::default()),
         }
     }
 
@@ -88,9 +85,6 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
         self.lookahead.copy_from(&other.lookahead);
         (self.circuit, self.before) = (other.circuit, other.before);
         self.ports.copy_from_slice(&other.ports);
-        if let (Some(own), Some(other)) = (&mut self.kept, &other.kept) {
-            own.copy_from(other);
-        }
     }
 
     /// All fields, written or read.
@@ -102,7 +96,6 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
         }
         record.all_finite("input of the circuit", &mut self.ports)?;
         self.integrator.record(record)?;
-        self.kept.get_or_insert_default().record(record)?;
         self.lookahead.record(record)
     }
 }

@@ -107,7 +107,7 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         let increment = std::array::from_fn(|n| weighted!(n; 0 5 6 7 8 9 10 11));
         let (end, lost) = add_compensated(y, &increment, carry);
         k[STAGES] = system.derivative(t + h, &end);
-        Outcome { last: k[STAGES], stages: Self(k), end, carry: lost }
+        Outcome { last: Some(k[STAGES]), stages: Self(k), end, carry: lost }
     }
 
     /// Error estimate over the tolerance: II.10, eq. (10.17), but at least a part [`LEAST`] of the square of the

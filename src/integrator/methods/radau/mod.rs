@@ -7,7 +7,7 @@ pub mod coefficients;
 
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::dense::TERMS;
-use crate::integrator::kept::{Factored, Kept};
+use crate::integrator::kept::Kept;
 use crate::integrator::pair::{BULGE_MARGIN, Outcome, Path, Start, add_compensated, mean_square};
 use crate::integrator::{Dense, Method, Statistics, System};
 use crate::numerics::gauss::Complex;
@@ -135,14 +135,14 @@ impl<const N: usize> Radau<N> {
         statistics: &mut Statistics,
     ) -> Option<(Outcome<Self, N>, f64)> {
         let guess = newton.before.map_or([[0.0; N]; STAGES], |before| before.guess(1.0, h));
-        let solved = kept.factored(h, system.leading_components()).and_then(|factored| {
-            let found = collocate(system, start, (newton, factored), h, guess, ITERATIONS, statistics)?;
-            Some((found, error(start, h, &found.0, factored)))
+        let solved = kept.factored(h).and_then(|kept| {
+            let found = collocate(system, start, (newton, kept), h, guess, ITERATIONS, statistics)?;
+            Some((found, error(start, h, &found.0, kept)))
         });
         kept.is_useful = solved.as_ref().is_some_and(|((_, rate), _)| *rate <= KEEP);
         let ((z, _), e) = solved?;
         let norm = mean_square(N, &newton.scale.map(|scale| newton.tolerance * scale), |n| e[n]).sqrt();
-        Some((Self::outcome(system, start, newton.tolerance, h, (&z, e), statistics), norm))
+        Some((Self::outcome(start, newton.tolerance, (&z, e)), norm))
     }
 
     /// The step of size h, shorter than the step of these stages and from the same start. `whole` is the collocation
@@ -159,76 +159,81 @@ impl<const N: usize> Radau<N> {
         statistics.jacobians += 1;
         let newton = Newton { scale: &scale, tolerance: self.tolerance, before: None };
         let guess = whole.guess(0.0, h);
-        let found = Factored::new(&jacobian, h, system.leading_components())
-            .and_then(|f| collocate(system, start, (&newton, &f), h, guess, 3 * ITERATIONS, statistics));
+        let mut kept = Kept::default();
+        kept.take(&jacobian, system.leading_components(), 0.0);
+        let kept = kept.factored(h);
+        let found = kept.and_then(|f| collocate(system, start, (&newton, f), h, guess, 3 * ITERATIONS, statistics));
         let z = found.map_or(guess, |(z, _)| z);
-        Self::outcome(system, start, self.tolerance, h, (&z, self.error), statistics)
+        Self::outcome(start, self.tolerance, (&z, self.error))
     }
 
     /// The step with the increments z and the error of their polynomial.
-    fn outcome<S: System<N>>(
-        system: &mut S,
-        start: &Start<N>,
-        tolerance: f64,
-        h: f64,
-        (z, error): (&Increments<N>, [f64; N]),
-        statistics: &mut Statistics,
-    ) -> Outcome<Self, N> {
+    fn outcome(start: &Start<N>, tolerance: f64, (z, error): (&Increments<N>, [f64; N])) -> Outcome<Self, N> {
         let (end, carry) = add_compensated(&start.y, &z[2], &start.carry);
-        let last = system.derivative(start.t + h, &end);
-        statistics.evaluations += 1;
-        Outcome { stages: Self { inner: [z[0], z[1]], first: start.first, tolerance, error }, end, last, carry }
+        Outcome { stages: Self { inner: [z[0], z[1]], first: start.first, tolerance, error }, end, last: None, carry }
     }
 }
 
-/// matrix times z, block by block.
-#[inline(never)]
-fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<N>) -> Increments<N> {
-    std::array::from_fn(|i| std::array::from_fn(|n| (0..STAGES).map(|j| matrix[i][j] * z[j][n]).sum()))
+/// matrix times z, block by block, in the leading components.
+#[inline]
+fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<N>, leading: usize) -> Increments<N> {
+    let mut all = [[0.0; N]; STAGES];
+    for (own, row) in all.iter_mut().zip(matrix) {
+        for (n, own) in own[..leading].iter_mut().enumerate() {
+            *own = row[0] * z[0][n] + row[1] * z[1][n] + row[2] * z[2][n];
+        }
+    }
+    all
 }
 
 /// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
 /// one complex system; eqs. (8.4) to (8.13). Also the rate of convergence, 0 where one correction was enough.
 ///
-/// It stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding.
+/// Newton's method stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding. It solves
+/// for the leading components; the components after these follow from their rates.
 fn collocate<S: System<N>, const N: usize>(
     system: &mut S,
     start: &Start<N>,
-    (newton, Factored { real, complex, .. }): (&Newton<N>, &Factored<N>),
+    (newton, kept): (&Newton<N>, &Kept<N>),
     h: f64,
     mut z: Increments<N>,
     iterations: u32,
     statistics: &mut Statistics,
 ) -> Option<(Increments<N>, f64)> {
-    let stop: [f64; N] = std::array::from_fn(|n| {
+    let leading = kept.leading;
+    let mut stop = [0.0; N];
+    for (n, stop) in stop[..leading].iter_mut().enumerate() {
         let rounding = 8.0 * f64::EPSILON * start.y[n].abs();
-        (NEWTON * newton.tolerance * newton.scale[n]).max(rounding)
-    });
-    let mut w = transformed(&T_INVERSE, &z);
+        *stop = (NEWTON * newton.tolerance * newton.scale[n]).max(rounding);
+    }
+    let mut w = transformed(&T_INVERSE, &z, leading);
     let (mut last, mut rate) = (f64::INFINITY, 0.0);
     for iteration in 0..iterations {
         let mut slopes = [[0.0; N]; STAGES];
-        for i in 0..STAGES {
-            let at = std::array::from_fn(|n| start.y[n] + z[i][n]);
-            slopes[i] = system.derivative(start.t + C[i] * h, &at);
+        for (i, slopes) in slopes.iter_mut().enumerate() {
+            let mut at = start.y;
+            at[..leading].iter_mut().zip(&z[i]).for_each(|(at, z)| *at += z);
+            *slopes = system.derivative(start.t + C[i] * h, &at);
         }
         statistics.evaluations += STAGES as u64;
         statistics.newton_iterations += 1;
-        let g = transformed(&T_INVERSE, &slopes);
-        let first: [f64; N] = real.solve(std::array::from_fn(|n| g[0][n] - GAMMA / h * w[0][n]));
-        let pair: [Complex<f64>; N] = complex.solve(std::array::from_fn(|n| Complex {
-            re: g[1][n] - (ALPHA * w[1][n] - BETA * w[2][n]) / h,
-            im: g[2][n] - (BETA * w[1][n] + ALPHA * w[2][n]) / h,
-        }));
+        let g = transformed(&T_INVERSE, &slopes, N);
+        let (mut first, mut pair) = ([0.0; N], [Complex { re: 0.0, im: 0.0 }; N]);
+        for n in 0..leading {
+            first[n] = g[0][n] - GAMMA / h * w[0][n];
+            pair[n].re = g[1][n] - (ALPHA * w[1][n] - BETA * w[2][n]) / h;
+            pair[n].im = g[2][n] - (BETA * w[1][n] + ALPHA * w[2][n]) / h;
+        }
+        kept.real.solve(&mut first);
+        kept.complex.solve(&mut pair);
         let mut change = 0.0;
-        for n in 0..N {
+        for n in 0..leading {
             let delta = [first[n], pair[n].re, pair[n].im];
             for (w, delta) in w.iter_mut().zip(delta) {
                 w[n] += delta;
                 change += (delta / stop[n]).powi(2);
             }
         }
-        z = transformed(&T, &w);
         let change = (change / (STAGES * N) as f64).sqrt();
         if !change.is_finite() {
             return None;
@@ -236,32 +241,58 @@ fn collocate<S: System<N>, const N: usize>(
         if iteration > 0 {
             rate = change / last;
         }
-        if change <= NEGLIGIBLE {
-            return Some((z, rate));
-        }
-        if iteration > 0 {
-            if rate >= 0.99 {
-                // Rounding stops it a little above its goal; anything more is divergence.
-                return (change <= 0.1 / NEWTON).then_some((z, rate));
-            }
+        let mut is_solved = change <= NEGLIGIBLE;
+        if iteration > 0 && !is_solved {
             // The changes left sum to at most this, for all of them and for those after the last iteration.
             let rest = change * rate / (1.0 - rate);
-            if rest <= 1.0 {
-                return Some((z, rate));
-            }
-            if rest * rate.powi((iterations - 1 - iteration) as i32) > 1.0 {
+            // Rounding stops it a little above its goal; anything more is divergence.
+            is_solved = if rate >= 0.99 { change <= 0.1 / NEWTON } else { rest <= 1.0 };
+            let is_hopeless = rest * rate.powi((iterations - 1 - iteration) as i32) > 1.0;
+            if !is_solved && (rate >= 0.99 || is_hopeless) {
                 return None;
             }
         }
+        if is_solved {
+            integrals(kept, h, &g, (&first, &pair), &mut w);
+            return Some((transformed(&T, &w, N), rate));
+        }
+        z = transformed(&T, &w, leading);
         last = change;
     }
     None
 }
 
-/// Error: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19). RADAU5
-/// damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
+/// The increments, transformed, of the components after the leading ones: those of Newton's method for the whole system,
+/// from the rates g at the last stages and the last correction of the leading components.
+fn integrals<const N: usize>(
+    kept: &Kept<N>,
+    h: f64,
+    g: &Increments<N>,
+    (first, pair): (&[f64; N], &[Complex<f64>; N]),
+    w: &mut Increments<N>,
+) {
+    let scale = h / (ALPHA * ALPHA + BETA * BETA);
+    for (n, row) in kept.rows().enumerate().skip(kept.leading) {
+        let mut rates = [g[0][n], g[1][n], g[2][n]];
+        for (entry, (first, pair)) in row.iter().zip(first.iter().zip(pair)) {
+            rates[0] += entry * first;
+            rates[1] += entry * pair.re;
+            rates[2] += entry * pair.im;
+        }
+        w[0][n] = h / GAMMA * rates[0];
+        w[1][n] = scale * (ALPHA * rates[1] + BETA * rates[2]);
+        w[2][n] = scale * (ALPHA * rates[2] - BETA * rates[1]);
+    }
+}
+
+/// Error of the leading components: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19).
+/// RADAU5 damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
 /// component too, which that makes h |lambda| times smaller than it is.
-fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, factored: &Factored<N>) -> [f64; N] {
-    let defect = std::array::from_fn(|n| start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h);
-    factored.real.solve(defect).map(f64::abs)
+fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, kept: &Kept<N>) -> [f64; N] {
+    let mut defect = [0.0; N];
+    for (n, defect) in defect[..kept.leading].iter_mut().enumerate() {
+        *defect = start.first[n] + (0..STAGES).map(|i| E[i] * z[i][n]).sum::<f64>() / h;
+    }
+    kept.real.solve(&mut defect);
+    defect.map(f64::abs)
 }

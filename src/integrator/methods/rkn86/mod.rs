@@ -152,7 +152,7 @@ impl<const N: usize> Pair<N> for Rkn86 {
         let (end, lost) = add_compensated(y, &increment, carry);
         let last = system.derivative(t + h, &end);
         k[STAGES - 1] = last[1];
-        Outcome { stages: Self(k), end, last, carry: lost }
+        Outcome { stages: Self(k), end, last: Some(last), carry: lost }
     }
 
     /// Error estimate over the tolerance, to the power of 14. The difference e of the pair, relative to the scales, is

@@ -8,7 +8,7 @@ use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::network::laws::Laws;
-use crate::integrator::{IntegrationError, Kept, System};
+use crate::integrator::{IntegrationError, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -38,7 +38,7 @@ pub struct Driven<'a, 'e, const N: usize, const C: usize> {
 pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
     /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a
     /// length is not smooth along the motion.
-    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<N>>>) -> Option<()>;
+    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64) -> Option<()>;
 
     /// Release and engage the locks that the pressures in the state z operate and that are due. Calls `changed` with
     /// each of them, by its index, and with whether it is engaged.
@@ -49,11 +49,10 @@ pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
 }
 
 impl<'e> Hydraulics<'e, DRIVEN> for EquationOfMotion<'e> {
-    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64, kept: Option<Box<Kept<DRIVEN>>>) -> Option<()> {
+    fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64) -> Option<()> {
         let drive = self.whole.loading().hydraulics.as_ref()?;
         let length = self.whole.displacement(drive.load).ok()?;
-        let ports = self.ports.insert(Ports::new(drive, length, inputs, time, h));
-        ports.kept = kept;
+        self.ports = Some(Ports::new(drive, length, inputs, time, h));
         Some(())
     }
 
@@ -63,10 +62,9 @@ impl<'e> Hydraulics<'e, DRIVEN> for EquationOfMotion<'e> {
 }
 
 impl<'e> Hydraulics<'e, NETWORKED> for EquationOfMotion<'e> {
-    fn begin(&mut self, inputs: &'e Inputs, _time: f64, h: f64, kept: Option<Box<Kept<NETWORKED>>>) -> Option<()> {
+    fn begin(&mut self, inputs: &'e Inputs, _time: f64, h: f64) -> Option<()> {
         let drives = self.whole.loading().network.as_ref()?;
-        let ports = self.network.insert(NetworkPorts::new(drives, self.whole, inputs, h)?);
-        ports.kept = kept;
+        self.network = Some(NetworkPorts::new(drives, self.whole, inputs, h)?);
         Some(())
     }
 
@@ -94,7 +92,7 @@ where
         max_steps: u64,
     ) -> (Result<f64, Stopped>, [f64; MOTION], EngagedLocks) {
         let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
-        let HydraulicMemory { integrator, lookahead, circuit, before, ports, kept } = memory;
+        let HydraulicMemory { integrator, lookahead, circuit, before, ports } = memory;
         *before = *circuit;
         let mut z = [0.0; N];
         (z[0], z[1]) = (sigma, sigma_dot);
@@ -109,7 +107,7 @@ where
             }
             integrator.refresh();
         }
-        if dynamics.begin(inputs, circuit.time.now, h, kept.take()).is_none() {
+        if dynamics.begin(inputs, circuit.time.now, h).is_none() {
             return (Err(Stopped::Length), start, ends.locked);
         }
         let mut progress = Progress::within(integrator.attempts() + max_steps);
@@ -138,7 +136,6 @@ where
             }
         };
         lookahead.end();
-        *kept = dynamics.take_kept();
         let reached = match &advanced {
             Err(Stopped::Budget(progress) | Stopped::Event(progress) | Stopped::Pause(progress)) => progress.t,
             _ => h,
