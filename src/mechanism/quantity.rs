@@ -214,6 +214,25 @@ pub enum OneElement {
     LowerLimit,
     /// Largest displacement of the drive that they leave.
     UpperLimit,
+    /// A part of one body of the linkage, by its index.
+    OfBody(usize, BodyPart),
+}
+
+/// Part of one body in the mechanism reduced to a drive, with S the displacement of the drive, C the centre of mass of
+/// the body and theta its angle. [CK16] superposes the bodies (conclusion 3): their reduced masses and static loads add
+/// up to those of the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyPart {
+    /// m (dC/dS)^2 + I (dtheta/dS)^2, eqs. (12), (33).
+    ReducedMass,
+    /// Minus the work of all present loads on the body for each dS, without that of the drive, eqs. (11), (32).
+    StaticLoad,
+    /// |dC/dS|: the effective radius R_z of a rotary drive, eq. (1).
+    CenterByDrive,
+    /// 1 / |dC/dS|: the ratio i_v of a linear drive, eq. (23).
+    DriveByCenter,
+    /// dS/dtheta: the ratio i_m of a rotary drive, eq. (2), or the effective radius R_e of a linear one, eq. (22).
+    DriveByAngle,
 }
 
 /// Part of the record of a stop's impacts.

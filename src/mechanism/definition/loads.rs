@@ -45,6 +45,10 @@ keys! {
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
         /// equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
+        /// true: the drive has outputs for each moving body: the part of the body in the reduced mass and in the static
+        /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3). false: the drive has no
+        /// outputs for single bodies.
+        by_body: bool => Key::PLAIN.brief();
         /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
         /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
         /// Beyond the first and the last pair the force-speed curve continues as a straight line. The key `points` is

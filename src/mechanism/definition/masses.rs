@@ -110,6 +110,9 @@ impl Mechanism {
             take(idle, key("efficiency"), &mut drive.efficiency);
             take(idle, key("points"), &mut drive.points);
             drive.command = None;
+            if std::mem::take(&mut drive.by_body) {
+                idle.push(key("by_body"));
+            }
             if let Some(motion) = &mut drive.motion
                 && !std::mem::replace(&mut motion.enabled, true)
             {

@@ -3,7 +3,7 @@ use super::builder::Builder;
 use super::hydraulics;
 use super::needs::{Needs, placed};
 use crate::mechanism::loads::unit_load::Load;
-use crate::mechanism::quantity::{OneElement, Output, Quantity};
+use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
 use crate::variables::Unit::{
     self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
     MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, One, Radian, RadianPerSecond,
@@ -233,5 +233,51 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         });
         let locking = Needs { statics: true, ..required };
         b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);
+    }
+    if s.mechanism.actuators.iter().nth(drive).is_some_and(|(_, a)| a.by_body) {
+        add_by_body(b, drive, [mass, load]);
+    }
+}
+
+/// The part of each moving body in the mechanism reduced to a drive; `mass`, `load`: needs of the whole reduced
+/// mass and of the whole static load.
+fn add_by_body(b: &mut Builder, drive: usize, [mass, load]: [Needs; 2]) {
+    use BodyPart::{CenterByDrive, DriveByAngle, DriveByCenter, ReducedMass, StaticLoad};
+    let s = b.source;
+    let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
+    let ratio = Needs { masses: true, loads: &[drive], ..placed() };
+    let (mass, load) = (Needs { masses: true, ..mass }, Needs { masses: true, ..load });
+    for (index, body) in s.linkage.bodies.iter().enumerate().skip(1) {
+        let owner = [n, ".", &body.name].concat();
+        let mut add = |suffix, [before, between]: [&str; 2], unit, part, needs| {
+            let output = Output::OneElement { drive, term: OneElement::OfBody(index, part) };
+            b.output(&owner, suffix, &[before, &body.name, between, n], unit, output, needs);
+        };
+        let (suffix, unit) =
+            if is_rotary { ("reduced_inertia", KilogramSquareMetre) } else { ("reduced_mass", Kilogram) };
+        let text = ["Mass (for a rotary drive: moment of inertia) of the body ", ", reduced to the drive "];
+        add(suffix, text, unit, ReducedMass, mass);
+        let unit = if is_rotary { NewtonMetre } else { Newton };
+        let text = ["Sum of all loads that act on the body ", " at present, reduced to the drive "];
+        add("static_load", text, unit, StaticLoad, load);
+        let (center, angle) = match is_rotary {
+            true => (("effective_radius", Metre, CenterByDrive), ("ratio", One, DriveByAngle)),
+            false => (("ratio", One, DriveByCenter), ("effective_radius", Metre, DriveByAngle)),
+        };
+        let text = match is_rotary {
+            true => {
+                ["Effective radius: speed of the centre of mass of the body ", ", divided by the speed of the drive "]
+            }
+            false => [
+                "Ratio: speed of the drive, divided by the speed of the centre of mass of the body ",
+                ", for the drive ",
+            ],
+        };
+        add(center.0, text, center.1, center.2, ratio);
+        if body.angle_coordinate.is_some() {
+            let what = if is_rotary { "Ratio" } else { "Effective radius" };
+            let before = [what, ": speed of the drive, divided by the angular speed of the body "].concat();
+            add(angle.0, [&before, ", for the drive "], angle.1, angle.2, ratio);
+        }
     }
 }

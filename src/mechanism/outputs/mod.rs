@@ -2,6 +2,7 @@
 //!
 //! In: a formulation of the motion. Out: values of outputs and their exact derivatives. It must not know references or
 //! FMI.
+mod by_body;
 mod cache;
 mod evaluator;
 mod hydraulic;

@@ -7,7 +7,7 @@ use crate::mechanism::motion::contact::outward;
 use crate::mechanism::outputs::cache::{DriveEnd, DriveTerms};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::outputs::view::{Reading, View};
-use crate::mechanism::quantity::OneElement;
+use crate::mechanism::quantity::{BodyPart, OneElement};
 
 /// Limit of a drive's displacement in a sense in which no stop ends the travel [m] or [rad].
 const NO_LIMIT: f64 = 1e30;
@@ -29,6 +29,14 @@ impl<N: Reading> View<'_, N> {
             None => 0.0,
         };
         let value = match term {
+            OneElement::OfBody(body, part) => {
+                let value = self.of_body(drive, body, part)?;
+                if let BodyPart::ReducedMass | BodyPart::StaticLoad = part {
+                    with_efficiency(power, value)
+                } else {
+                    value
+                }
+            }
             OneElement::ReducedMass => with_efficiency(power, N::constant(1.0) / (slope * slope)),
             OneElement::ReducedMassDerivative => with_efficiency(power, curvature * -2.0 / slope.powi(4)),
             OneElement::StaticLoad => {
@@ -68,7 +76,7 @@ impl<N: Reading> View<'_, N> {
 
     /// S_sigma and S_sigma_sigma of a drive; found once for a state.
     #[inline(always)]
-    fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
+    pub(super) fn slopes_of(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
         match &self.cache.drive {
             Some(terms) if terms.drive == drive => Ok(terms.slopes),
             _ => self.find_slopes(drive),

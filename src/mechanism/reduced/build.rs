@@ -270,6 +270,7 @@ impl Reduced {
             gapped,
             markers: OnceLock::new(),
             origins: OnceLock::new(),
+            bodies: OnceLock::new(),
             reactions: ReactionTables::on(&fine),
             state_reactions: ReactionTables::on(&grid),
         };

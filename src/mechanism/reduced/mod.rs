@@ -3,6 +3,7 @@
 //! In: a definition. Out: the influence of every load, and on request the coordinates, displacements, markers and
 //! reactions as tables of sigma. A table is built at its first use; all are immutable and shared. It must not know
 //! states or inputs.
+mod bodies;
 mod build;
 mod characteristics;
 mod error;
@@ -22,6 +23,7 @@ mod stretches;
 mod tables;
 mod weight;
 
+pub use bodies::Bodies;
 pub use error::{ReductionError, if_degrees};
 pub use exact::{ExactMotion, ExactReactions};
 pub use knots::AT_KNOT;

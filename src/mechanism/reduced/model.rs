@@ -2,6 +2,7 @@
 //!
 //! In: a curve, the loads on it, tables of both. Out: what the equation of motion reads, and what has been built so
 //! far. It must not know states or inputs.
+use super::bodies::Bodies;
 use super::error::ReductionError;
 use super::reactions::ReactionTables;
 use super::source::{Components, Source};
@@ -59,6 +60,8 @@ pub(super) struct Tables {
     pub(super) markers: Lazy,
     /// Origins of the bodies.
     pub(super) origins: Lazy,
+    /// The mechanism body by body.
+    pub(super) bodies: OnceLock<Bodies>,
     /// Reactions to applied loads and springs.
     pub(super) reactions: ReactionTables,
     /// Reactions to loads sized by a state.

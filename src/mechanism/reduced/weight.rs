@@ -48,6 +48,7 @@ impl Tables {
             gapped: self.gapped.clone(),
             markers: self.markers.clone(),
             origins: self.origins.clone(),
+            bodies: self.bodies.clone(),
             reactions: self.reactions.unmade(),
             state_reactions: self.state_reactions.clone(),
         }
