@@ -14,7 +14,7 @@ use std::process::Command;
 /// FMU of gear and hydraulic actuator as one system.
 const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMUs that the report runs.
-const FMUS: [&str; 3] = [DEFAULT_FMU, "SliderCrank", "Jib"];
+const FMUS: [&str; 5] = [DEFAULT_FMU, "LandingGearExtension", "FourBarFamily", "SliderCrank", "Jib"];
 
 /// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, or the landing-gear system, and
 /// run the demo on it.

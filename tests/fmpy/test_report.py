@@ -18,6 +18,10 @@ REFERENCE_TIME = 0.13205985274426
 """Retraction without friction by 34-digit quadrature [s]."""
 REFERENCE_TIME_WITH_FRICTION = 0.13448835
 """With friction, by an independent code [s]."""
+EXTENSION_TIME = 0.19169689347761
+"""Extension under 9 kN by 34-digit quadrature of the energy balance [s]."""
+ELASTIC_LIMIT = 1.389e-4
+"""Angle after 0.13 s of the gear with elastic rods less that of rigid links [rad], for small steps."""
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +55,38 @@ def test_loads_superpose_and_friction_costs_force(found: dict[str, Section]) -> 
     assert values["extra_least"] > 0.0
     assert values["plain"] < values["forward"] < 30e3
     assert values["round_trip"] < ROUNDING
+
+
+def test_extension_ends_when_the_energy_says(found: dict[str, Section]) -> None:
+    values = found["[HF08] extension"].values
+    assert abs(values["time"] - EXTENSION_TIME) < 1e-9
+    assert abs(values["time"] - values["interpolated"]) < 1e-9
+
+
+def test_loads_on_the_fuselage_balance_weight_and_inertia(found: dict[str, Section]) -> None:
+    assert found["[HF08] fuselage"].values["balance"] < ROUNDING
+
+
+def test_appendix_needs_its_corrections(found: dict[str, Section]) -> None:
+    values = found["[HF08] appendix"].values
+    # Central differences of the ratios, and Runge and Kutta's steps.
+    assert values["formulas"] < 1e-9
+    assert abs(values["corrected"] - REFERENCE_TIME) < 1e-8
+    assert abs(values["printed"] - REFERENCE_TIME) > 0.01
+
+
+def test_literal_finite_elements_come_near_rigid_links(found: dict[str, Section]) -> None:
+    values = found["[HF08] finite elements"].values
+    # Newmark's method is of second order: a step four times as long has an error about 16 times as large.
+    assert abs(values["finer"]) < abs(values["literal"]) < abs(values["coarse"]) < 5e-5
+    # Steps of 10 us add 4e2 h^2.
+    assert abs(values["exact"] - ELASTIC_LIMIT) < 2e-7
+
+
+def test_bodies_superpose(found: dict[str, Section]) -> None:
+    values = found["[CK16] superposition"].values
+    assert values["superposition"] < ROUNDING
+    assert values["closed"] < ROUNDING
 
 
 def test_the_attachments_found_need_less_force(found: dict[str, Section]) -> None:

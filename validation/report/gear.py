@@ -1,4 +1,4 @@
-"""The landing gear: its travel, and its retraction under a constant force.
+"""The landing gear: its travel, and its retraction or extension under a constant force.
 
 Angles of rotation are those of [HF08]: 0 deg with the gear extended, growing as it retracts.
 """
@@ -23,7 +23,7 @@ AIRSPEED = 70.0
 STEP = 0.25e-3
 """Communication step [s]; the instant in which the gear is up is interpolated within one of them."""
 LONGEST = 0.5
-"""A retraction that takes longer than this [s] has failed."""
+"""A motion through the travel that takes longer than this [s] has failed."""
 FREE = {"upstop.enabled": False, "downstop.enabled": False}
 """Without stops, so that the motion goes on past the end of the travel and the end can be interpolated."""
 
@@ -51,8 +51,8 @@ class Travel:
 
 
 @dataclass(frozen=True)
-class Retraction:
-    """Angle [rad], speed [rad/s] and acceleration [rad/s2] of the crank over time [s], until the gear is up."""
+class Motion:
+    """Angle [rad], speed [rad/s] and acceleration [rad/s2] of the crank over time [s], up to the end of the travel."""
 
     time: Array
     angle: Array
@@ -61,24 +61,30 @@ class Retraction:
 
     @property
     def duration(self) -> float:
-        """Time until the gear is up [s]."""
+        """Time to the end of the travel [s]."""
         return float(self.time[-1])
 
 
-def retract(fmu: Fmu, travel: Travel, values: dict[str, Value]) -> Retraction:
+def retract(fmu: Fmu, travel: Travel, values: dict[str, Value]) -> Motion:
     """A retraction from rest at the defaults but for these values."""
+    return turn(fmu, travel.up, values)
+
+
+def turn(fmu: Fmu, end: float, values: dict[str, Value]) -> Motion:
+    """A motion from rest to this angle of the crank [rad], at the defaults but for these values."""
     fmu.start({**FREE, **values})
     rows = [[0.0, *fmu.read("crank.angle", "crank.speed", "crank.acceleration")]]
+    way = end - rows[0][1]
     steps = 0
-    while rows[-1][1] > travel.up:
+    while (end - rows[-1][1]) * way > 0.0:
         if fmu.time > LONGEST:
-            raise SystemExit(f"error: crank.angle does not reach {travel.up} rad within {LONGEST} s under {values}")
+            raise SystemExit(f"error: crank.angle does not reach {end} rad within {LONGEST} s under {values}")
         # Multiples of the step rather than sums of it.
         steps += 1
         fmu.step(steps * STEP - fmu.time)
         rows.append([fmu.time, *fmu.read("crank.angle", "crank.speed", "crank.acceleration")])
-    rows[-1] = passing(rows[-2], rows[-1], travel.up)
-    return Retraction(*np.array(rows).T)
+    rows[-1] = passing(rows[-2], rows[-1], end)
+    return Motion(*np.array(rows).T)
 
 
 def passing(before: list[float], after: list[float], angle: float) -> list[float]:

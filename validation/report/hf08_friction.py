@@ -7,7 +7,7 @@ from matplotlib.figure import Figure as Canvas
 
 from .drawing import BLUE, CLOSED_FORM, ORANGE, lines
 from .fmu import Fmu
-from .gear import AIRSPEED, Array, Retraction, Travel, retract
+from .gear import AIRSPEED, Array, Motion, Travel, retract
 from .page import Claim, Figure, Section, bound
 
 FRICTION = {"friction.enabled": True}
@@ -39,7 +39,7 @@ def measured(fmu: Fmu, travel: Travel) -> tuple[Array, Array]:
     return np.array(rows).T[0], np.array(rows).T[1]
 
 
-def coefficient(fmu: Fmu, travel: Travel, plain: Retraction) -> tuple[Figure, dict[str, float]]:
+def coefficient(fmu: Fmu, travel: Travel, plain: Motion) -> tuple[Figure, dict[str, float]]:
     """Figure 8."""
     slip, mu = measured(fmu, travel)
     error = float(np.abs(mu - law(fmu, slip)).max())
@@ -83,12 +83,12 @@ def coefficient(fmu: Fmu, travel: Travel, plain: Retraction) -> tuple[Figure, di
     ), values
 
 
-def pair_2(fmu: Fmu, run: Retraction) -> Array:
+def pair_2(fmu: Fmu, run: Motion) -> Array:
     """Size of the acceleration of the centre of joint2, the crank's end [m/s2]."""
     return fmu.default("crank.length") * np.hypot(run.acceleration, run.speed**2)
 
 
-def section(fmu: Fmu, travel: Travel, plain: Retraction) -> Section:
+def section(fmu: Fmu, travel: Travel, plain: Motion) -> Section:
     """All four figures; `plain` is the retraction without friction and air."""
     rough = retract(fmu, travel, FRICTION)
     windy, rough_windy = retract(fmu, travel, AIR), retract(fmu, travel, FRICTION | AIR)

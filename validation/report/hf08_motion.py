@@ -6,13 +6,13 @@ import numpy as np
 
 from .drawing import BLUE, ORANGE, lines
 from .fmu import Fmu
-from .gear import METHOD, RIGID_FEM, Retraction, Travel, retract
+from .gear import METHOD, RIGID_FEM, Motion, Travel, retract
 from .page import Claim, Figure, Section
 
 MISSING = f"this FMU has no `{METHOD}` yet, so the curve by rigid finite elements is left out"
 
 
-def curve(name: str, title: str, label: str, quantity: str, runs: dict[str, Retraction], caption: str) -> Figure:
+def curve(name: str, title: str, label: str, quantity: str, runs: dict[str, Motion], caption: str) -> Figure:
     """One quantity over time, a line for each method."""
     styles = zip(runs.items(), (("-", BLUE), ("--", ORANGE)), strict=False)
     curves = [(run.time * 1e3, getattr(run, quantity), *style, method) for (method, run), style in styles]

@@ -14,13 +14,13 @@ from matplotlib.figure import Figure as Canvas
 HEADER = """\
 # The papers' figures, recomputed
 Written by `cargo fmu report` from runs of the FMUs through FMPy; do not edit. Every number said to be *ours* is that of
-a run.
+a run, or of equations of the papers that the report computes next to a run.
 
 [HF08] is M. Hać, K. From: *Design of Retraction Mechanism of Aircraft Landing Gear*, Mechanics and Mechanical
 Engineering 12 (2008) 357-373; [CK16] is J. Cink, A. Kosucki: *The Dynamic Model of Plane Mechanism with Variable
 Ratio*, same journal, 20 (2016) 393-415. Only the papers' text is at hand, not the curves in their figures: a comparison
 is with what the text says. What the text leaves open (arms of the actuator, ends of the travel, all lengths and masses
-of [CK16]) is the project's choice and stands as such in the captions. Errors are told as the power of ten they stay
+of [CK16]) is the project's choice and stands as such in the captions. Errors are stated as the power of ten they stay
 below, from 1e-12 up.
 """
 
