@@ -73,6 +73,8 @@ def signature(name: str, own: Any) -> str:  # noqa: ANN401
     for parameter in stated.parameters.values():
         if parameter.name in ("self", "cls"):
             continue
+        if parameter.kind is parameter.KEYWORD_ONLY and not any(part.startswith("*") for part in parts):
+            parts.append("*")
         star = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
         default = "" if parameter.default is parameter.empty else f"={parameter.default!r}"
         parts.append(f"{star}{parameter.name}{default}")
@@ -82,7 +84,7 @@ def signature(name: str, own: Any) -> str:  # noqa: ANN401
 def fields(own: type) -> list[str]:
     """Rows of the attributes that comments `#:` describe."""
     try:
-        source = inspect.cleandoc(inspect.getsource(own))
+        source = inspect.getsource(own)
     except (OSError, TypeError):
         return []
     found, told = [], []

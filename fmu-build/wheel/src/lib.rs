@@ -7,9 +7,11 @@ mod arguments;
 mod errors;
 mod model;
 mod names;
+mod rows;
 mod run;
 mod simulation;
 mod tasks;
+mod travel;
 
 use pyo3::prelude::*;
 
@@ -21,9 +23,11 @@ mod engine {
     #[expect(non_upper_case_globals, reason = "the name that Python has for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use crate::model::{Model, Plan};
+    use crate::model::Model;
     #[pymodule_export]
     use crate::names::Names;
+    #[pymodule_export]
+    use crate::rows::Plan;
     #[pymodule_export]
     use crate::simulation::{Simulation, State};
     #[pymodule_export]

@@ -83,6 +83,12 @@ class Kinematics:
     def __repr__(self) -> str:
         return f"<Kinematics: {len(self)} positions of {', '.join(self.names)}>"
 
+    def _repr_html_(self) -> str:
+        from ._html import variables
+
+        columns = [(name, self.units[name], self._values[name]) for name in self.names]
+        return variables(f"Kinematics at {len(self)} positions of the travel", columns, "to_pandas() shows all outputs")
+
     def _known(self, name: str) -> None:
         if not isinstance(name, str) or name not in self._values:
             from ._result import _unknown

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import os
 import tempfile
@@ -401,6 +402,24 @@ class Mechanism:
 
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {self.description}>" if self.description else f"<Mechanism {self.name}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import Html, number, table
+
+        kinds = [own.causality for own in self.variables]
+        counts = [f"{kinds.count(kind)} {kind}s" for kind in ("input", "output", "parameter")]
+        rows = [
+            ("variables", ", ".join(counts)),
+            ("experiment", f"{number(self.stop_time)} s in steps of {number(self.step_size)} s"),
+            *(("warning", line) for line in self.warnings),
+        ]
+        try:
+            # The drawing has the colours of a light page.
+            picture = f"<div style='background:#fff;display:inline-block'>{self._model.picture()}</div>"
+        except SimulationError as error:
+            picture, rows = "", [*rows, ("drawing", str(error))]
+        title = f"<b>{html.escape(self.name)}</b> {html.escape(self.description)}"
+        return picture + table(Html(title), rows)
 
     def __getstate__(self) -> dict[str, Any]:
         return {"text": self._text, "path": self._path, "shown": self._shown}

@@ -38,8 +38,11 @@ class Finding:
 class Quantity:
     """A number with its name and unit."""
 
+    #: Name of the number, such as `stroke`.
     name: str
+    #: Value of the number in SI units.
     value: float
+    #: Unit of the number. The unit is `1` for a number without a unit.
     unit: str
 
     def __str__(self) -> str:
@@ -111,21 +114,23 @@ class Report:
         return f"<Report on {self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings>"
 
     def _repr_html_(self) -> str:
-        cell = "<td style='text-align:left;white-space:pre-wrap'>"
-        rows = [
-            f"<tr>{cell}<b>{html.escape(finding.severity)}</b></td>{cell}{html.escape(finding.path)}</td>"
-            f"{cell}{html.escape(finding.message)}<br><i>{html.escape(finding.remedy)}</i></td></tr>"
-            for finding in self.findings
-        ]
+        # Here, as numpy is imported with it.
+        from ._html import Html, table
+
+        rows: list[tuple[str, ...]] = []
+        for finding in self.findings:
+            remedy = f"<br><i>{html.escape(finding.remedy)}</i>" if finding.remedy else ""
+            rows.append(
+                (
+                    Html(f"<b>{html.escape(finding.severity)}</b>"),
+                    finding.path,
+                    Html(html.escape(finding.message) + remedy),
+                )
+            )
         for fact in self.facts:
             numbers = ", ".join(map(str, fact.quantities))
-            what = "; ".join(part for part in (numbers, fact.text) if part)
-            rows.append(
-                f"<tr>{cell}{html.escape(fact.topic)}</td>{cell}{html.escape(fact.of)}</td>"
-                f"{cell}{html.escape(what)}</td></tr>"
-            )
-        title = f"{self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings"
-        return f"<table><caption>{html.escape(title)}</caption>{''.join(rows)}</table>"
+            rows.append((fact.topic, fact.of, "; ".join(part for part in (numbers, fact.text) if part)))
+        return table(f"{self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings", rows)
 
 
 def report(kind: str, text: str, shown: str) -> Report:

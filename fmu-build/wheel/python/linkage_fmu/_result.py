@@ -160,6 +160,20 @@ class Result(np.ndarray[Any, Any]):
             raise InputError("a run with input signals cannot be animated; use mechanism.view(start_values=...)")
         return mechanism.view(float(self["time"][-1]), start_values, height)
 
+    def _repr_html_(self) -> str | None:
+        if self.ndim != 1 or not self.dtype.names or not len(self):
+            return None
+        from ._html import number, variables
+
+        rows = f"{len(self)} rows"
+        if "time" in self.dtype.names:
+            rows += f" from {number(self['time'][0])} s to {number(self['time'][-1])} s"
+        of = f"Result of {self._origin[0].name}: " if self._origin else "Result: "
+        columns = [(name, self.units.get(name, "1"), self[name]) for name in self.names if name != "time"]
+        # A user may have made an array with other types of this one.
+        numbers = [own for own in columns if own[2].ndim == 1 and own[2].dtype.kind in "fiub"]
+        return variables(of + rows, numbers, "to_pandas() shows all columns")
+
     def __reduce__(self) -> Any:  # noqa: ANN401
         return (_restored, (np.asarray(self).copy(), self.units, self._origin))
 
