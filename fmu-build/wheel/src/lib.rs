@@ -5,6 +5,7 @@
 
 mod arguments;
 mod errors;
+mod many;
 mod model;
 mod names;
 mod rows;
@@ -22,6 +23,8 @@ mod engine {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "the name that Python has for it")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pymodule_export]
+    use crate::many::many;
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

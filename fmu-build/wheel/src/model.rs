@@ -51,7 +51,7 @@ impl Model {
     }
 
     /// The model with these start values.
-    fn started(&self, start_values: Option<&Bound<'_, PyAny>>) -> PyResult<Component> {
+    pub fn started(&self, start_values: Option<&Bound<'_, PyAny>>) -> PyResult<Component> {
         Self::with(self.component(), start_values)
     }
 

@@ -49,6 +49,11 @@ impl Plan {
         Ok(Self { references: references.collect::<Result<_, _>>().map_err(input)?, columns })
     }
 
+    /// The variables, in their order.
+    pub fn references(&self) -> &[Reference] {
+        &self.references
+    }
+
     /// Rows in the layout of numpy: doubles, and a byte for a Boolean.
     pub fn packed<'py>(&self, py: Python<'py>, rows: &[f64]) -> PyResult<Bound<'py, PyByteArray>> {
         if !self.columns.iter().any(|column| column.is_boolean) {

@@ -240,6 +240,38 @@ class Mechanism:
             raise failure
         return result
 
+    def simulate_many(
+        self,
+        start_values: Mapping[str, Any],
+        stop_time: float | None = None,
+        output: Iterable[str] | None = None,
+        threads: int | None = None,
+    ) -> Result:
+        """Simulate the mechanism once for each set of start values, on several processor cores. Return the values of
+        the outputs at the stop time of each run.
+
+        Args:
+            start_values: start values of inputs and parameters, by name. An array or a list has one number in SI units
+                for each run. Any other value has the same form as for `simulate`, and all runs share it.
+            stop_time: time at the end of each run [s]. With the stop time 0, the result has the outputs at the start.
+                By default, each run ends at the stop time of the default experiment.
+            output: names of the variables in the result. By default, the result has all outputs.
+            threads: number of runs at the same time. The default is the number of processor cores.
+
+        Returns:
+            A structured numpy array with one row for each run. The fields are the start values that are arrays, and the
+            outputs. Each run is one step of the simulation, so it agrees with `simulate` within the tolerance. If a run
+            fails, its outputs are NaN. If an output has no value, this output alone is NaN. A warning of the class
+            `LinkageWarning` states the number of these runs, and the reason for the first of them.
+
+        Raises:
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
+                GB.
+        """
+        from ._many import simulate_many
+
+        return simulate_many(self, start_values, stop_time, output, threads)
+
     def _recorded(self, output: Iterable[str] | None) -> Columns:
         """The columns of a run; those of a list that has been given before are known."""
         from ._result import Columns

@@ -68,7 +68,7 @@ def signals(given: Any) -> Signals:  # noqa: ANN401
 
 class Result(np.ndarray[Any, Any]):
     """Result of a simulation: a structured array with the field `time` [s] and one field for each variable, in SI
-    units.
+    units. A result of `simulate_many` has one row for each run, and no field `time`.
 
     The function `fmpy.plot_result` and other functions for results of FMPy can process this array.
     """
@@ -84,7 +84,7 @@ class Result(np.ndarray[Any, Any]):
 
     @property
     def names(self) -> list[str]:
-        """Names of the columns of the result. The first column is `time`."""
+        """Names of the columns of the result. The first column of a result of `simulate` is `time`."""
         return list(self.dtype.names or ())
 
     def __getitem__(self, key: Any) -> Any:  # noqa: ANN401
@@ -95,12 +95,16 @@ class Result(np.ndarray[Any, Any]):
         return super().__getitem__(key)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the result as a pandas data frame with the time as index. The attribute `attrs["units"]` of the data
-        frame contains the units of the columns."""
+        """Return the result as a pandas data frame. The index is the time, or the number of the run in a result of
+        `simulate_many`. The attribute `attrs["units"]` of the data frame contains the units of the columns."""
         import pandas
 
-        times = pandas.Index(self["time"], name="time")
-        frame = pandas.DataFrame({name: self[name] for name in self.names[1:]}, index=times)
+        if "time" in self.names:
+            index = pandas.Index(self["time"], name="time")
+        else:
+            index = pandas.RangeIndex(len(self), name="run")
+        columns = {name: self[name] for name in self.names if name != "time"}
+        frame = pandas.DataFrame(columns, index=index)
         frame.attrs["units"] = self.units
         return frame
 
