@@ -1,5 +1,6 @@
 //! Steps of Radau that share a Jacobian.
 use super::*;
+use crate::codec::record::Record;
 
 /// y' = -L (y^3 - cos^3 t) - sin t, with the solution cos t: stiff where y is not near 0.
 struct Stiff;
@@ -16,17 +17,23 @@ impl System<1> for Stiff {
     }
 }
 
-/// Spans of 10 ms from 0 to 1 s: error and Jacobians.
-fn run(mut integrator: Integrator<1>) -> (f64, u64) {
-    let (mut t, mut y) = (0.0, [1.0]);
-    for k in 1..=100 {
+/// From instant `from` to instant `to` in spans of 10 ms, whose sizes differ by the rounding of times.
+fn advance(integrator: &mut Integrator<1>, y: &mut [f64; 1], from: u32, to: u32) {
+    let mut t = f64::from(from) * 0.01;
+    for k in from + 1..=to {
         let end = f64::from(k) * 0.01;
         while t < end {
-            let step = integrator.step(&mut Stiff, t, &y, end, 1e-6).unwrap();
-            (y, t) = (step.end, if step.reached { end } else { t + step.h });
+            let step = integrator.step(&mut Stiff, t, y, end, 1e-6).unwrap();
+            (*y, t) = (step.end, if step.reached { end } else { t + step.h });
         }
     }
-    ((y[0] - t.cos()).abs(), integrator.statistics().jacobians)
+}
+
+/// From 0 to 1 s: error and Jacobians.
+fn run(mut integrator: Integrator<1>) -> (f64, u64) {
+    let mut y = [1.0];
+    advance(&mut integrator, &mut y, 0, 100);
+    ((y[0] - 1_f64.cos()).abs(), integrator.statistics().jacobians)
 }
 
 #[test]
@@ -35,4 +42,24 @@ fn a_jacobian_that_is_kept_serves_many_steps_as_exactly() {
     println!("{error:e} with {each}, {error_kept:e} with {kept}");
     assert!(error < 1e-6 && error_kept < 1e-6, "{error:e} {error_kept:e}");
     assert!(each > 90 && kept * 3 < each, "{each} {kept}");
+}
+
+/// A memory that is copied, or written and read, continues identically with the Jacobian and the factors that it had.
+#[test]
+fn a_memory_that_is_read_continues_identically() {
+    let (mut integrator, mut y) = (Integrator::keeping(), [1.0]);
+    advance(&mut integrator, &mut y, 0, 53);
+    let (mut bytes, start, jacobians) = (Vec::new(), y, integrator.statistics().jacobians);
+    integrator.record(&mut Record::Write(&mut bytes)).unwrap();
+    let (mut read, mut copy) = (Integrator::keeping(), Integrator::keeping());
+    read.record(&mut Record::Read(&bytes)).unwrap();
+    copy.copy_from(&integrator);
+    advance(&mut integrator, &mut y, 53, 56);
+    assert_eq!(integrator.statistics().jacobians, jacobians);
+    for mut other in [read, copy] {
+        let mut z = start;
+        advance(&mut other, &mut z, 53, 56);
+        assert_eq!((&other, z), (&integrator, y));
+    }
+    assert!((0..bytes.len()).all(|end| Integrator::<1>::keeping().record(&mut Record::Read(&bytes[..end])).is_err()));
 }

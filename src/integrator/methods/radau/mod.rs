@@ -189,8 +189,8 @@ fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<
 /// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
 /// one complex system; eqs. (8.4) to (8.13). Also the rate of convergence, 0 where one correction was enough.
 ///
-/// Newton's method stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding. It solves
-/// for the leading components; the components after these follow from their rates.
+/// Newton's method stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding. It
+/// solves for the leading components; the components after these follow from their rates.
 fn collocate<S: System<N>, const N: usize>(
     system: &mut S,
     start: &Start<N>,
@@ -262,8 +262,8 @@ fn collocate<S: System<N>, const N: usize>(
     None
 }
 
-/// The increments, transformed, of the components after the leading ones: those of Newton's method for the whole system,
-/// from the rates g at the last stages and the last correction of the leading components.
+/// The transformed increments of the components after the leading ones, as Newton's method for the whole system finds
+/// them: from the rates g at the last stages and the last correction of the leading components.
 fn integrals<const N: usize>(
     kept: &Kept<N>,
     h: f64,
