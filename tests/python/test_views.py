@@ -30,10 +30,11 @@ def path(values: np.ndarray) -> str:
 
 
 def test_a_result_shows_its_variables(gear: lf.Mechanism) -> None:
-    result = gear.simulate(stop_time=0.14, output_interval=1e-3, output=["crank.angle", "joint1.force", "retracted"])
+    names = ["crank.angle", "joint1.force", "coupler.speed", "retracted"]
+    result = gear.simulate(stop_time=0.14, output_interval=1e-3, output=names)
     view = result._repr_html_()
     assert "Result of LandingGearRetraction: 141 rows from 0 s to 0.14 s" in (view or "")
-    head, angle, force, retracted = rows(view)
+    head, angle, force, speed, retracted = rows(view)
     assert head[1:6] == ["unit", "first", "last", "minimum", "maximum"]
     for cells, name, unit in ((angle, "crank.angle", "rad"), (force, "joint1.force", "N")):
         assert cells[:2] == [name, unit]
@@ -43,7 +44,9 @@ def test_a_result_shows_its_variables(gear: lf.Mechanism) -> None:
         )
     assert retracted[:4] == ["retracted", "", "False", "True"]
     assert view is not None
-    assert view.count("<path") == 3
+    assert view.count("<path") == 4
+    assert np.signbit(result["coupler.speed"][0])
+    assert speed[2] == "0", "zero has no sign"
 
 
 def test_a_part_of_a_result_has_a_view_or_none(gear: lf.Mechanism) -> None:
@@ -59,10 +62,10 @@ def test_a_part_of_a_result_has_a_view_or_none(gear: lf.Mechanism) -> None:
 def test_a_long_result_shows_its_first_variables(gear: lf.Mechanism) -> None:
     result = gear.simulate(stop_time=0.1)
     view = result._repr_html_()
-    left_out = len(result.names) - 1 - _html.MOST_ROWS
-    assert left_out > 0
-    assert f"and {left_out} more: to_pandas() shows all columns" in (view or "")
-    assert len(rows(view)) == 1 + _html.MOST_ROWS + 1
+    count = len(result.names) - 1
+    assert count > _html.MOST_ROWS
+    assert f"({_html.MOST_ROWS} of {count} variables; to_pandas() shows all columns)" in (view or "")
+    assert len(rows(view)) == 1 + _html.MOST_ROWS
 
 
 def test_kinematics_show_their_outputs(gear: lf.Mechanism) -> None:

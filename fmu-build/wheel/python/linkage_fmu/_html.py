@@ -30,15 +30,17 @@ def table(caption: str, rows: Iterable[Iterable[str]], head: Iterable[str] = ())
 
 def variables(caption: str, columns: Iterable[tuple[str, str, np.ndarray[Any, Any]]], remedy: str) -> str:
     """A table of variables with their names, units and values, one row each. `remedy` says how to see all of them."""
-    rows = [[name, "" if unit == "1" else unit, *_extremes(values)] for name, unit, values in columns]
-    left_out = len(rows) - MOST_ROWS
-    shown = rows[:MOST_ROWS] + ([[f"and {left_out} more: {remedy}"]] if left_out > 0 else [])
-    return table(caption, shown, ("", "unit", "first", "last", "minimum", "maximum", ""))
+    shown = list(columns)
+    if len(shown) > MOST_ROWS:
+        caption += f" ({MOST_ROWS} of {len(shown)} variables; {remedy})"
+    rows = [[name, "" if unit == "1" else unit, *_extremes(values)] for name, unit, values in shown[:MOST_ROWS]]
+    return table(caption, rows, ("", "unit", "first", "last", "minimum", "maximum", ""))
 
 
 def number(value: float) -> str:
     """A number with at most six digits."""
-    return f"{value:.6g}"
+    # No sign of zero.
+    return f"{value + 0.0:.6g}"
 
 
 def _text(text: str) -> str:
