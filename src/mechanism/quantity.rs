@@ -67,6 +67,8 @@ pub enum Indicator {
     /// The normal force of a prismatic joint with friction, by its index among the joints with friction: its magnitude
     /// decides on the friction.
     NormalForce(usize),
+    /// The distance of the force of a controlled drive from its lower or its upper limit, by the index of the drive.
+    Limit { drive: usize, upper: bool },
     /// The points of a curve.
     Points(Curve),
 }

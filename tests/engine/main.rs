@@ -9,6 +9,7 @@ mod cams;
 mod cavitation;
 mod characteristics;
 mod contact_at_start;
+mod control;
 mod coupling_hosts;
 mod couplings;
 mod creep;

@@ -1,4 +1,5 @@
 //! Loads: gravity, drives, forces, torques, springs and drag.
+use super::control::Control;
 use super::motion::PrescribedMotion;
 use crate::format::{
     AXES, Flag, Key, Owner, Parameter, Range, Role, Visit, curve, either, element, keys, number, point,
@@ -61,6 +62,9 @@ keys! {
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
         /// is the torque of the motor. The key `screw` is not allowed in a revolute joint.
         screw: Option<Screw> => Key::PLAIN.brief();
+        /// Controller of the drive, with gains for position and speed and with limits of the force. The key `control`
+        /// is not allowed together with `points`, `hydraulics` or `motion`.
+        control: Option<Control> => Key::PLAIN.brief();
         /// Hydraulic circuit that drives the actuator. The force of a drive with a circuit is an output. At most one
         /// drive can have a hydraulic circuit. A drive in a revolute joint cannot have a hydraulic circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();

@@ -109,6 +109,7 @@ impl Mechanism {
             take(idle, key("torque"), &mut drive.torque);
             take(idle, key("efficiency"), &mut drive.efficiency);
             take(idle, key("points"), &mut drive.points);
+            take(idle, key("control"), &mut drive.control);
             drive.command = None;
             if std::mem::take(&mut drive.by_body) {
                 idle.push(key("by_body"));

@@ -7,6 +7,7 @@ mod bodies;
 mod cams;
 mod characteristics;
 mod contact;
+mod control;
 mod couplings;
 mod drawing;
 mod experiment;
@@ -26,6 +27,7 @@ pub use crate::format::{DefinitionError, Experiment, Named, Range, Role, Visit};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
+pub use control::Control;
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
@@ -40,7 +42,7 @@ pub use named_parameter::{NamedParameter, Shared, SharedContents};
 use crate::format::{About, Element, Faults};
 
 /// The elements of a definition for its schema and reference: the whole first, those of a circuit apart.
-pub const ELEMENTS: [Element; 28] = [
+pub const ELEMENTS: [Element; 29] = [
     Element::of::<Mechanism>(""),
     Element::of::<About>("about"),
     Element::of::<Shared>("parameters_from"),
@@ -55,6 +57,7 @@ pub const ELEMENTS: [Element; 28] = [
     Element::of::<CamSegment>("cam_segment"),
     Element::of::<Actuator>("actuator"),
     Element::of::<Screw>("screw"),
+    Element::of::<Control>("control"),
     Element::of::<PrescribedMotion>("motion"),
     Element::of::<Force>("force"),
     Element::of::<Torque>("torque"),

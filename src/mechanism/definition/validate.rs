@@ -8,6 +8,7 @@ mod network;
 use super::bodies::{Body, Joint, JointKind};
 use super::characteristics::{check_bumper, check_damper, check_drive, check_spring};
 use super::contact::Stop;
+use super::control::check_control;
 use super::experiment::Solver;
 use super::loads::Surface;
 use super::mechanism::{GROUND, Mechanism};
@@ -214,6 +215,7 @@ impl Mechanism {
                 circuit.find_faults(faults);
             }
             faults.keep(check_drive(&key, a));
+            check_control(&key, a, faults);
             self.check_motion(name, a, faults);
         }
     }

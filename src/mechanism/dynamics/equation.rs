@@ -25,7 +25,7 @@ pub struct Scratch<T: Differentiable = f64> {
     pub panel_force: PanelForce,
     pub evaluator: StateLoadEvaluator<T>,
     /// State loads with derivatives along sigma.
-    tangent: StateLoadEvaluator<T::Along>,
+    pub(super) tangent: StateLoadEvaluator<T::Along>,
     /// Whether the state loads include those of moving air.
     pub air: bool,
 }

@@ -29,15 +29,25 @@ pub enum NoForce {
 }
 
 impl<T: Differentiable> EquationOfMotion<'_, T> {
-    /// Delivered force of a drive, with that of its curve, after the loss of the drive if it has one; as last
+    /// Derivative along sigma of the delivered force of a drive, as of the last [`Self::slope_at_rest`].
+    pub fn slope_of_delivered(&self, drive: usize) -> T {
+        let of = |load: usize| {
+            let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));
+            index.map_or(T::constant(0.0), |k| T::slope_of(self.scratch.tangent.delivered[k]))
+        };
+        let law = self.reduced.loading().drives[drive].law.as_ref();
+        law.map_or(of(drive), |law| of(drive) + of(law.load))
+    }
+
+    /// Delivered force of a drive, with that of its law, after the loss of the drive if it has one; as last
     /// evaluated.
     pub fn delivered(&self, drive: usize) -> T {
         let of = |load: usize| {
             let index = self.state_loads.and_then(|s| s.drives.iter().position(|l| *l == load));
             index.map_or_else(|| self.applied.size(load, self.time), |k| self.scratch.evaluator.delivered[k])
         };
-        match &self.reduced.loading().drives[drive].curve {
-            Some(curve) => of(drive) + of(curve.load),
+        match &self.reduced.loading().drives[drive].law {
+            Some(law) => of(drive) + of(law.load),
             None => of(drive),
         }
     }

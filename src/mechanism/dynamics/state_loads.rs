@@ -12,7 +12,6 @@ use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
-use crate::mechanism::loads::resolved::DriveCurve;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
@@ -54,6 +53,8 @@ pub struct StateLoadEvaluator<T> {
     pub regimes: Vec<Option<Regime>>,
     /// Arm of each joint's friction in its regime.
     arms: Vec<Cubic>,
+    /// Influence of the load of each law of a drive, and the displacement of the drive where the law depends on it.
+    law_values: Vec<[f64; 2]>,
     /// Quantities whose signs select a law, with their signs and samples.
     pub switches: Switches,
     /// Values of [`StateLoads::bundle`].
@@ -84,6 +85,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             friction,
             regimes: vec![None; friction_joints],
             arms: vec![Cubic::default(); friction_joints],
+            law_values: vec![[0.0; 2]; state_loads.map_or(0, |s| s.laws.len())],
             switches: Switches::new(state_loads.map_or(0, StateLoads::switches)),
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
@@ -147,6 +149,9 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// Largest change of sigma_ddot that the other law of a switch makes for each unit of its quantity, at the state of
     /// the last evaluation.
     pub fn switch_effect(&self, (reduced, state_loads): (&Reduced, &StateLoads), switch: usize) -> f64 {
+        if let Some(limit) = switch.checked_sub(state_loads.limit_switch(0)) {
+            return self.law_values[state_loads.limits[limit].0][0].abs();
+        }
         if let Some(k) = switch.checked_sub(state_loads.efficient) {
             let joint = state_loads.prismatic[k];
             let influence = self.effects.as_flattened()[state_loads.free() + joint];
@@ -155,6 +160,11 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
         1.0 / efficiency - efficiency
+    }
+
+    /// Displacement of the drive of a law that depends on it [m or rad], at the state of the last evaluation.
+    pub fn position_of_law(&self, law: usize) -> f64 {
+        self.law_values[law][1]
     }
 
     /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
@@ -331,7 +341,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
-    /// Delivered forces of the drives, with those of their curves: added to the motion. Returns the power lost in them.
+    /// Delivered forces of the drives, with those of their laws: added to the motion. Returns the power lost in them.
     #[inline(never)]
     fn drives(
         &mut self,
@@ -343,13 +353,26 @@ impl<T: Number> StateLoadEvaluator<T> {
     ) -> T {
         let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
         let mut lost = T::constant(0.0);
-        let curves = state_loads.curve(0);
-        for (curve, &drive) in state_loads.curves.iter().enumerate() {
-            let Some(DriveCurve { load, force }) = &reduced.loading().drives[drive].curve else { continue };
-            let speed = at(state_loads.given(0, *load)) * sigma_dot;
-            self.delivered[curves + curve] = applied.size(*load, t) * speed.compose(force.at(speed.value()));
+        let first_law = state_loads.first_law();
+        for (law_load, known) in state_loads.laws.iter().zip(&mut self.law_values) {
+            let drive = law_load.drive;
+            let Some(law) = &reduced.loading().drives[drive].law else { continue };
+            let influence = at(state_loads.given(0, law.load));
+            let speed = influence * sigma_dot;
+            let position = law_load.position.map_or(T::constant(0.0), |k| {
+                let wound = panel_force.revolutions * reduced.load_growth(drive);
+                self.effects.as_flattened()[state_loads.driven(k)] + T::constant(wound)
+            });
+            *known = [influence.value(), position.value()];
+            let (switches, mut switch) = (&mut self.switches, state_loads.limit_switch(law_load.limit));
+            let margin = |_, margin| {
+                switch += 1;
+                switches.see(switch - 1, margin)
+            };
+            let own = applied.size(drive, t);
+            self.delivered[law_load.at] = law.force(own, |input| applied.size(input, t), [position, speed], margin);
         }
-        for (k, &load) in state_loads.drives[..curves].iter().enumerate() {
+        for (k, &load) in state_loads.drives[..first_law].iter().enumerate() {
             let influence = at(state_loads.given(0, load));
             if k >= state_loads.efficient {
                 let cylinder = k - state_loads.efficient;
@@ -363,17 +386,17 @@ impl<T: Number> StateLoadEvaluator<T> {
             let size = applied.size(load, t);
             let full = influence * size;
             let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
-            let curve = state_loads.curves.iter().position(|drive| *drive == load).map(|curve| curves + curve);
-            let further = curve.map_or(0.0, |curve| (influence * self.delivered[curve]).value());
+            let law = state_loads.laws.iter().find(|law| law.drive == load).map(|law| law.at);
+            let further = law.map_or(0.0, |law| (influence * self.delivered[law]).value());
             let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
             self.delivered[k] = size * T::constant(part);
-            if let Some(curve) = curve {
-                self.delivered[curve] = self.delivered[curve] * T::constant(part);
+            if let Some(law) = law {
+                self.delivered[law] = self.delivered[law] * T::constant(part);
             }
             self.motion = self.motion + influence * self.delivered[k];
             lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
         }
-        for (&load, &delivered) in state_loads.drives[curves..].iter().zip(&self.delivered[curves..]) {
+        for (&load, &delivered) in state_loads.drives[first_law..].iter().zip(&self.delivered[first_law..]) {
             let driven = at(state_loads.given(0, load)) * delivered;
             self.motion = self.motion + driven;
             lost = lost - driven * sigma_dot;

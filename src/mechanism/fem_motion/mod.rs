@@ -231,9 +231,12 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let name = format!("actuators.{}.hydraulics", loading.drives[drive.load].name);
         return refuse(&name, String::new(), "use a force instead");
     }
-    if let Some(drive) = loading.drives.iter().find(|drive| drive.curve.is_some()) {
-        let name = format!("actuators.{}.points", drive.name);
-        return refuse(&name, "a force-speed curve".into(), "use a torque or a force instead");
+    for drive in &loading.drives {
+        let Some(law) = &drive.law else { continue };
+        let (key, what) =
+            if law.curve().is_some() { ("points", "a force-speed curve") } else { ("control", "a controller") };
+        let name = format!("actuators.{}.{key}", drive.name);
+        return refuse(&name, what.into(), "use a torque or a force instead");
     }
     if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
         let name = format!("{}.motion.enabled", loading.drives[drive.load].name);

@@ -82,7 +82,7 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, 
         let is_rounding = |value: f64| influence > 0.0 && value.abs() * influence <= BALANCE * all;
         let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
         let mut fact = Fact::new(TOPIC, &drive.name);
-        let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
+        let given = if drive.law.is_some() { format!("acting_{word}") } else { word.to_owned() };
         let given = [("given", given), ("holding", format!("holding_{word}"))];
         let range = [("forward", "moves forward above"), ("backward", "moves backward below")];
         let range = range.map(|(end, label)| (label, format!("breakaway_{word}_{end}")));
@@ -149,10 +149,10 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
         };
         displacement / reduced.scale()
     };
-    // A command sizes a load by the curve of its drive.
+    // A command sizes a load by the law of its drive.
     let unit = |load: usize| {
-        let curves = loading.drives.iter().filter_map(|drive| drive.curve.as_ref());
-        curves.filter(|curve| curve.load == load).map(|curve| curve.force.at(0.0)[0].abs()).next().unwrap_or(1.0)
+        let laws = loading.drives.iter().filter_map(|drive| drive.law.as_ref());
+        laws.filter(|law| law.commands().contains(&load)).map(|law| law.force_of_command(load)).next().unwrap_or(1.0)
     };
     let applied = reduced.sizes(inputs).into_iter().enumerate();
     let applied = applied.map(|(load, size)| size.abs() * unit(load) * influence(load));
@@ -178,7 +178,7 @@ fn held_by<'a>(reduced: &'a Reduced, travel: &Travel, here: f64) -> Option<&'a s
 fn creeps(model: &mut Model, reduced: &Reduced) -> Option<String> {
     for drive in &reduced.loading().drives {
         let word = if drive.is_rotary { "torque" } else { "force" };
-        let given = if drive.curve.is_some() { format!("acting_{word}") } else { word.to_owned() };
+        let given = if drive.law.is_some() { format!("acting_{word}") } else { word.to_owned() };
         let names = [given, format!("breakaway_{word}_forward"), format!("breakaway_{word}_backward")];
         let values = names.map(|name| {
             let reference = model.variables().find(&format!("{}.{name}", drive.name))?;

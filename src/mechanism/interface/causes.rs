@@ -210,9 +210,11 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         let friction = l.friction.as_ref()?;
         Some((friction.enabled, friction.friction_joints.iter().find(|p| p.load == load)?))
     };
+    let law = |l: &'l Loading| l.drives.iter().filter_map(|drive| drive.law.as_ref()).find(|law| law.load == load);
     let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.loads.contains(&load));
     one.loads[load] == other.loads[load]
         && mesh(one) == mesh(other)
+        && law(one) == law(other)
         && constant(one) == constant(other)
         && spring(one) == spring(other)
         && stop(one) == stop(other)

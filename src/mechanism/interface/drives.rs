@@ -2,6 +2,8 @@
 use super::builder::Builder;
 use super::hydraulics;
 use super::needs::{Needs, placed};
+use super::source::Source;
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
 use crate::variables::Unit::{
@@ -42,14 +44,23 @@ pub(super) fn add_inputs(b: &mut Builder) {
     }
 }
 
-/// Commands of the curves of drives.
+/// Commands of the curves and controllers of drives.
 pub(super) fn add_commands(b: &mut Builder) {
     let s = b.source;
-    for ((name, a), drive) in s.mechanism.actuators.iter().zip(&s.loading.drives) {
-        if drive.curve.is_some() {
+    for (load, ((name, a), drive)) in s.mechanism.actuators.iter().zip(&s.loading.drives).enumerate() {
+        let Some(law) = &drive.law else { continue };
+        let (Some(law), Some(control)) = (law.control(), &a.control) else {
             let what = if drive.is_rotary { "torque" } else { "force" };
             let text = ["Command of the drive ", name, ": factor that multiplies the ", what, "-speed curve"];
             b.load_input(&text, One, a.command());
+            continue;
+        };
+        let (what, units) = displacement_of(s, load);
+        if law.position_gain.is_some() {
+            b.load_input(&["Commanded ", what, " of the drive ", name], units[0], control.command.unwrap_or(0.0));
+        }
+        if law.speed_gain.is_some() {
+            b.load_input(&["Commanded speed of the drive ", name], units[1], control.command_speed.unwrap_or(0.0));
         }
     }
 }
@@ -92,7 +103,7 @@ pub(super) fn add_motion_switch(b: &mut Builder) {
     b.known([name, ".motion.enabled"].concat(), text, Causality::Input, start, Quantity::Prescribed);
 }
 
-/// Force with which a drive acts that has a curve, or whose motion can be prescribed.
+/// Force with which a drive acts that has a curve or a controller, or whose motion can be prescribed.
 fn add_acting_force(b: &mut Builder, drive: usize) {
     let s = b.source;
     let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
@@ -101,14 +112,16 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
         false => ("acting_force", "Acting force of the drive ", Newton),
     };
     let output = Output::ActingForce { drive };
-    if let Some(curve) = &s.loading.drives[drive].curve {
-        let text = [
-            what,
-            n,
-            ": input force or torque, plus the command times the value of the drive's curve at the present speed",
-        ];
-        let needs = Needs { speed: true, inputs: &[drive, curve.load], loads: &[drive], ..s.displacement(drive) };
-        b.output(n, suffix, &text, unit, output, needs);
+    if let Some(law) = &s.loading.drives[drive].law {
+        let text = match law.control() {
+            None => {
+                ": input force or torque, plus the command times the value of the drive's curve at the present speed"
+            }
+            Some(_) => ": input force or torque, plus the force of the controller, within the limits of the drive",
+        };
+        let inputs: Vec<usize> = [drive].into_iter().chain(law.commands()).collect();
+        let needs = Needs { speed: true, inputs: &inputs, loads: &[drive, law.load], ..s.displacement(drive) };
+        b.output(n, suffix, &[what, n, text], unit, output, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
         let text =
@@ -131,13 +144,8 @@ pub(super) fn add(b: &mut Builder) {
 /// The displacement of a drive, or its time derivative of this order.
 fn add_displacement(b: &mut Builder, load: usize, order: usize) {
     let s = b.source;
-    let drive = &s.loading.drives[load];
-    let n = drive.name.as_str();
-    let (what, units) = match (drive.is_rotary, &s.loading.loads[load]) {
-        (true, _) => ("angle", [Radian, RadianPerSecond, RadianPerSecondSquared]),
-        (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
-        (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
-    };
+    let n = s.loading.drives[load].name.as_str();
+    let (what, units) = displacement_of(s, load);
     let position = Needs { loads: &[load], ..s.displacement(load) };
     let (suffix, word, needs) = match order {
         0 => (what, "Present ", position),
@@ -146,6 +154,15 @@ fn add_displacement(b: &mut Builder, load: usize, order: usize) {
     };
     let output = Output::Displacement { load, order };
     b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, needs);
+}
+
+/// The word for the displacement of a drive, and the units of its time derivatives.
+fn displacement_of(s: &Source, load: usize) -> (&'static str, [Unit; 3]) {
+    match (s.loading.drives[load].is_rotary, &s.loading.loads[load]) {
+        (true, _) => ("angle", [Radian, RadianPerSecond, RadianPerSecondSquared]),
+        (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
+        (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
+    }
 }
 
 /// The terms of the mechanism reduced to a drive.
@@ -158,11 +175,11 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
     let (rubs, any_loses) = (s.has_friction(), l.drives.iter().any(|d| d.efficiency.is_some()));
     let damped = s.mechanism.springs.iter().any(|(_, s)| s.damping.is_some() || s.damping_points.is_some());
-    let own_command = l.drives[drive].curve.as_ref().map(|curve| curve.load);
-    let any_curve = l.drives.iter().enumerate().any(|(other, d)| other != drive && d.curve.is_some());
+    let own_commands = l.drives[drive].law.as_ref().map_or(0..0, DriveLaw::commands);
+    let any_law = l.drives.iter().enumerate().any(|(other, d)| other != drive && d.law.is_some());
     // No term depends on whether a lock holds.
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
-    let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive && Some(*i) != own_command).collect();
+    let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive && !own_commands.contains(i)).collect();
     let circuit = s.mechanism.has_hydraulics();
     let demand = l.inputs.len() + drive;
     let mut demanded = others.clone();
@@ -170,7 +187,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     // With an efficiency the sign of the drive's power counts, so the drive's own force and the speed. Friction depends
     // on all inputs; what a drive with losses delivers depends on the direction in which the mechanism moves or would
     // move.
-    let own: Vec<usize> = [drive].into_iter().chain(own_command).filter(|_| loses.is_some()).collect();
+    let own: Vec<usize> = [drive].into_iter().chain(own_commands).filter(|_| loses.is_some()).collect();
     let present = if any_loses || rubs { &free } else { &others };
     // The loads of friction are the last ones.
     let first = l.friction.iter().flat_map(|f| &f.friction_joints).map(|p| p.load).next();
@@ -178,7 +195,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let additional = Needs { speed: true, inertia: true, inputs: &own, loads: &[drive], ..placed() };
     let mass = Needs { speed: loses.is_some(), ..additional };
     let required = Needs { masses: rubs, inputs: &demanded, ..s.acceleration() };
-    let speed = any_loses || rubs || damped || any_curve || l.air.is_some();
+    let speed = any_loses || rubs || damped || any_law || l.air.is_some();
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
     let holding = Needs { inputs: &others, loads: frictionless, lossless: true, circuit, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };

@@ -3,7 +3,7 @@ use super::builder::Builder;
 use super::source::Source;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::quantity::{Curve, Indicator, Quantity};
-use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, One};
+use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One};
 use crate::variables::{Causality, Unit};
 
 /// Owner of the variables that belong to no part of the mechanism.
@@ -66,7 +66,14 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let springs = || s.loading.springs.iter().enumerate();
     let stops = s.loading.stops.iter().enumerate();
     let cams = s.linkage.couplings.iter().enumerate().filter(|(_, coupling)| coupling.law.has_knots());
-    let curves = drives.filter(|(_, drive)| drive.curve.is_some()).map(|(load, _)| Curve::Drive(load));
+    let laws = drives.filter_map(|(load, drive)| Some((load, drive.law.as_ref()?)));
+    all.extend(laws.clone().flat_map(|(drive, law)| {
+        let limits = law.control().map_or([None; 2], |control| control.limits);
+        let stated = [false, true].into_iter().zip(limits).filter(|(_, limit)| limit.is_some());
+        let unit = if s.loading.drives[drive].is_rotary { NewtonMetre } else { Newton };
+        stated.map(move |(upper, _)| (Indicator::Limit { drive, upper }, unit))
+    }));
+    let curves = laws.filter(|(_, law)| law.curve().is_some()).map(|(load, _)| Curve::Drive(load));
     let curves = curves.chain(springs().filter(|(_, s)| s.damper.is_some()).map(|(k, _)| Curve::Damper(k)));
     let curves = curves.chain(springs().filter(|(_, s)| !s.knots().is_empty()).map(|(k, _)| Curve::Spring(k)));
     let curves = curves.chain(stops.filter(|(_, stop)| stop.curve.is_some()).map(|(k, _)| Curve::Bumper(k)));
@@ -140,6 +147,12 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
                     "",
                 ],
             )
+        }
+        Indicator::Limit { drive, upper } => {
+            let name = s.loading.drives[drive].name.as_str();
+            let limit = if upper { "max_force" } else { "min_force" };
+            let text = ["Event indicator: distance of the demanded force from control.", limit, " of the drive ", name];
+            ([name, ".", limit, "_indicator"].concat(), text)
         }
         Indicator::Points(curve) => {
             let (name, suffix, what) = match curve {

@@ -5,6 +5,7 @@
 //! must not know the state.
 mod air;
 mod couplings;
+mod drives;
 mod ends;
 mod friction;
 mod hydraulic;
@@ -17,11 +18,11 @@ use super::unit_load::Load;
 use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{GROUND, Linkage, Point};
 use crate::numerics::monotone::monotone;
-use crate::numerics::piecewise::Piecewise;
 use crate::numerics::plane::Vec2;
 use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
+pub use drives::{Drive, DriveLaw};
 use ends::{Hinges, between};
 pub use friction::{FrictionJoint, JointFriction};
 pub use hydraulic::{HydraulicDrive, NetworkDrives, PORTS};
@@ -39,7 +40,7 @@ pub struct Loading {
     pub constants: Vec<f64>,
     /// Springs.
     pub springs: Vec<Spring>,
-    /// Drives; each sizes the load with the same index. The loads of their curves follow.
+    /// Drives; each sizes the load with the same index. The loads of their curves and controls follow.
     pub drives: Vec<Drive>,
     /// Index of the load of gravity.
     pub gravity: Option<usize>,
@@ -108,29 +109,6 @@ pub struct Lock {
     pub at: Point,
 }
 
-/// A drive of the mechanism.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Drive {
-    /// Name.
-    pub name: String,
-    /// Whether the drive turns a joint or a screw; else it moves along a line.
-    pub is_rotary: bool,
-    /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
-    pub efficiency: Option<f64>,
-    /// Curve of the drive's force over its speed.
-    pub curve: Option<DriveCurve>,
-}
-
-/// Curve of a drive: command times a function of the speed is added to the force of the drive.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DriveCurve {
-    /// Index of the load that it sizes, which is like that of the drive; the input of the same index is the command
-    /// [1].
-    pub load: usize,
-    /// Force [N or N.m] over speed [m/s or rad/s] for the command 1.
-    pub force: Piecewise,
-}
-
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
 /// joint turns round and round.
 fn is_sized_by_state(spring: &definition::Spring, load: &Load) -> bool {
@@ -164,13 +142,12 @@ impl Loading {
             };
             let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
-            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, curve: None });
+            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, law: None });
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
-            if let Some(force) = a.points.as_ref().and_then(|points| monotone(points)) {
-                drives[drive].curve = Some(DriveCurve { load: sized.len(), force });
-                sized.push((format!("{name}.command"), sized[drive].1.clone()));
-            }
+            let Some(law) = DriveLaw::new(name, a, sized.len())? else { continue };
+            sized.extend(law.inputs(name).map(|input| (input, sized[drive].1.clone())).collect::<Vec<_>>());
+            drives[drive].law = Some(law);
         }
         let gravity = mechanism.gravity.as_ref().map(|_| sized.len());
         if let Some(g) = &mechanism.gravity {
@@ -318,10 +295,9 @@ impl Loading {
         self.sized() + self.springs.len()
     }
 
-    /// Whether an input sizes a load by its curve: then the load has no potential.
+    /// Whether an input is a command of the law of a drive: then the load of this index has no potential.
     pub fn is_command(&self, load: usize) -> bool {
-        let commands = self.drives.iter().filter(|drive| drive.curve.is_some()).count();
-        (self.drives.len()..self.drives.len() + commands).contains(&load)
+        self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
     }
 
     /// Number of applied loads: those sized by inputs, then those of constant size.

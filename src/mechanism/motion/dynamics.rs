@@ -9,6 +9,7 @@ use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
 use crate::mechanism::dynamics::network::{Level, NETWORKED};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::table::{TablePosition, polynomial};
@@ -391,22 +392,31 @@ where
     }
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
-        let drives = self.deciding::<N>().map_or(&[][..], |s| &s.drives[..s.efficient]);
         let change = self.applied.change.as_ref()?;
         let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
-        match drives.get(index) {
-            Some(&load) => Some(match &self.reduced.loading().drives[load].curve {
-                Some(curve) => {
-                    let (own, command, at_rest) = (of(load), of(curve.load), curve.force.at(0.0)[0]);
-                    [0, 1, 2].map(|order| own[order] + at_rest * command[order])
-                }
-                None => of(load),
-            }),
-            None if index == drives.len() && self.scratch.air => {
-                Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
+        let drives = &self.reduced.loading().drives;
+        let at_rest = |state_loads: &StateLoads, drive: usize| {
+            let law = state_loads.laws.iter().position(|law| law.drive == drive);
+            match (law, &drives[drive].law) {
+                (Some(k), Some(law)) => law.at_rest(of(drive), of, self.scratch.evaluator.position_of_law(k)),
+                _ => of(drive),
             }
-            None => None,
+        };
+        let (mut efficient, mut limits) = (0, 0);
+        if let Some(state_loads) = self.deciding::<N>() {
+            (efficient, limits) = (state_loads.efficient, state_loads.limits.len());
+            if index < efficient {
+                return Some(at_rest(state_loads, state_loads.drives[index]));
+            }
+            if let Some(&(law, side)) = state_loads.limits.get(index - efficient) {
+                let drive = state_loads.laws[law].drive;
+                let [force, first, second] = at_rest(state_loads, drive);
+                let control = drives[drive].law.as_ref().and_then(DriveLaw::control);
+                return Some([control.and_then(|own| own.limits[side]).unwrap_or(0.0) - force, -first, -second]);
+            }
         }
+        let is_air = index == efficient + limits && self.scratch.air;
+        is_air.then(|| [self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
     }
 
     #[inline]

@@ -12,6 +12,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode};
 use crate::mechanism::error::ModelError;
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::order;
@@ -56,6 +57,15 @@ pub struct AtRest<'a> {
     air: bool,
     scratch: Scratch,
     revolutions: f64,
+}
+
+/// Whether the force of a spring or of a controlled drive changes with each revolution of a closed curve.
+fn winds(reduced: &Reduced) -> bool {
+    let mut drives = reduced.loading().drives.iter().enumerate().filter(|(_, drive)| {
+        let control = drive.law.as_ref().and_then(DriveLaw::control);
+        control.is_some_and(|control| control.position_gain.is_some())
+    });
+    reduced.components().winding.is_some() || drives.any(|(load, _)| reduced.load_growth(load) != 0.0)
 }
 
 impl<'a> AtRest<'a> {
@@ -158,7 +168,7 @@ impl<'a> AtRest<'a> {
     pub fn nearest(&mut self, here: f64) -> Result<Equilibrium, NoEquilibrium> {
         let reduced = self.reduced;
         let limits = [0, 1].map(|side| self.travel.end(side));
-        let winds = reduced.components().winding.is_some();
+        let winds = winds(reduced);
         let most = match reduced.period() {
             Some(_) if winds => REVOLUTIONS,
             Some(_) => 1,

@@ -25,7 +25,7 @@ impl<N: Reading> View<'_, N> {
         let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
         let power = match efficiency {
-            Some(_) => self.acting(drive, speed).value() * speed.value(),
+            Some(_) => self.acting(drive, speed)?.value() * speed.value(),
             None => 0.0,
         };
         let value = match term {
@@ -180,14 +180,16 @@ impl<N: Reading> View<'_, N> {
     /// Derivative along sigma of [`Self::others_at_rest`].
     fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence_slope) = (self.sigma(), self.influence_slope(drive));
-        // A drive with a circuit gives what its pressures do, one with a curve what that has at rest, as evaluated
-        // there.
+        // A drive with a circuit gives what its pressures do, one with a law what that has at rest, as evaluated there.
         let loading = self.reduced.loading();
         let has_circuit = loading.hydraulic_loads().contains(&drive);
-        let is_own = has_circuit || loading.drives[drive].curve.is_some();
+        let is_own = has_circuit || loading.drives[drive].law.is_some();
         let size = if is_own { self.delivered_by(drive) } else { self.size(drive) };
-        let at_rest = self.equation()?.slope_at_rest(sigma)?;
-        Ok(at_rest - size * influence_slope)
+        let influence = self.influence_of(drive);
+        let mut equation = self.equation()?;
+        let at_rest = equation.slope_at_rest(sigma)?;
+        let rises = if is_own { equation.slope_of_delivered(drive) } else { N::constant(0.0) };
+        Ok(at_rest - size * influence_slope - rises * influence)
     }
 
     /// Force of a drive for an acceleration of it: inverse dynamics, [CK16] eqs. (16), (37).

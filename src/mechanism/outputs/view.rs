@@ -256,20 +256,20 @@ impl<'a, N: Reading> View<'a, N> {
         index.map_or_else(|| self.size(load), |k| self.cache.scratch.evaluator.delivered[k])
     }
 
-    /// Delivered force of a drive, with that of its curve; as last evaluated.
+    /// Delivered force of a drive, with that of its law; as last evaluated.
     pub fn delivered_by(&self, drive: usize) -> N {
-        match &self.reduced.loading().drives[drive].curve {
-            Some(curve) => self.delivered(drive) + self.delivered(curve.load),
+        match &self.reduced.loading().drives[drive].law {
+            Some(law) => self.delivered(drive) + self.delivered(law.load),
             None => self.delivered(drive),
         }
     }
 
-    /// Force of a drive before its loss, with that of its curve at a speed.
-    pub fn acting(&self, drive: usize, speed: N) -> N {
-        match &self.reduced.loading().drives[drive].curve {
-            Some(curve) => self.size(drive) + self.size(curve.load) * speed.compose(curve.force.at(speed.value())),
-            None => self.size(drive),
-        }
+    /// Force of a drive before its loss, with that of its law at this speed.
+    pub fn acting(&mut self, drive: usize, speed: N) -> Result<N, OutputError> {
+        let own = self.size(drive);
+        let Some(law) = &self.reduced.loading().drives[drive].law else { return Ok(own) };
+        let motion = [self.displacement(drive, 0)?, speed];
+        Ok(own + law.force(own, |input| self.size(input), motion, |_, margin| margin))
     }
 }
 
@@ -362,11 +362,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn acting_force(&mut self, drive: usize) -> Result<N, OutputError> {
         self.loads.check_driven()?;
-        if self.reduced.loading().drives[drive].curve.is_none() {
+        if self.reduced.loading().drives[drive].law.is_none() {
             return Ok(self.size(drive));
         }
         let speed = self.displacement(drive, 1)?;
-        Ok(self.acting(drive, speed))
+        self.acting(drive, speed)
     }
 
     #[inline]

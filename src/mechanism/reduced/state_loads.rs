@@ -12,7 +12,7 @@ use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::laws::spring::Spring;
-use crate::mechanism::loads::resolved::{Drive, FrictionJoint, Loading};
+use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Groups, Reaction};
 use crate::numerics::bundle::Bundle;
@@ -32,12 +32,16 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
-    /// hydraulic circuit, then the loads of the curves of drives.
+    /// hydraulic circuit, then the loads of the laws of drives.
     pub drives: Vec<usize>,
     /// How many of them have an efficiency.
     pub efficient: usize,
-    /// Drives with a curve.
-    pub curves: Vec<usize>,
+    /// Laws of drives.
+    pub laws: Vec<LawLoad>,
+    /// Drives with a position gain, by their indices in `laws`.
+    pub positioned: Vec<usize>,
+    /// Limits of the forces of controlled drives: index in `laws`, 0 for the lower limit or 1 for the upper one.
+    pub limits: Vec<(usize, usize)>,
     /// Whether friction holds at rest.
     pub sticks: bool,
     /// Whether a coupling has losses.
@@ -79,6 +83,19 @@ pub struct StateLoads {
     pub(super) section: String,
 }
 
+/// The load that the law of a drive sizes.
+#[derive(Clone, Copy, Debug)]
+pub struct LawLoad {
+    /// Index of the drive.
+    pub drive: usize,
+    /// Index of the load in [`StateLoads::drives`].
+    pub at: usize,
+    /// Index in [`StateLoads::positioned`]; none without a position gain.
+    pub position: Option<usize>,
+    /// Index of the first limit of the force in [`StateLoads::limits`].
+    pub limit: usize,
+}
+
 /// Mark of a load that does not act.
 const ABSENT: usize = usize::MAX;
 
@@ -102,9 +119,16 @@ impl StateLoads {
     }
 
     /// Number of quantities whose signs select a law: the forces of the drives with an efficiency along the curve, then
-    /// the normal forces of the prismatic joints with friction.
+    /// the normal forces of the prismatic joints with friction, then the distances of forces of controlled drives from
+    /// their limits.
     pub fn switches(&self) -> usize {
-        self.efficient + self.prismatic.len()
+        self.limit_switch(self.limits.len())
+    }
+
+    /// Index among these of a limit by its index in `limits`.
+    #[inline]
+    pub fn limit_switch(&self, limit: usize) -> usize {
+        self.efficient + self.prismatic.len() + limit
     }
 
     /// Number of ends of gaps of the table. A step ends there, so that none passes over a gap unseen, where friction
@@ -128,9 +152,10 @@ impl StateLoads {
         period.map_or(beyond, |period| (TAU * beyond / period).sin())
     }
 
-    /// Index in `drives` of the load of a curve, by the index of its drive in `curves`.
-    pub fn curve(&self, curve: usize) -> usize {
-        self.drives.len() - self.curves.len() + curve
+    /// Index in `drives` of the first load of a law.
+    #[inline]
+    pub fn first_law(&self) -> usize {
+        self.laws.first().map_or(self.drives.len(), |law| law.at)
     }
 
     /// Index in `loads` of the load of `bumpers[k]`.
@@ -191,9 +216,14 @@ impl StateLoads {
         self.pressed(self.bumpers.len()) + k
     }
 
+    /// In the bundle: the displacement of the drive `positioned[k]`.
+    pub fn driven(&self, k: usize) -> usize {
+        self.stretched(self.springs.len()) + k
+    }
+
     /// Number of components of the bundle.
     pub fn bundled(&self) -> usize {
-        self.stretched(self.springs.len())
+        self.driven(self.positioned.len())
     }
 
     /// Component of the table: effect of the component `k` of [`super::Components`] in a row.
@@ -214,10 +244,16 @@ impl StateLoads {
         let mut drives: Vec<usize> = drives.filter(|(_, d)| d.efficiency.is_some()).map(|(i, _)| i).collect();
         let efficient = drives.len();
         drives.extend(loading.hydraulic_loads());
-        let with_curve = |(index, drive): (usize, &Drive)| drive.curve.as_ref().map(|curve| (index, curve.load));
-        let (curves, of_curves): (Vec<usize>, Vec<usize>) =
-            loading.drives.iter().enumerate().filter_map(with_curve).unzip();
-        drives.extend(of_curves);
+        let (mut laws, mut positioned, mut limits) = (Vec::new(), Vec::new(), Vec::new());
+        for (drive, law) in loading.drives.iter().enumerate().filter_map(|(k, drive)| Some((k, drive.law.as_ref()?))) {
+            let is_positioned = law.control().is_some_and(|control| control.position_gain.is_some());
+            let (position, limit) = (is_positioned.then_some(positioned.len()), limits.len());
+            positioned.extend(position.map(|_| laws.len()));
+            let stated = law.control().map_or([None; 2], |control| control.limits);
+            limits.extend((0..2).filter(|&side| stated[side].is_some()).map(|side| (laws.len(), side)));
+            laws.push(LawLoad { drive, at: drives.len(), position, limit });
+            drives.extend(law.commands());
+        }
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
@@ -248,7 +284,9 @@ impl StateLoads {
         let mut state_loads = Self {
             drives,
             efficient,
-            curves,
+            laws,
+            positioned,
+            limits,
             sticks,
             loses,
             reverses: sticks || efficient > 0,
@@ -295,7 +333,8 @@ impl StateLoads {
         let surfaces = source.loading.air.iter().filter(|_| self.air).flat_map(|air| &air.surfaces);
         let lines = surfaces.flat_map(|surface| surface.line.map_or([0; 2], |line| [line.x, line.y].map(f64::to_bits)));
         let joints = self.friction_joints.iter().map(|joint| joint.joint as u64);
-        let bytes: Vec<u8> = lines.chain(joints).flat_map(u64::to_le_bytes).collect();
+        let positioned = self.positioned.iter().map(|&law| law as u64);
+        let bytes: Vec<u8> = lines.chain(joints).chain(positioned).flat_map(u64::to_le_bytes).collect();
         format!("state loads {:?} {:?} {:016x}", self.drives, self.loads, fnv1a(&bytes))
     }
 
@@ -322,6 +361,9 @@ impl StateLoads {
         }
         for (k, &spring) in self.springs.iter().enumerate() {
             sizes[self.stretched(k)] = source.displacement_size(loading.springs[spring].load);
+        }
+        for (k, &law) in self.positioned.iter().enumerate() {
+            sizes[self.driven(k)] = source.displacement_size(self.laws[law].drive);
         }
         let given = source.influence_sizes();
         for row in 0..self.rows() {
@@ -398,6 +440,9 @@ impl StateLoads {
         }
         for (k, &spring) in self.springs.iter().enumerate() {
             values[self.stretched(k)] = loading.loads[loading.springs[spring].load].displacement(linkage, c)[0];
+        }
+        for (k, &law) in self.positioned.iter().enumerate() {
+            values[self.driven(k)] = loading.loads[self.laws[law].drive].displacement(linkage, c)[0];
         }
     }
 

@@ -1,4 +1,5 @@
 //! Laws of loads: force, slope, potential, limits of smoothness. They must not know the linkage.
+pub mod control;
 pub mod drag;
 pub mod friction;
 pub mod gas;

@@ -2,6 +2,7 @@
 //!
 //! In: the states at the last event and now. Out: values of indicators, the next transition. It must not know how a
 //! transition is made.
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::state::State;
@@ -112,6 +113,11 @@ pub fn value_of(
             let switch = |s: &StateLoads| Some(s.efficient + s.prismatic.iter().position(|other| is_own(s, *other))?);
             switching(view, switch)?.unwrap_or(ABSENT)
         }
+        Indicator::Limit { drive, upper } => {
+            let is_own = |s: &StateLoads, (law, side): (usize, usize)| (s.laws[law].drive, side == 1) == (drive, upper);
+            let switch = |s: &StateLoads| Some(s.limit_switch(s.limits.iter().position(|own| is_own(s, *own))?));
+            switching(view, switch)?.unwrap_or(ABSENT)
+        }
         Indicator::Points(curve) => points(view, curve)?,
     })
 }
@@ -130,7 +136,7 @@ fn points(view: &mut View<f64>, curve: Curve) -> Result<f64, OutputError> {
     }
     Ok(match curve {
         Curve::Drive(load) => {
-            let curve = loading.drives[load].curve.as_ref().map(|curve| &curve.force);
+            let curve = loading.drives[load].law.as_ref().and_then(DriveLaw::curve);
             alternating(knots(curve), view.displacement(load, 1)?)
         }
         Curve::Damper(k) => {

@@ -3,7 +3,7 @@
 //! In: the loads of the state. Out: the values of quantities at which a step ends. It must not know states.
 use super::StateLoads;
 use crate::mechanism::loads::laws::spring::Characteristic;
-use crate::mechanism::loads::resolved::Air;
+use crate::mechanism::loads::resolved::{Air, DriveLaw};
 use crate::mechanism::reduced::source::Source;
 use crate::numerics::piecewise::Piecewise;
 
@@ -69,8 +69,9 @@ impl StateLoads {
             let near = AT_KINK * knots.iter().fold(0.0, |most: f64, knot| most.max(knot.abs()));
             self.kinks.extend(knots.iter().skip(first).map(|&value| Kink { of, value, near }));
         };
-        for &drive in &self.curves {
-            add(Argument::Drive(drive), loading.drives[drive].curve.as_ref().map(|curve| &curve.force), 0);
+        for law in &self.laws {
+            let curve = loading.drives[law.drive].law.as_ref().and_then(DriveLaw::curve);
+            add(Argument::Drive(law.drive), curve, 0);
         }
         for (k, &stop) in self.bumpers.iter().enumerate() {
             // The contact itself is an event.

@@ -1,0 +1,132 @@
+//! Drives, with the laws by which their motion sizes a part of their force.
+//!
+//! In: a definition of a drive. Out: its law, with the names of the commands. It must not know the state.
+use crate::mechanism::definition::{self, Actuator, DefinitionError};
+use crate::mechanism::loads::laws::control::Control;
+use crate::numerics::decimal::Decimal;
+use crate::numerics::dual::Number;
+use crate::numerics::monotone::monotone;
+use crate::numerics::piecewise::Piecewise;
+use std::ops::Range;
+
+/// A drive of the mechanism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Name.
+    pub name: String,
+    /// Whether the drive turns a joint or a screw; else it moves along a line.
+    pub is_rotary: bool,
+    /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
+    pub efficiency: Option<f64>,
+    /// Law by which the motion of the drive sizes a part of its force.
+    pub law: Option<DriveLaw>,
+}
+
+/// Law of a drive: a force that commands and the motion of the drive size is added to the force of its input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveLaw {
+    /// Index of the load that it sizes, which is like that of the drive. The input of the same index is the first
+    /// command. The loads of the other commands, which follow, have the size 0.
+    pub load: usize,
+    /// What sizes the load.
+    pub kind: DriveLawKind,
+}
+
+/// What sizes the load of a drive's law.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DriveLawKind {
+    /// The command [1] times a force [N or N.m] over the speed of the drive [m/s or rad/s].
+    Curve(Piecewise),
+    /// A controller.
+    Control(Control),
+}
+
+impl DriveLaw {
+    /// The law of a drive whose first command is the input with this index; none without a curve and a controller.
+    ///
+    /// # Errors
+    /// The limits of the force exclude each other.
+    pub(super) fn new(name: &str, drive: &Actuator, load: usize) -> Result<Option<Self>, DefinitionError> {
+        if let Some(curve) = drive.points.as_ref().and_then(|points| monotone(points)) {
+            return Ok(Some(Self { load, kind: DriveLawKind::Curve(curve) }));
+        }
+        let Some(definition::Control { position_gain, speed_gain, min_force, max_force, .. }) = drive.control else {
+            return Ok(None);
+        };
+        if let (Some(least), Some(most)) = (min_force, max_force)
+            && least >= most
+        {
+            let allowed = format!("greater than min_force = {}", Decimal(least));
+            let key = format_args!("actuators.{name}.control.max_force");
+            return Err(DefinitionError::value(key, Decimal(most), allowed));
+        }
+        let control = Control { position_gain, speed_gain, limits: [min_force, max_force] };
+        Ok(Some(Self { load, kind: DriveLawKind::Control(control) }))
+    }
+
+    /// Names of the inputs that are the commands of the law of a drive with this name.
+    pub(super) fn inputs(&self, name: &str) -> impl Iterator<Item = String> {
+        let is_speed = |index: usize| self.control().is_some_and(|c| index > 0 || c.position_gain.is_none());
+        let word = move |index| if is_speed(index) { "command_speed" } else { "command" };
+        (0..self.commands().len()).map(move |index| format!("{name}.{}", word(index)))
+    }
+
+    /// Indices of the inputs that are its commands, and of their loads.
+    pub fn commands(&self) -> Range<usize> {
+        let count = match &self.kind {
+            DriveLawKind::Curve(_) => 1,
+            DriveLawKind::Control(control) => control.commands(),
+        };
+        self.load..self.load + count
+    }
+
+    /// Size of the force at rest for each unit of a command.
+    pub fn force_of_command(&self, input: usize) -> f64 {
+        match &self.kind {
+            DriveLawKind::Curve(force) => force.at(0.0)[0].abs(),
+            DriveLawKind::Control(Control { position_gain: Some(gain), .. }) if input == self.load => *gain,
+            DriveLawKind::Control(control) => control.speed_gain.unwrap_or(0.0),
+        }
+    }
+
+    /// Curve of the force over the speed; none of a controller.
+    pub fn curve(&self) -> Option<&Piecewise> {
+        if let DriveLawKind::Curve(force) = &self.kind { Some(force) } else { None }
+    }
+
+    /// The controller; none of a curve.
+    pub fn control(&self) -> Option<&Control> {
+        if let DriveLawKind::Control(control) = &self.kind { Some(control) } else { None }
+    }
+
+    /// Force of the drive at rest before the limits, with the force `own` of its input [N or N.m], and two time
+    /// derivatives of it: `input` are those of an input, x is the displacement of the drive [m or rad].
+    pub fn at_rest(&self, own: [f64; 3], input: impl Fn(usize) -> [f64; 3], x: f64) -> [f64; 3] {
+        std::array::from_fn(|order| {
+            let (command, x) = (|k: usize| input(self.load + k)[order], if order == 0 { x } else { 0.0 });
+            match &self.kind {
+                DriveLawKind::Curve(force) => own[order] + command(0) * force.at(0.0)[0],
+                DriveLawKind::Control(control) => control.demanded(own[order], command, [x, 0.0]),
+            }
+        })
+    }
+
+    /// Force that it adds to the force `own` of the drive's input [N or N.m]: `command` is the size of an input,
+    /// `motion` the displacement and the speed of the drive, `margin` as in [`Control::limited`].
+    #[inline]
+    pub fn force<T: Number>(
+        &self,
+        own: T,
+        command: impl Fn(usize) -> T,
+        motion: [T; 2],
+        margin: impl FnMut(usize, f64) -> f64,
+    ) -> T {
+        match &self.kind {
+            DriveLawKind::Curve(force) => command(self.load) * motion[1].compose(force.at(motion[1].value())),
+            DriveLawKind::Control(control) => {
+                let demanded = control.demanded(own, |k| command(self.load + k), motion);
+                control.limited(demanded, margin) - own
+            }
+        }
+    }
+}
