@@ -54,11 +54,11 @@ fn a_memory_that_is_read_continues_identically() {
     let (mut read, mut copy) = (Integrator::keeping(), Integrator::keeping());
     read.record(&mut Record::Read(&bytes)).unwrap();
     copy.copy_from(&integrator);
-    advance(&mut integrator, &mut y, 53, 56);
-    assert_eq!(integrator.statistics().jacobians, jacobians);
+    advance(&mut integrator, &mut y, 53, 63);
+    assert!(integrator.statistics().jacobians <= jacobians + 5);
     for mut other in [read, copy] {
         let mut z = start;
-        advance(&mut other, &mut z, 53, 56);
+        advance(&mut other, &mut z, 53, 63);
         assert_eq!((&other, z), (&integrator, y));
     }
     assert!((0..bytes.len()).all(|end| Integrator::<1>::keeping().record(&mut Record::Read(&bytes[..end])).is_err()));
