@@ -163,6 +163,9 @@ fn four_bar(run: &mut Run, crank_mass: f64, rocker_mass: f64) {
         ];
         let [inertia, change, load, size] = superposed(&parts);
         let size = size.max(300.0 * parts[0].radius().0);
+        for (body, part) in ["coupler", "crank", "rocker"].into_iter().zip(&parts) {
+            by_body(&mut worst, run, &format!("drive.{body}"), part, size);
+        }
         let expected = Expected { drive: "drive", revolutions: true, inertia, change, load, size, speed };
         compare(&mut worst, run, &expected, 10.0 * wave(k, 1.9), 200.0 * wave(k, 2.3));
         // Eqs. (3), (4): the centre's tangential and the coupler's angular acceleration, where they are not near zero.
@@ -182,14 +185,31 @@ fn four_bar(run: &mut Run, crank_mass: f64, rocker_mass: f64) {
     worst.assert_within(ACCURACY);
 }
 
+/// What one body adds to the mechanism reduced to its crank: eqs. (1), (2), (11), (12).
+fn by_body(worst: &mut Worst, run: &mut Run, owner: &str, part: &Part, size: f64) {
+    let mut get = |suffix: &str| run.get(&format!("{owner}.{suffix}"));
+    worst.compare("I_zS of a body", get("reduced_inertia"), part.inertia().0, 0.0);
+    worst.compare("T_Su of a body", get("static_load"), part.load(), size);
+    if part.mass > 0.0 {
+        worst.compare("R_z", get("effective_radius"), part.center[1].norm(), 0.1);
+    }
+    // 1 / i_m, as the coupler turns at times without speed.
+    worst.compare("i_m", 1.0 / get("ratio"), part.angle[1], 1.0);
+}
+
+/// [`FOUR_BAR`] with the outputs of each body.
+fn definition() -> String {
+    changed(FOUR_BAR, |m| m["actuators"]["drive"]["by_body"] = json!(true))
+}
+
 #[test]
 fn a_four_bar_linkage_with_a_heavy_coupler() {
-    four_bar(&mut Run::new(FOUR_BAR), 0.0, 0.0);
+    four_bar(&mut Run::new(definition()), 0.0, 0.0);
 }
 
 #[test]
 fn the_bodies_of_a_four_bar_linkage_are_superposed() {
-    let text = changed(FOUR_BAR, |m| {
+    let text = changed(definition(), |m| {
         m["bodies"]["crank"] = json!({ "length": 0.1, "mass": 0.7, "shape": "uniform_rod" });
         m["bodies"]["rocker"] = json!({ "length": 0.25, "mass": 1.3, "shape": "uniform_rod" });
     });
@@ -199,7 +219,7 @@ fn the_bodies_of_a_four_bar_linkage_are_superposed() {
 /// The crane of fig. 10, reduced first to the jib's angle, then to the cylinder's length x.
 #[test]
 fn a_crane_jib_with_its_cylinder() {
-    let mut run = Run::new(CRANE);
+    let mut run = Run::new(changed(CRANE, |m| m["actuators"]["cylinder"]["by_body"] = json!(true)));
     let linkage = FourBar { crank: 16.0, coupler: 3.0, rocker: 11.5, pivot: C::new(-2.5, 5.0), side: -1.0 };
     let mut worst = Worst::default();
     for k in 0..=200 {
@@ -237,6 +257,12 @@ fn a_crane_jib_with_its_cylinder() {
             speed: omega * x1,
         };
         worst.compare("x", run.get("cylinder.length"), x, 0.0);
+        worst.compare("m_zS of the beak", run.get("cylinder.beak.reduced_mass"), mass, 0.0);
+        worst.compare("F_Su of the beak", run.get("cylinder.beak.static_load"), moment / x1, moment_size / x1);
+        // A table is accurate relative to its largest value, here that next to the toggle.
+        let inverse = 1.0 / run.get("cylinder.beak.effective_radius");
+        worst.compare("R_e", inverse, beak[1] / x1, linkage.angles(1.0).0[1] / x1);
+        worst.compare("i_v", run.get("cylinder.beak.ratio"), x1 / parts[0].radius().0, 0.0);
         worst.compare("tip", run.get("tip.y"), tip[0].im, 0.0);
         compare(&mut worst, &mut run, &expected, 2e5 * wave(k, 1.9), 0.5 * wave(k, 2.3));
     }

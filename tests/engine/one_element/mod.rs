@@ -1,5 +1,6 @@
 //! The one-element model against Cink and Kosucki (2016), [CK16]: closed forms with their errata, efficiency, damping.
 
+mod by_body;
 mod consistency;
 mod damping;
 mod efficiency;
