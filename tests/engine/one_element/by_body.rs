@@ -30,11 +30,12 @@ fn the_bodies_of_the_gear_add_up_under_loads_of_every_kind() {
         m["actuators"]["jack"] =
             json!({ "first": "ground.end", "second": "leg.end", "points": [[-9, 800], [0, 500], [9, 100]] });
         m["springs"] = json!({
-            "strut": { "first": "ground.end", "second": "wheel.origin", "stiffness": 4e3, "damping": 60, "free_length": 0.6 },
+            "strut": { "first": "ground.end", "second": "wheel.origin", "stiffness": 4e3, "damping": 60 },
             "hinge": { "joint": "joint2", "stiffness": 30, "damping_points": [[-9, -40], [0, 0], [9, 60]] },
         });
         m["torques"]["constant"] = json!({ "on": "coupler", "torque": 35, "constant": true });
-        m["stops"]["upstop"] = json!({ "body": "crank", "limit": "lower", "angle": -0.4, "rigid": false, "stiffness": 3e4, "damping": 80 });
+        m["stops"]["upstop"] = json!({ "body": "crank", "limit": "lower", "angle": -0.4, "rigid": false,
+            "stiffness": 3e4, "damping": 80 });
         m["stops"].as_object_mut().unwrap().remove("downstop");
         m.as_object_mut().unwrap().remove("locks");
         m["air"]["relative_wind"] = json!(true);
@@ -119,4 +120,35 @@ fn only_the_key_adds_the_outputs() {
         ["reduced_inertia", "static_load", "effective_radius", "ratio"].map(|suffix| format!("drive.{body}.{suffix}"))
     });
     assert!(own.into_iter().eq(expected.iter().flatten()));
+}
+
+/// Central differences over 2 h have an error of the order h^2, and rounding of 1e-16 / h.
+#[test]
+fn the_rates_of_the_outputs_are_exact() {
+    const H: f64 = 1e-5;
+    let text = by_body(GEAR, |m| {
+        m["springs"] = json!({ "strut": { "first": "ground.end", "second": "wheel.origin", "damping": 60 } });
+        m["friction"]["enabled"] = json!(true);
+        m["start"]["speed"] = json!(-3);
+    });
+    let mut run = Run::new(text).with(&[("airspeed", 70.0)]).started();
+    let suffixes = ["reduced_mass", "static_load", "ratio", "effective_radius"];
+    let names = ["crank", "coupler", "follower"].map(|body| suffixes.map(|s| format!("actuator.{body}.{s}")));
+    for _ in 0..5 {
+        run.step(0.015);
+        let before = names.each_ref().map(|body| body.each_ref().map(|name| run.get(name)));
+        run.step(H);
+        let now = names.each_ref().map(|body| body.each_ref().map(|name| run.get(name)));
+        let rates = names.each_ref().map(|body| body.each_ref().map(|name| run.derivative(name)));
+        run.step(H);
+        for (k, name) in names.iter().flatten().enumerate() {
+            let (first, middle, rate, last) =
+                (before[k / 4][k % 4], now[k / 4][k % 4], rates[k / 4][k % 4], run.get(name));
+            // A ratio has a pole where a body does not turn, its inverse is smooth.
+            let (first, rate, last) =
+                if k % 4 < 2 { (first, rate, last) } else { (1.0 / first, -rate / (middle * middle), 1.0 / last) };
+            let difference = (last - first) / (2.0 * H);
+            assert!((rate - difference).abs() < 1e-5 * (rate.abs() + first.abs()), "{name}: {rate} and {difference}");
+        }
+    }
 }
