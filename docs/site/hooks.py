@@ -22,6 +22,7 @@ ELSEWHERE = {
     "modelDescription/hydraulics.schema.json": "reference/hydraulics.schema.json",
     "modelDescription/network.schema.json": "reference/network.schema.json",
     "modelDescription/study.schema.json": "reference/study.schema.json",
+    "modelDescription/system.schema.json": "reference/system.schema.json",
     "ARCHITECTURE.md": "contributing/architecture.md",
     "CONTRIBUTING.md": "contributing/index.md",
     "SECURITY.md": "contributing/security.md",

@@ -14,6 +14,7 @@ use crate::workspace::Workspace;
 use anyhow::Result;
 pub use faults::Located;
 pub use fmu_cli::Check as Arguments;
+use linkage_fmu::format::{Place, parse};
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::path::{Path, PathBuf};
 
@@ -63,6 +64,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         checked.count(Severity::Error) > 0 || arguments.deny_warnings && checked.count(Severity::Warning) > 0
     };
     Ok(!all.iter().any(fails))
+}
+
+/// Place of a key in the text of a JSON file, or of the longest part of its path that is there; none where the text is
+/// no JSON.
+pub fn place_of(text: &str, path: &str) -> Option<Place> {
+    let place = spans::find(text, &parse("file", text).ok()?, path);
+    Some(Place::new(text, place.shown))
 }
 
 /// A path that leads to no definition, with the reason.

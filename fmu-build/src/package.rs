@@ -9,6 +9,7 @@ use crate::check::Checked;
 use crate::documentation::{Extent, RESULTS, Subject};
 use crate::library::served::{self, SharedLibrary};
 use crate::source::{self, Companions, Source};
+use crate::ssp::{Packable, System};
 use crate::static_library::{self, StaticLibrary};
 use crate::version::Version;
 use crate::workspace::{DEFAULT_FMU, Workspace};
@@ -61,40 +62,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     if arguments.ssp && arguments.fmi == Fmi::Three {
         bail!("--ssp with --fmi 3: the system contains FMUs of FMI 2.0; remove --fmi, or write --fmi 2");
     }
-    let paths = if arguments.all {
-        workspace.description_folders()?
-    } else if !arguments.paths.is_empty() {
-        arguments.paths.clone()
-    } else if arguments.ssp {
-        ssp::SYSTEMS.iter().flat_map(|system| system.fmus).map(|name| workspace.descriptions().join(name)).collect()
-    } else {
-        vec![workspace.descriptions().join(DEFAULT_FMU)]
-    };
-    let mut definitions: HashMap<String, PathBuf> = HashMap::new();
-    let (mut prepared, mut refused) = (Vec::new(), Vec::new());
-    for path in &paths {
-        let fmu = match Source::find(workspace, path).and_then(prepare) {
-            Ok(Some(fmu)) => fmu,
-            Ok(None) => {
-                refused.push(format!("{}: see the errors above", path.display()));
-                continue;
-            }
-            Err(error) => {
-                refused.push(format!("{error:#}"));
-                continue;
-            }
-        };
-        let definition = fmu.source.definition.clone();
-        if let Some(other) = definitions.insert(fmu.name.clone(), definition) {
-            let (path, name) = (fmu.source.definition.display(), &fmu.name);
-            let other = other.display();
-            refused.push(format!(
-                "{path}: the value of the key `name` is {name}, as in {other}; both FMUs would have the file name \
-                 {name}.fmu, so change one of the two values"
-            ));
-        }
-        prepared.push(fmu);
-    }
+    let mut refused = Vec::new();
+    let (sources, systems) = read(workspace, arguments, &mut refused)?;
+    let prepared = prepare_all(sources, &mut refused);
+    let packages = packages(&systems, &prepared, &mut refused);
     if !refused.is_empty() {
         bail!("nothing was packed: {}", refused.join("\n"));
     }
@@ -117,8 +88,6 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         );
     }
     files::make_folder(&out, "--out")?;
-    let interfaces: HashMap<_, _> =
-        prepared.iter().map(|fmu| (fmu.name.clone(), fmu.component.interface().clone())).collect();
     let extent = Extent { animation: !arguments.no_animation, results: !arguments.no_results };
     let versions: &[Version] = match arguments.fmi {
         Fmi::Two => &[Version::Two],
@@ -131,17 +100,97 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     for fmu in prepared {
         paths.extend(pack(&common, fmu)?);
     }
-    let out = common.out;
-    if (arguments.ssp || arguments.all) && arguments.fmi != Fmi::Three {
-        for system in &ssp::SYSTEMS {
-            let interfaces: Option<Vec<_>> =
-                system.fmus.iter().map(|name| Some(interfaces.get(*name)?.list())).collect();
-            if let Some(variables) = interfaces {
-                paths.push(ssp::write(&out, system, &variables)?);
-            }
-        }
+    for package in packages {
+        paths.push(ssp::write(&common.out, package)?);
     }
     Ok(paths)
+}
+
+/// The definitions and the systems to be packed; those that cannot be read are refused.
+fn read(workspace: &Workspace, arguments: &Arguments, refused: &mut Vec<String>) -> Result<(Vec<Source>, Vec<System>)> {
+    let paths = match arguments {
+        Arguments { all: true, .. } => workspace.description_folders()?,
+        Arguments { ssp: true, .. } => Vec::new(),
+        Arguments { paths, .. } if !paths.is_empty() => paths.clone(),
+        _ => vec![workspace.descriptions().join(DEFAULT_FMU)],
+    };
+    // Systems contain FMUs of FMI 2.0.
+    let files = match arguments {
+        Arguments { fmi: Fmi::Three, .. } | Arguments { all: false, ssp: false, .. } => Vec::new(),
+        Arguments { ssp: true, paths, .. } if !paths.is_empty() => paths.clone(),
+        _ => ssp::examples(workspace),
+    };
+    let (mut sources, mut systems) = (Vec::new(), Vec::new());
+    for path in &paths {
+        match Source::find(workspace, path) {
+            Ok(source) => sources.push(source),
+            Err(error) => refused.push(format!("{error:#}")),
+        }
+    }
+    for path in &files {
+        match System::read(workspace, path) {
+            Ok((system, own)) => {
+                systems.push(system);
+                for source in own {
+                    // Two FMUs of a system, or of two systems, may have one definition.
+                    if sources.iter().all(|other| ssp::full(&other.definition) != ssp::full(&source.definition)) {
+                        sources.push(source);
+                    }
+                }
+            }
+            Err(error) => refused.push(format!("{error:#}")),
+        }
+    }
+    Ok((sources, systems))
+}
+
+/// The checked definitions. Those with errors are refused, and two of one name.
+fn prepare_all(sources: Vec<Source>, refused: &mut Vec<String>) -> Vec<Prepared> {
+    let mut definitions: HashMap<String, PathBuf> = HashMap::new();
+    let mut prepared = Vec::new();
+    for source in sources {
+        let path = source.definition.clone();
+        let fmu = match prepare(source) {
+            Ok(Some(fmu)) => fmu,
+            Ok(None) => {
+                refused.push(format!("{}: see the errors above", path.display()));
+                continue;
+            }
+            Err(error) => {
+                refused.push(format!("{error:#}"));
+                continue;
+            }
+        };
+        if let Some(other) = definitions.insert(fmu.name.clone(), path.clone()) {
+            let (path, name, other) = (path.display(), &fmu.name, other.display());
+            refused.push(format!(
+                "{path}: the value of the key `name` is {name}, as in {other}; both FMUs would have the file name \
+                 {name}.fmu, so change one of the two values"
+            ));
+        }
+        prepared.push(fmu);
+    }
+    prepared
+}
+
+/// The systems with the models of their FMUs. Those with errors are refused, and two of one name.
+fn packages(systems: &[System], prepared: &[Prepared], refused: &mut Vec<String>) -> Vec<Packable> {
+    let mut packages: Vec<Packable> = Vec::new();
+    for system in systems {
+        let model = |file: &PathBuf| prepared.iter().find(|fmu| ssp::full(&fmu.source.definition) == *file);
+        let models = system.files.iter().map(|file| Some(&model(file)?.component)).collect::<Option<Vec<_>>>();
+        // A definition with errors is refused already.
+        let Some(models) = models else { continue };
+        match system.packable(&models) {
+            Ok(package) if packages.iter().any(|other| other.name == package.name) => refused.push(format!(
+                "two systems have the name {0}; both packages would have the file name {0}.ssp, so change one name",
+                package.name
+            )),
+            Ok(package) => packages.push(package),
+            Err(error) => refused.push(format!("{error:#}")),
+        }
+    }
+    packages
 }
 
 /// Pack the default FMU, of FMI 2.0; its path.

@@ -3,6 +3,7 @@
 //! In: the elements of a definition; pages with a line `<!-- keys: spring -->` and a line `<!-- end of keys -->` where
 //! the keys of an element stand. Out: the pages with these keys, and an index of all keys. It must not know laws.
 
+use crate::ssp::definition as system;
 use linkage_fmu::format::{Element, Key, Kind, Names, Range, Short, Table};
 use linkage_fmu::hydraulics::definition as hydraulics;
 use linkage_fmu::hydraulics::network::definition as network;
@@ -19,12 +20,13 @@ const ANY: &str = "from -1e100 to 1e100";
 /// Element whose parts stand in its own table, key by key.
 const CIRCUIT: &str = "circuit";
 
-/// The definition files and their elements; those of a circuit stand in both.
-fn files() -> [(&'static str, Vec<Element>); 3] {
+/// The definition files and their elements, and those of a system file; those of a circuit stand in both.
+fn files() -> [(&'static str, Vec<Element>); 4] {
     [
         ("mechanism.json", [&mechanism::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
         ("hydraulics.json", [&hydraulics::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
         ("network.json", network::ELEMENTS.to_vec()),
+        (system::FILE, system::ELEMENTS.to_vec()),
     ]
 }
 
@@ -235,6 +237,7 @@ fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> Str
             Short::First => format!("{}, or {}", value(link, &table.keys[0].kind, &table.keys[0]), link(table)),
             Short::Word(word) => format!("`{word}`, or {}", link(table)),
         },
+        Kind::Group(of) if key.names == Names::Line => format!("for each variable: {}", value(link, of, key)),
         Kind::Group(of) => format!("for each name: {}", value(link, of, key)),
         Kind::List(Kind::Pair) => "list of pairs of numbers".into(),
         Kind::List(of) => format!("list: {}", value(link, of, key)),
@@ -278,8 +281,8 @@ mod tests {
 
     /// The committed pages of elements.
     fn committed() -> BTreeMap<String, String> {
-        let folders =
-            ["mechanism", "hydraulics", "network"].map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
+        let folders = ["mechanism", "hydraulics", "network", "system"]
+            .map(|name| (name, fs::read_dir(folder().join(name)).unwrap()));
         let pages = folders.into_iter().flat_map(|(name, files)| {
             // Pictures are in folders next to the pages.
             files.map(|file| file.unwrap().path()).filter(|path| path.is_file()).map(move |path| {

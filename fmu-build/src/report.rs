@@ -13,6 +13,10 @@ use std::process::Command;
 
 /// FMU of gear and hydraulic actuator as one system.
 const WHOLE: &str = "LandingGearRetractionHydraulic";
+/// FMU of the hydraulic actuator.
+const ACTUATOR: &str = "HydraulicActuator";
+/// System of gear, door and hydraulics.
+const SYSTEM: &str = "LandingGearSystem";
 /// FMUs that the report runs.
 const FMUS: [&str; 5] = [DEFAULT_FMU, "LandingGearExtension", "FourBarFamily", "SliderCrank", "Jib"];
 
@@ -22,19 +26,19 @@ const FMUS: [&str; 5] = [DEFAULT_FMU, "LandingGearExtension", "FourBarFamily", "
 /// # Errors
 /// Packing, Python's environment or the run itself fails.
 pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
-    let (script, names) = if arguments.hydraulic {
-        ("demo_hydraulic.py", [ssp::PAIR.fmus, &[WHOLE]].concat())
-    } else if arguments.system {
-        ("demo_system.py", ssp::LANDING_GEAR.fmus.to_vec())
-    } else {
-        ("demo.py", vec![DEFAULT_FMU])
-    };
-    let paths = names.iter().map(|name| workspace.descriptions().join(name)).collect();
     let ssp = arguments.system;
+    let named = |names: &[&str]| names.iter().map(|name| workspace.descriptions().join(name)).collect();
+    let (script, paths) = if arguments.hydraulic {
+        ("demo_hydraulic.py", named(&[DEFAULT_FMU, ACTUATOR, WHOLE]))
+    } else if ssp {
+        ("demo_system.py", vec![ssp::example(workspace, SYSTEM)])
+    } else {
+        ("demo.py", named(&[DEFAULT_FMU]))
+    };
     let mut fmus = package::run(workspace, &package::Arguments { paths, ssp, ..package::Arguments::of_fmi_2() })?;
     if ssp {
         // The package holds the FMUs.
-        fmus.drain(..names.len());
+        fmus.drain(..fmus.len().saturating_sub(1));
     }
     let out = arguments.out.clone().unwrap_or_else(|| workspace.output("demo"));
     let mut demo = Command::new(command::demo(&workspace.target(""), &workspace.python_scripts())?);

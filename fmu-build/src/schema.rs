@@ -34,6 +34,7 @@ pub fn led_here(definition: &str, name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ssp::definition;
     use crate::workspace::Workspace;
     use linkage_fmu::component::Component;
     use std::fs;
@@ -58,7 +59,7 @@ mod tests {
     #[test]
     fn the_committed_schemas_are_those_of_the_tables() {
         let workspace = Workspace::locate();
-        for file in Component::definition_files() {
+        for file in Component::definition_files().into_iter().chain([definition::FILE]) {
             let (path, schema) = (workspace.descriptions().join(name(file)), generated::schema(file));
             let read: serde_json::Value = serde_json::from_str(&schema).unwrap();
             assert_eq!(read["additionalProperties"], false, "{file}");

@@ -5,6 +5,35 @@
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
+use std::f64::consts::PI;
+
+/// Units in which people state values, each with its SI unit and the two numbers by which a value is multiplied and
+/// divided. Two numbers keep the conversion exact to one rounding.
+const COMMON: [(&str, Unit, f64, f64); 23] = [
+    ("mm", Unit::Metre, 1.0, 1e3),
+    ("cm", Unit::Metre, 1.0, 1e2),
+    ("mm2", Unit::SquareMetre, 1.0, 1e6),
+    ("cm2", Unit::SquareMetre, 1.0, 1e4),
+    ("cm3", Unit::CubicMetre, 1.0, 1e6),
+    ("l", Unit::CubicMetre, 1.0, 1e3),
+    ("l/min", Unit::CubicMetrePerSecond, 1.0, 6e4),
+    ("mm/s", Unit::MetrePerSecond, 1.0, 1e3),
+    ("rpm", Unit::RadianPerSecond, PI, 30.0),
+    ("ms", Unit::Second, 1.0, 1e3),
+    ("min", Unit::Second, 60.0, 1.0),
+    ("g", Unit::Kilogram, 1.0, 1e3),
+    ("t", Unit::Kilogram, 1e3, 1.0),
+    ("kN", Unit::Newton, 1e3, 1.0),
+    ("kN.m", Unit::NewtonMetre, 1e3, 1.0),
+    ("N/mm", Unit::NewtonPerMetre, 1e3, 1.0),
+    ("kN/m", Unit::NewtonPerMetre, 1e3, 1.0),
+    ("kJ", Unit::Joule, 1e3, 1.0),
+    ("kW", Unit::Watt, 1e3, 1.0),
+    ("kPa", Unit::Pascal, 1e3, 1.0),
+    ("bar", Unit::Pascal, 1e5, 1.0),
+    ("MPa", Unit::Pascal, 1e6, 1.0),
+    ("%", Unit::One, 1.0, 1e2),
+];
 
 /// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
 ///
@@ -34,6 +63,10 @@ pub fn value(variable: &Variable, text: &str) -> Result<Value> {
     Ok(match variable.kind {
         Kind::Real => Value::Real(number(variable, text)?),
         Kind::Boolean => Value::Boolean(truth(text).with_context(|| variable.name.clone())?),
+        Kind::Enumeration if variable.number_of(text).is_none() => {
+            let (name, items) = (&variable.name, variable.details.items.join(", "));
+            bail!("{name} must be one of {items}, not \"{}\"", text.escape_debug())
+        }
         Kind::Enumeration => Value::Item(text.to_owned()),
     })
 }
@@ -44,7 +77,7 @@ pub fn value(variable: &Variable, text: &str) -> Result<Value> {
 /// As [`parse`]; a value that the model refuses.
 pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
     let values = parse(model.interface(), words)?;
-    apply_all(model, values)
+    apply_all(model, values).context("--start-values")
 }
 
 /// Set these values, which are in the order of the variables.
@@ -61,7 +94,7 @@ pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Resu
     }
     for together in reals.chunks(model.most_together()) {
         let (references, values): (Vec<_>, Vec<_>) = together.iter().copied().unzip();
-        model.set_reals(&references, &values).context("--start-values")?;
+        model.set_reals(&references, &values)?;
     }
     for (reference, value) in others {
         let set = match &value {
@@ -69,7 +102,7 @@ pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Resu
             Value::Boolean(value) => model.set_boolean(reference, *value),
             Value::Item(value) => model.set_text(reference, value),
         };
-        set.with_context(|| format!("--start-values {}", model.interface().list()[reference as usize].name))?;
+        set.with_context(|| model.interface().list()[reference as usize].name.clone())?;
     }
     Ok(())
 }
@@ -89,8 +122,11 @@ fn pairs(words: &[String]) -> Result<Vec<(&str, &str)>> {
     Ok(pairs)
 }
 
-/// A number in the unit of a variable; the text may name this unit or its display unit.
-fn number(variable: &Variable, text: &str) -> Result<f64> {
+/// A number in the unit of a variable; the text may name this unit, its display unit or another common unit.
+///
+/// # Errors
+/// The text is no number, or in a unit of another quantity.
+pub fn number(variable: &Variable, text: &str) -> Result<f64> {
     let name = &variable.name;
     if let Ok(value) = text.parse::<f64>() {
         return Ok(value);
@@ -105,15 +141,18 @@ fn number(variable: &Variable, text: &str) -> Result<f64> {
     let Some((value, unit)) = split else {
         bail!("{name} needs a number, not \"{}\"", text.escape_debug());
     };
-    let own = variable.unit.map_or("1", Unit::name);
-    let display = variable.unit.and_then(Unit::display);
-    match display {
-        _ if unit == own => Ok(value),
-        Some((shown, factor)) if unit == shown => Ok(value / factor),
-        _ => {
-            let other = display.map_or(String::new(), |(shown, _)| format!(" or {shown}"));
+    let own = variable.unit.unwrap_or_default();
+    let known = || COMMON.iter().filter(|(_, si, ..)| *si == own);
+    match (own.display(), known().find(|(common, ..)| *common == unit)) {
+        _ if unit == own.name() => Ok(value),
+        (Some((shown, factor)), _) if unit == shown => Ok(value / factor),
+        (_, Some((.., by, over))) => Ok(value * by / over),
+        (display, None) => {
+            let names = display.map(|(shown, _)| shown).into_iter().chain(known().map(|(common, ..)| *common));
+            let others: String = names.map(|other| format!(" or {other}")).collect();
+            let own = own.name();
             bail!(
-                "the unit of {name} is {own}{other}, not \"{}\"; convert the value to {own}{other}",
+                "the unit of {name} is {own}{others}, not \"{}\"; convert the value to {own}{others}",
                 unit.escape_debug()
             )
         }
@@ -178,6 +217,20 @@ mod tests {
     }
 
     #[test]
+    fn a_number_may_have_a_common_unit() {
+        let mut gear = gear(&["crank.mass=1500 g", "crank.length=175mm", "actuator.force=30 kN"]).unwrap();
+        for (name, value) in [("crank.mass", 1.5), ("crank.length", 0.175), ("actuator.force", 3e4)] {
+            let reference = gear.interface().find(name).unwrap();
+            assert_eq!(gear.real(reference).unwrap(), value, "{name}");
+        }
+        // No unit is an SI unit or a display unit under the same name.
+        for (name, si, by, over) in COMMON {
+            assert!(Unit::ALL.iter().all(|unit| unit.name() != name) && by > 0.0 && over > 0.0, "{name}");
+            assert!(si.display().is_none_or(|(shown, _)| shown != name), "{name}");
+        }
+    }
+
+    #[test]
     fn every_kind_is_set() {
         let words = ["solver.method=rigid_fem", "friction.enabled", "TRUE", "actuator.force", "-1e3"];
         let mut gear = gear(&words).unwrap();
@@ -195,14 +248,15 @@ mod tests {
             (&["crank.start_angle"][..], "crank.start_angle has no value"),
             (&["crank.start_angel=1"], "most similar names are crank.start_angle"),
             (&["crank.mass=1", "crank.mass=2"], "crank.mass occurs twice"),
-            (&["crank.mass=12lb"], "the unit of crank.mass is kg, not \"lb\""),
+            (&["crank.mass=12lb"], "the unit of crank.mass is kg or g or t, not \"lb\""),
             (&["crank.start_angle=12grad"], "the unit of crank.start_angle is rad or deg, not \"grad\""),
+            (&["crank.length=12kN"], "the unit of crank.length is m or mm or cm, not \"kN\""),
             (&["crank.mass=heavy"], "crank.mass needs a number, not \"heavy\""),
             (&["crank.mass", "0,5"], "has a decimal comma; write a point: 0.5"),
             (&["crank.start_angle=-12,5 deg"], "has a decimal comma; write a point: -12.5 deg"),
             (&["crank.mass=-1"], "crank.mass"),
             (&["friction.enabled=2"], "\"2\" is not true or false"),
-            (&["solver.method=magic"], "solver.method"),
+            (&["solver.method=magic"], "solver.method must be one of reduced, rigid_fem, not \"magic\""),
             (&["crank.angle=1"], "crank.angle"),
         ] {
             let error = format!("{:#}", gear(words).unwrap_err());

@@ -1,4 +1,4 @@
-//! The XML files of an FMU: their writers, and the reader of the description.
+//! The XML files of an FMU and of a system: their writers, and the readers of descriptions and of parameter sets.
 //!
 //! In: the model. Out: the text of each file, the same for the same interface, as none holds a time stamp.
 
@@ -9,6 +9,7 @@ pub mod fmi3;
 mod interface;
 mod sizes;
 pub mod ssd;
+pub mod ssv;
 pub mod terminals;
 
 pub use sizes::quantity;

@@ -7,15 +7,16 @@ use std::path::PathBuf;
 /// Arguments of `package`.
 #[derive(Args, Clone, Default)]
 pub struct Package {
-    /// Definition file (mechanism.json), or folder that contains a definition file [default:
-    /// modelDescription/LandingGearRetraction]
+    /// Definition file (mechanism.json), or folder that contains a definition file; with --ssp a system file
+    /// (system.json) [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
-    /// Pack every example mechanism in modelDescription/, and the example system of landing gear and hydraulic actuator
+    /// Pack every example mechanism and every example system in modelDescription/
     #[arg(long)]
     pub all: bool,
-    /// Pack each example system of mechanisms and hydraulics as an SSP package, and write the FMUs of the system too
-    #[arg(long, conflicts_with_all = ["paths", "all"])]
+    /// Pack each system as an SSP package <name>.ssp, and write the FMUs of the system too. A system file states the
+    /// mechanisms and circuits, their connections and values [default: the example systems in modelDescription/]
+    #[arg(long, conflicts_with = "all")]
     pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]

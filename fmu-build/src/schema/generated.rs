@@ -33,6 +33,7 @@ pub fn schema(definition_file: &str) -> String {
             Value::text(match definition_file {
                 "mechanism.json" => "Mechanism of linkage-fmu",
                 "network.json" => "Hydraulic system of linkage-fmu",
+                "system.json" => "System of FMUs of linkage-fmu",
                 _ => "Hydraulic actuator of linkage-fmu",
             }),
         ),
@@ -191,8 +192,12 @@ impl Schema<'_> {
                 Value::Object(vec![("oneOf".into(), Value::List(vec![short, object]))])
             }
             Kind::Group(of) => {
-                let mut value =
-                    read("{ \"type\": \"object\", \"propertyNames\": { \"$ref\": \"#/$defs/name\" } }".into());
+                // Names of variables are lines of text.
+                let names = match key.names {
+                    Names::Line => "",
+                    _ => ", \"propertyNames\": { \"$ref\": \"#/$defs/name\" }",
+                };
+                let mut value = read(format!("{{ \"type\": \"object\"{names} }}"));
                 value.merge("additionalProperties", self.value(of, key));
                 value
             }
@@ -202,6 +207,7 @@ impl Schema<'_> {
                 value.merge("items", self.value(of, key));
                 value
             }
+            Kind::Own(_) if key.names == Names::Line => read(r#"{ "type": ["number", "boolean", "string"] }"#.into()),
             Kind::Own(_) => Value::Object(Vec::new()),
         }
     }

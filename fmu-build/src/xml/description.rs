@@ -74,10 +74,10 @@ pub struct Described {
 const DEEPEST: usize = 3;
 
 /// Attributes of an element by name.
-struct Attributes(BTreeMap<String, String>);
+pub(super) struct Attributes(pub(super) BTreeMap<String, String>);
 
 impl Attributes {
-    fn of(element: &BytesStart) -> Result<Self> {
+    pub(super) fn of(element: &BytesStart) -> Result<Self> {
         let mut all = BTreeMap::new();
         // The reader's own check of doubles compares all pairs.
         for attribute in element.attributes().with_checks(false) {
@@ -91,11 +91,11 @@ impl Attributes {
         Ok(Self(all))
     }
 
-    fn take(&mut self, name: &str) -> String {
+    pub(super) fn take(&mut self, name: &str) -> String {
         self.0.remove(name).unwrap_or_default()
     }
 
-    fn number(&mut self, name: &str) -> Result<Option<f64>> {
+    pub(super) fn number(&mut self, name: &str) -> Result<Option<f64>> {
         let read =
             |text: String| text.trim().parse().with_context(|| format!("{name} is \"{text}\", which is not a number"));
         self.0.remove(name).map(read).transpose()

@@ -194,8 +194,8 @@ impl<'a> Interface<'a> {
                 enumerations.try_for_each(|variable| {
                     let name = [("name", type_name(variable))];
                     element(xml, outer, &name, |xml| match inner {
-                        "" => write_items(xml, variable),
-                        inner => group(xml, inner, |xml| write_items(xml, variable)),
+                        "" => write_items(xml, "Item", variable),
+                        inner => group(xml, inner, |xml| write_items(xml, "Item", variable)),
                     })
                 })
             })?;
@@ -221,9 +221,10 @@ pub fn type_name(variable: &Variable) -> String {
     [&variable.name, ".item"].concat()
 }
 
-fn write_items(xml: &mut Xml, variable: &Variable) -> io::Result<()> {
+/// The items of an Enumeration with their numbers, in elements of this name.
+pub fn write_items(xml: &mut Xml, tag: &str, variable: &Variable) -> io::Result<()> {
     (1..).zip(variable.details.items).try_for_each(|(number, name): (usize, _)| {
-        empty(xml, "Item", &[("name", (*name).to_owned()), ("value", number.to_string())])
+        empty(xml, tag, &[("name", (*name).to_owned()), ("value", number.to_string())])
     })
 }
 

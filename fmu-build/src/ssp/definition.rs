@@ -1,0 +1,59 @@
+//! A system of FMUs as its file states it.
+//!
+//! In: the text of `system.json`. Out: its sections, each key with a value of its type, or all faults. It must not know
+//! models: names of variables are only texts here.
+
+use crate::setting::Setting;
+use linkage_fmu::format::{Element, Key, Named, Range, element, keys, line, number};
+use linkage_fmu::variables::Unit;
+
+/// Name of the file in the reference and of its schema.
+pub const FILE: &str = "system.json";
+
+keys! {
+    /// A system of FMUs that exchange forces, motions and signals. The program packs the system as an SSP package: one
+    /// file with all FMUs, their connections and values. Paths are relative to the folder of the system file.
+    pub struct Definition {
+        /// Path of the JSON schema, with which a text editor completes and checks the keys. The program ignores this
+        /// key.
+        schema as "$schema": Option<String>;
+        /// Name of the system, and of the file `<name>.ssp`. The first character is a letter or an underscore; the
+        /// others are letters, digits or underscores.
+        name: String => element().required();
+        /// Description of the system, one line of text.
+        description: String => line();
+        /// Stop time of the default experiment of the system [s], > 0. Without this key, the stop time is the longest
+        /// stop time of the FMUs.
+        stop_time: Option<f64> => number(Unit::Second, Range::Positive);
+        /// FMUs of the system. The name of an FMU in the system starts with a letter or an underscore, followed by
+        /// letters, digits or underscores.
+        fmus: Named<Fmu> => Key::PLAIN.required();
+        /// Pairs of drives and actuators, such as `["gear.actuator", "hydraulics.actuator"]`. A pair connects all
+        /// variables that both terminals have in common, in both directions. A terminal has the name of the drive, or
+        /// of the cylinder.
+        terminals: Vec<Vec<String>>;
+        /// Pairs of an output and an input, such as `["hydraulics.uplock.engaged", "gear.uplock.engage"]`. The text
+        /// before the first dot is the name of the FMU.
+        connections: Vec<Vec<String>>;
+        /// Further variables that simulation tools show as connectors, such as `gear.crank.angle`. Variables with a
+        /// connection or a value are always connectors.
+        connectors: Vec<String>;
+    }
+
+    /// An FMU of a system. A text in place of the object is the value of the key `definition`.
+    pub struct Fmu or (linkage_fmu::format::Short::First) {
+        /// Path of the definition file of a mechanism, an actuator or a network, or of a folder that contains a
+        /// definition file.
+        definition: String => Key::PLAIN.required();
+        /// Path of a parameter set of SSP (SSV file) with values of parameters and inputs. The program converts each
+        /// value from its unit in the file to the unit of the variable.
+        parameters: Option<String>;
+        /// Values of parameters and inputs, by the name of the variable. A number is in the SI unit of the variable. A
+        /// text can state a number with its unit, such as `"30 kN"`. A value in `values` replaces a value of
+        /// `parameters`.
+        values: Named<Setting> => line();
+    }
+}
+
+/// What a file may hold: the whole first.
+pub const ELEMENTS: [Element; 2] = [Element::of::<Definition>(""), Element::of::<Fmu>("fmu")];
