@@ -19,12 +19,14 @@ macro_rules! each {
 mod derivative;
 mod exchange;
 mod linearise;
+mod outermost;
 mod refusal;
 mod snapshot;
 mod step;
 mod tables;
 mod values;
 pub use linearise::{Linearisation, Linearised};
+use outermost::outermost_keys;
 
 use crate::codec::sections::Sections;
 use crate::format::{About, Described, Experiment, Table};
@@ -70,9 +72,17 @@ impl ModelKind {
     }
 }
 
-/// A planar linkage with one degree of freedom, with or without a hydraulic circuit.
+/// A planar linkage with one degree of freedom, with or without a hydraulic circuit or network.
 pub const MECHANISM: ModelKind = ModelKind {
     file: "mechanism.json",
+    construct: |text, tables| {
+        mechanism::allow_hydraulics();
+        (PLAIN_MECHANISM.construct)(text, tables)
+    },
+};
+/// A planar linkage with one degree of freedom and no hydraulics.
+pub const PLAIN_MECHANISM: ModelKind = ModelKind {
+    file: MECHANISM.file,
     construct: |text, tables| Ok(Component::Mechanism(mechanism::Model::shared(text, tables)?)),
 };
 /// A hydraulic actuator alone.
@@ -232,6 +242,14 @@ impl Component {
         }
     }
 
+    /// Whether the model has a hydraulic circuit or network.
+    pub fn has_hydraulics(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_hydraulics(),
+            Self::Hydraulic(_) => true,
+        }
+    }
+
     /// Largest order of the derivatives in time that are taken of inputs; 0: none.
     pub fn input_order(&self) -> i32 {
         match self {
@@ -379,33 +397,6 @@ impl Component {
             cost.rejected
         )
     }
-}
-
-/// Keys of the outermost object of a text that may be no JSON: words in quotation marks with a colon behind them.
-fn outermost_keys(text: &str) -> Vec<&str> {
-    let (mut keys, mut depth, mut rest) = (Vec::new(), 0, text);
-    while let Some(at) = rest.find(['{', '}', '[', ']', '"']) {
-        let (found, after) = (rest.as_bytes()[at], &rest[at + 1..]);
-        rest = after;
-        match found {
-            b'{' | b'[' => depth += 1,
-            b'}' | b']' => depth -= 1,
-            _ => {
-                let mut escaped = false;
-                let end = after.find(|c: char| {
-                    let ends = !escaped && (c == '"' || c == '\n');
-                    escaped = !escaped && c == '\\';
-                    ends
-                });
-                let Some(end) = end else { break };
-                rest = &after[end + 1..];
-                if depth == 1 && rest.trim_start().starts_with(':') {
-                    keys.push(&after[..end]);
-                }
-            }
-        }
-    }
-    keys
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The shared libraries of the FMUs: one for mechanisms, one for hydraulic models.
+//! The shared libraries of the FMUs: one for mechanisms without hydraulics, one for all other models.
 
 pub mod served;
 pub mod sources;

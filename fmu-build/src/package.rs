@@ -70,7 +70,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
         bail!("nothing was packed: {}", refused.join("\n"));
     }
     let mut needed: Vec<&'static SharedLibrary> = Vec::new();
-    for library in prepared.iter().map(|fmu| served::of(fmu.component.definition_file())) {
+    for library in prepared.iter().map(|fmu| served::of(&fmu.component)) {
         if !needed.contains(&library) {
             needed.push(library);
         }
@@ -292,7 +292,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
         println!("{shown}: your own files are packed instead of the generated files: {}", source::listed(&names));
     }
     entries.extend(generated);
-    let file = fmu.component.definition_file();
+    let (file, library) = (fmu.component.definition_file(), served::of(&fmu.component));
     let schema = schema::name(file);
     let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
     // The text in the FMU is the one that tables are of.
@@ -313,7 +313,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
         let mut entries = entries.clone();
         entries.extend([Entry { name: MODEL_DESCRIPTION.to_owned(), content: description.into_bytes() }]);
         let path = common.out.join(format!("{}.{}", fmu.name, version.extension()));
-        for binary in common.binaries.iter().filter(|binary| binary.serves(served::of(file))) {
+        for binary in common.binaries.iter().filter(|binary| binary.serves(library)) {
             let libraries = binary.entries(version, &fmu.name);
             if libraries.is_empty() {
                 let (file, platform) = (path.display(), binary.platform());
@@ -323,7 +323,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
             }
             entries.extend(libraries);
         }
-        let statics: Vec<_> = common.statics.iter().filter(|other| other.library == served::of(file)).collect();
+        let statics: Vec<_> = common.statics.iter().filter(|other| other.library == library).collect();
         for library in &statics {
             entries.push(library.entry(version, &fmu.name)?);
         }

@@ -30,9 +30,9 @@ impl<T> FromIterator<(String, T)> for Named<T> {
     /// Entries whose names are unique.
     fn from_iter<I: IntoIterator<Item = (String, T)>>(entries: I) -> Self {
         let entries: Vec<(String, T)> = entries.into_iter().collect();
-        let all = || entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect();
-        let indices = (entries.len() > FEW).then(|| Arc::new(all()));
-        Self { entries, indices }
+        let mut all = Self { entries, indices: None };
+        all.index();
+        all
     }
 }
 
@@ -54,14 +54,17 @@ impl<T> Named<T> {
         }
         self.entries.push((name.to_owned(), value));
         match &mut self.indices {
-            Some(indices) => drop(Arc::make_mut(indices).insert(name.to_owned(), self.entries.len() - 1)),
-            None if self.entries.len() > FEW => {
-                let all = self.entries.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect();
-                self.indices = Some(Arc::new(all));
-            }
-            None => {}
+            Some(indices) => insert(indices, name, self.entries.len() - 1),
+            None => self.index(),
         }
         self.entries.last_mut().map(|(_, value)| value)
+    }
+
+    /// Make the map of the names if there are many.
+    fn index(&mut self) {
+        if self.entries.len() > FEW {
+            self.indices = Some(map(&self.names()));
+        }
     }
 
     /// Name and entry of this index.
@@ -99,6 +102,16 @@ impl<T> Named<T> {
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
+}
+
+/// The map of names to their indices. Code of all types of entries.
+fn map(names: &[&str]) -> Arc<HashMap<String, usize>> {
+    Arc::new(names.iter().enumerate().map(|(index, name)| ((*name).to_owned(), index)).collect())
+}
+
+/// One more name in the map.
+fn insert(indices: &mut Arc<HashMap<String, usize>>, name: &str, index: usize) {
+    Arc::make_mut(indices).insert(name.to_owned(), index);
 }
 
 /// Index of the entry with this name: by the map if there is one, else by a search.

@@ -4,8 +4,7 @@
 //! In: a model. Out: its answers, and its snapshots. It must not know any law.
 use super::error::HydraulicsError;
 use super::model::Model;
-use super::snapshot::Snapshot;
-use super::{definition, network};
+use super::{Snapshot, definition, network};
 use crate::format::{About, Experiment};
 use crate::inspection::Finding;
 use crate::integrator::Statistics;

@@ -3,7 +3,7 @@
 //! In: values and derivatives from the host. Out: each input as a polynomial in time, counted from the communication
 //! point; the instants within a step at which the law of the command has a kink. It must not know what they act on.
 use super::definition::Command;
-use crate::codec::record::{Damaged, Record};
+use crate::hydraulics::common::{HostInputs, SPEED_ORDER};
 use crate::numerics::decimal::Decimal;
 use std::f64::consts::TAU;
 
@@ -73,12 +73,8 @@ impl Input {
 
 /// Number of inputs.
 pub const INPUTS: usize = 13;
-/// Largest order of the derivatives of the speed.
-pub const SPEED_ORDER: usize = 4;
 
-/// Values and time derivatives of the inputs. FMI 2.0.5, 4.2.1: derivatives are set with respect to the beginning of a
-/// communication step. They hold for one step, at the end of which the inputs keep their values there; the derivatives
-/// at the end are kept for the derivatives of outputs, until the input is set.
+/// Values and time derivatives of the inputs; see [`HostInputs`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
     pub values: [f64; INPUTS],
@@ -98,23 +94,6 @@ impl Inputs {
     #[inline]
     pub fn get(&self, input: Input) -> f64 {
         self.values[input as usize]
-    }
-
-    /// Set a value.
-    pub fn set(&mut self, input: usize, value: f64) {
-        self.values[input] = value;
-        if !self.ahead {
-            self.rates[input] = [0.0; SPEED_ORDER];
-        }
-    }
-
-    /// Set a derivative for the next step.
-    pub fn set_rate(&mut self, input: usize, order: usize, value: f64) {
-        if !self.ahead {
-            self.rates = [[0.0; SPEED_ORDER]; INPUTS];
-            self.ahead = true;
-        }
-        self.rates[input][order - 1] = value;
     }
 
     /// The input over the next step: coefficients of the powers of the time.
@@ -177,13 +156,19 @@ impl Inputs {
             motion.unwrap_or([length, self.get(Input::Speed)]);
         self.ahead = false;
     }
+}
 
-    /// All fields, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        record.length("inputs", INPUTS)?;
-        record.all_finite("input", &mut self.values)?;
-        self.rates.iter_mut().try_for_each(|rates| record.all_finite("derivative of an input", rates))?;
-        record.flag("derivatives of inputs ahead", &mut self.ahead)
+impl HostInputs for Inputs {
+    fn constant(values: &[f64]) -> Self {
+        Self::new(std::array::from_fn(|input| values[input]))
+    }
+
+    fn parts(&self) -> (&[f64], &[[f64; SPEED_ORDER]], bool) {
+        (&self.values, &self.rates, self.ahead)
+    }
+
+    fn parts_mut(&mut self) -> (&mut [f64], &mut [[f64; SPEED_ORDER]], &mut bool) {
+        (&mut self.values, &mut self.rates, &mut self.ahead)
     }
 }
 

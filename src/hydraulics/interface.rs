@@ -3,6 +3,7 @@
 //! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
 mod dependencies;
 
+use super::common;
 use super::definition::{HydraulicActuator, Mode, Role};
 use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
 use super::inputs::Input::{Length, LowerLimit, Speed, Supply, Tank, UpperLimit};
@@ -14,17 +15,7 @@ use crate::variables::{
 pub use dependencies::initial_dependencies;
 
 /// Quantity of a variable.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
-    /// A Real that the host sets between steps, by its index.
-    Input(usize),
-    /// A number of the definition, by its index among the parameters.
-    Parameter(usize),
-    /// What a step does with the foreseen motion: `coupling.mode`.
-    Mode,
-    /// Computed from the state.
-    Output(Output),
-}
+pub type Quantity = common::Quantity<Output>;
 
 /// Beginning of the names of the inputs that tell the motion of the actuator and what it moves; a mechanism's outputs
 /// have the same names.

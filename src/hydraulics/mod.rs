@@ -5,10 +5,11 @@
 //! FMI.
 //!
 //! ```text
-//! definition -> circuit -> systems -> state -> outputs, model -> snapshot
+//! definition -> circuit -> systems -> state -> outputs, common -> model
 //! ```
 pub mod any;
 pub mod circuit;
+mod common;
 pub mod definition;
 mod error;
 mod events;
@@ -19,15 +20,17 @@ mod model;
 pub mod network;
 mod outputs;
 pub(crate) mod plausibility;
-mod snapshot;
 mod state;
 mod systems;
 
+pub use common::{INPUT_ORDER, OUTPUT_ORDER};
 pub use definition::FILE;
 pub use error::HydraulicsError;
 pub use interface::ACTUATOR;
-pub use model::{INPUT_ORDER, Model, OUTPUT_ORDER};
-pub use snapshot::Snapshot;
+pub use model::Model;
+
+/// All values that decide how a hydraulic actuator continues.
+pub type Snapshot = common::Snapshot<model::OneActuator>;
 
 #[cfg(test)]
 mod tests;

@@ -47,6 +47,8 @@ pub enum ModelError {
     Overflow { name: String },
     /// A step before initialisation.
     NotInitialised,
+    /// A mechanism with hydraulics in a library of mechanisms without.
+    NoHydraulics,
     /// A step size [s] that is not finite and positive.
     StepSize { h: f64 },
     /// The integration stopped.
@@ -215,6 +217,10 @@ impl fmt::Display for ModelError {
             Self::NotInitialised => {
                 f.write_str("doStep was called before the initialisation: initialise the instance first")
             }
+            Self::NoHydraulics => f.write_str(
+                "the library of this FMU is for mechanisms without hydraulics, but the definition contains a hydraulic \
+                 circuit or network: build the FMU again from the changed definition, with cargo fmu package",
+            ),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,

@@ -24,6 +24,7 @@ mod warnings;
 pub use crate::integrator::Statistics;
 pub use error::ModelError;
 pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
+pub use motion::allow_hydraulics;
 pub use motion::state::Reached;
 pub use motion::travel_time::TravelTime;
 pub use motion::witness::Pauses;

@@ -5,6 +5,7 @@ mod derivatives;
 mod description;
 mod events;
 mod exchange;
+mod formulation;
 mod linearisation;
 mod occurrences;
 mod plan;
@@ -18,9 +19,9 @@ mod warnings;
 use super::designs::Designs;
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
-use super::fem_motion::RigidFemMotion;
 use super::interface;
-use super::motion::state::{Reached, Start, State};
+use super::motion::allow_hydraulics;
+use super::motion::state::{Reached, State};
 use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
@@ -35,6 +36,7 @@ use crate::mechanism::reduced::Reduced;
 use crate::variables::{Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub use exchange::{Exchange, NoValue};
+pub(super) use formulation::Formulation;
 pub use linearisation::{Linearisation, Linearised};
 pub use occurrences::Line;
 use occurrences::Told;
@@ -76,15 +78,6 @@ pub struct Model {
     plan: plan::Plan,
 }
 
-/// The state of motion in the formulation that solver.method chose.
-#[derive(Clone, Debug)]
-pub(super) enum Formulation {
-    /// By the reduced model, along the curve. Apart, as a model is moved by value on the stack of a host's thread.
-    Reduced(Box<ReducedMotion>),
-    /// By rigid finite elements.
-    RigidFem(Box<RigidFemMotion>),
-}
-
 /// A definition as read, before any value is set.
 #[derive(Debug)]
 pub(super) struct Original {
@@ -116,6 +109,7 @@ impl Model {
     /// # Errors
     /// As [`Self::from_json`].
     pub fn with_tables(text: &str, tables: Option<Arc<Sections>>) -> Result<Self, ModelError> {
+        allow_hydraulics();
         Self::with_mechanism(Mechanism::from_json(text)?, tables)
     }
 
@@ -446,26 +440,4 @@ fn warnings_at_start(mechanism: &Mechanism, reduced: &Reduced, inputs: &Inputs) 
     let jump = State::jump_at_start(reduced, mechanism, inputs);
     found.extend(jump.and_then(|jump| of_jump(mechanism, jump)));
     found
-}
-
-impl Formulation {
-    /// By the reduced model, at a start.
-    #[inline(never)]
-    fn reduced(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
-        Ok(Self::Reduced(Box::new(ReducedMotion::at_start(start, reduced, mechanism, inputs)?)))
-    }
-
-    /// By rigid finite elements, at a start.
-    #[inline(never)]
-    fn rigid_fem(start: &Start, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<Self, ModelError> {
-        Ok(Self::RigidFem(Box::new(RigidFemMotion::at_start(start, reduced, mechanism, inputs)?)))
-    }
-
-    /// The state along the curve; that of the finite elements where it fits best.
-    pub(super) fn along_curve(&self) -> &State {
-        match self {
-            Self::Reduced(motion) => &motion.state,
-            Self::RigidFem(motion) => &motion.rigid.state,
-        }
-    }
 }

@@ -18,6 +18,7 @@ pub mod periodic;
 pub mod piecewise;
 pub mod plane;
 pub mod processor;
+pub mod pseudo_inverse;
 pub mod rise;
 pub mod selection;
 pub mod spline;

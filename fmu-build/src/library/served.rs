@@ -1,8 +1,8 @@
 //! Which shared library serves which models.
 
-use crate::workspace::MECHANISM;
+use linkage_fmu::component::Component;
 
-/// A shared library, by the models that it serves. A library has the code of no other models.
+/// A shared library, by the models that it serves.
 #[derive(Debug, PartialEq)]
 pub struct SharedLibrary {
     /// Cargo's name for its package.
@@ -13,17 +13,17 @@ pub struct SharedLibrary {
     pub installed: &'static str,
 }
 
-/// The library of mechanisms, `src/exports`.
+/// The library of mechanisms without hydraulics, `src/exports`, which has no code of others.
 pub const MECHANISMS: SharedLibrary =
     SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
-/// The library of hydraulic actuators and systems, `src/exports/hydraulics`.
+/// The library of all models with hydraulics, `src/exports/hydraulics`.
 pub const HYDRAULICS: SharedLibrary = SharedLibrary {
     package: "linkage-fmu-exports-hydraulics",
     name: "linkage_fmu_exports_hydraulics",
     installed: "linkage_fmu_hydraulics",
 };
 
-/// The library that serves the models of this definition file.
-pub fn of(definition_file: &str) -> &'static SharedLibrary {
-    if definition_file == MECHANISM { &MECHANISMS } else { &HYDRAULICS }
+/// The library that serves this model.
+pub fn of(model: &Component) -> &'static SharedLibrary {
+    if model.has_hydraulics() { &HYDRAULICS } else { &MECHANISMS }
 }

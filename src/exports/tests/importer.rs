@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription/LandingGearRetraction");
+const HYDRAULIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription/LandingGearRetractionHydraulic");
 
 /// The library that Cargo builds before the tests.
 fn own() -> PathBuf {
@@ -75,6 +76,15 @@ fn resources_are_found_next_to_the_library() {
     let library = Library::open(file.as_os_str(), gear().interface().guid(), "").unwrap();
     library.instantiate("gear", Some(logger())).unwrap();
     fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_mechanism_with_hydraulics_is_refused_with_the_remedy() {
+    let described = Description::read(Path::new(HYDRAULIC)).unwrap();
+    let resources = format!("file://{HYDRAULIC}/resources");
+    let library = Library::open(own().as_os_str(), described.interface().guid(), &resources).unwrap();
+    let refused = library.instantiate("gear", Some(logger())).unwrap_err();
+    assert!(refused.contains("without hydraulics") && refused.contains("cargo fmu package"), "{refused}");
 }
 
 #[test]

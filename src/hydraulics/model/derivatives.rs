@@ -1,26 +1,20 @@
-//! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
+//! Derivatives of outputs by inputs and in time.
 //!
-//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
-//! must not know any law.
-use super::{INPUT_COUNT, Model, Parameters, point};
-use crate::hydraulics::circuit::{CIRCUIT, ENERGY, Point};
+//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know any
+//! law.
+use super::{Model, OneActuator, Parameters, point};
+use crate::hydraulics::circuit::{CIRCUIT, ENERGY, Equations, Point};
+use crate::hydraulics::common::Differentiable;
 use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::inputs::{Input, Inputs};
-use crate::hydraulics::interface::Quantity;
+use crate::hydraulics::inputs::{INPUTS, Input, Inputs};
 use crate::hydraulics::outputs::{Output, Present};
 use crate::hydraulics::state::{Preview, State, dynamic};
 use crate::numerics::dual::{Dual, Number};
-use crate::variables::{Causality, Kind, Reference, Variability};
-
-/// Order of the derivatives of outputs in time.
-pub const OUTPUT_ORDER: i32 = 1;
-/// Largest order of the derivatives of inputs in time: that of the speed; 2 of the others.
-pub const INPUT_ORDER: i32 = 4;
 
 /// A direction in which state and inputs change.
 struct Direction {
     circuit: [f64; CIRCUIT],
-    inputs: [f64; INPUT_COUNT],
+    inputs: [f64; INPUTS],
 }
 
 /// The present state and its change along a direction.
@@ -63,55 +57,40 @@ fn preview(parameters: &Parameters, inputs: &Inputs, state: &State, direction: &
     }
 }
 
-impl Model {
-    /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
-    /// derivative in this state, of which [`Self::undefined_derivative`] tells why.
-    ///
-    /// # Errors
-    /// An unknown that is no continuous output, a known that is no continuous input, a seed that is not finite.
-    pub fn directional_derivative(
-        &mut self,
-        unknowns: &[Reference],
-        knowns: &[Reference],
-        seeds: &[f64],
+impl Differentiable for OneActuator {
+    type Along = [f64; INPUTS];
+
+    fn order(_laws: &Equations, input: usize) -> usize {
+        Input::ALL[input].order()
+    }
+
+    fn rate_set(model: &mut Model, input: usize) {
+        if matches!(Input::ALL[input], Input::Command | Input::Supply | Input::Tank) {
+            model.cache.forget_foresight();
+        }
+    }
+
+    fn along(_laws: &Equations) -> Self::Along {
+        [0.0; INPUTS]
+    }
+
+    fn is_instant(output: Output) -> bool {
+        matches!(output, Output::PreviewStartAcceleration | Output::PreviewAcceleration)
+    }
+
+    fn derivatives(
+        model: &mut Model,
+        along: &[f64; INPUTS],
+        outputs: &mut dyn Iterator<Item = (usize, Output)>,
         report: &mut dyn FnMut(usize, f64),
     ) -> Result<(), HydraulicsError> {
-        for &known in knowns {
-            self.continuous(
-                known,
-                Causality::Input,
-                "a known (the variable to differentiate by) must be a continuous input",
-            )?;
-        }
-        for &unknown in unknowns {
-            self.continuous(
-                unknown,
-                Causality::Output,
-                "an unknown (the variable to differentiate) must be a continuous output",
-            )?;
-        }
-        let mut direction = Direction { circuit: [0.0; CIRCUIT], inputs: [0.0; INPUT_COUNT] };
-        for (known, seed) in knowns.iter().zip(seeds) {
-            if !seed.is_finite() {
-                let name = self.name_of(*known);
-                return Err(HydraulicsError::Value {
-                    name,
-                    value: *seed,
-                    allowed: "finite, because this value is the seed of a directional derivative".into(),
-                });
-            }
-            // Inputs come first: the reference of an input is its index.
-            direction.inputs[*known as usize] += seed;
-        }
-        self.started()?;
-        let Self { parameters, inputs, state: Some(state), .. } = self else {
+        let direction = Direction { circuit: [0.0; CIRCUIT], inputs: *along };
+        let Model { parameters, inputs, state: Some(state), .. } = model else {
             return Err(HydraulicsError::NotInitialised);
         };
         let laws = &parameters.laws;
         let (mut now, mut ahead) = (None, None);
-        for (index, &unknown) in unknowns.iter().enumerate() {
-            let Some(Quantity::Output(output)) = self.original.variables.quantity(unknown) else { continue };
+        for (index, output) in outputs {
             let derivative = if output.is_foreseen() {
                 let preview = ahead.get_or_insert_with(|| preview(parameters, inputs, state, &direction));
                 output.foreseen(preview)
@@ -119,41 +98,21 @@ impl Model {
                 let present = now.get_or_insert_with(|| present(parameters, inputs, state, &direction));
                 present.output(laws, output)
             };
-            let derivative = derivative.map_or(f64::NAN, |dual| dual.slope[0]);
-            report(index, if derivative.is_finite() { derivative } else { f64::NAN });
+            report(index, derivative.map_or(f64::NAN, |dual| dual.slope[0]));
         }
         Ok(())
     }
 
-    /// Rate of a continuous output in time, under inputs that change at the rates set by
-    /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs; where that is 0 and a
-    /// reduced mass is told, under the acceleration of this mass. Outputs of the foreseen
-    /// motion belong to the next step: the rate of `preview.force` is that of the line, `preview.force_mean` and
-    /// `preview.force_rate` are constant, `preview.length` and `preview.speed` have the speed and the acceleration at
-    /// the end of the step; the accelerations have no rate.
-    ///
-    /// # Errors
-    /// No continuous output has this reference, or another order than 1.
-    pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, HydraulicsError> {
-        self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
-        if order != OUTPUT_ORDER {
-            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
-            let reason = "only order 1 is available (maxOutputDerivativeOrder is 1)".into();
-            return Err(HydraulicsError::Derivative { what, reason });
-        }
-        self.started()?;
-        let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
-            return Ok(f64::NAN);
-        };
+    fn rate(model: &mut Model, output: Output) -> Result<f64, HydraulicsError> {
         match output {
-            Output::PreviewForce => return self.real_output(Output::PreviewForceRate),
+            Output::PreviewForce => return model.output(Output::PreviewForceRate),
             Output::PreviewForceMean | Output::PreviewForceRate => return Ok(0.0),
-            Output::PreviewLength => return self.real_output(Output::PreviewSpeed),
-            Output::PreviewSpeed => return self.real_output(Output::PreviewAcceleration),
+            Output::PreviewLength => return model.output(Output::PreviewSpeed),
+            Output::PreviewSpeed => return model.output(Output::PreviewAcceleration),
             Output::PreviewStartAcceleration | Output::PreviewAcceleration => return Ok(f64::NAN),
             _ => {}
         }
-        let Self { parameters, inputs, state: Some(state), .. } = self else {
+        let Model { parameters, inputs, state: Some(state), .. } = model else {
             return Err(HydraulicsError::NotInitialised);
         };
         let laws = &parameters.laws;
@@ -170,75 +129,5 @@ impl Model {
         }
         let rate = present(parameters, inputs, state, &direction).output(laws, output);
         Ok(rate.map_or(f64::NAN, |dual| dual.slope[0]))
-    }
-
-    fn real_output(&mut self, output: Output) -> Result<f64, HydraulicsError> {
-        self.output(output).map(|value| if value.is_finite() { value } else { f64::NAN })
-    }
-
-    /// Why an output has no derivative where the last call gave NaN.
-    #[cold]
-    pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
-        match self.original.variables.quantity(reference)? {
-            Quantity::Output(Output::PreviewStartAcceleration | Output::PreviewAcceleration) => {
-                Some("the acceleration at one instant of the next step has no time derivative".to_owned())
-            }
-            Quantity::Output(_) => Some(
-                "the derivative exceeds the largest number, 1.8e308: check the inputs and the parameters".to_owned(),
-            ),
-            _ => None,
-        }
-    }
-
-    /// Whether [`Self::set_input_derivative`] would accept this; changes nothing.
-    ///
-    /// # Errors
-    /// No continuous input has this reference, the order is not one of those that count, the value is not finite.
-    pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), HydraulicsError> {
-        self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
-        let most = Input::ALL[reference as usize].order();
-        if !(1..=most as i32).contains(&order) {
-            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
-            let reason = format!("only the orders 1 to {most} can be set");
-            return Err(HydraulicsError::Derivative { what, reason });
-        }
-        if !value.is_finite() {
-            let name = format!("time derivative of order {order} of {}", self.name_of(reference));
-            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
-        }
-        Ok(())
-    }
-
-    /// Set a derivative of an input in time at the beginning of the next step; it holds for one step. Those of the
-    /// length are not used: within a step the length is its value at the beginning plus the integral of the speed.
-    ///
-    /// # Errors
-    /// As [`Self::check_input_derivative`].
-    pub fn set_input_derivative(
-        &mut self,
-        reference: Reference,
-        order: i32,
-        value: f64,
-    ) -> Result<(), HydraulicsError> {
-        self.check_input_derivative(reference, order, value)?;
-        self.inputs.set_rate(reference as usize, order as usize, value);
-        if matches!(Input::ALL[reference as usize], Input::Command | Input::Supply | Input::Tank) {
-            self.cache.forget_foresight();
-        }
-        Ok(())
-    }
-
-    /// Refuse a variable that is not a continuous Real of this causality.
-    fn continuous(&self, reference: Reference, causality: Causality, rule: &str) -> Result<(), HydraulicsError> {
-        match self.original.variables.get(reference) {
-            Some(v) if v.causality == causality && v.kind == Kind::Real && v.variability == Variability::Continuous => {
-                Ok(())
-            }
-            Some(v) => {
-                let what = format!("{} (value reference {reference})", v.name);
-                Err(HydraulicsError::Derivative { what, reason: rule.into() })
-            }
-            None => Err(self.no_such(reference, "Real")),
-        }
     }
 }

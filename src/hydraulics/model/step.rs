@@ -2,7 +2,7 @@
 //!
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
-use super::warnings::{self, Warning, Warnings};
+use super::warnings::{self, Warning};
 use super::{Model, is_same_step, point};
 use crate::format::Range;
 use crate::hydraulics::circuit::{EVENTS, SLACK};
@@ -21,21 +21,9 @@ impl Model {
     /// # Errors
     /// The present parameters give no circuit, or the cylinder does not have the present length.
     pub fn initialize(&mut self) -> Result<(), HydraulicsError> {
-        self.state = None;
-        self.cache.clear();
-        self.warnings = Warnings::default();
+        self.clear_motion();
         self.started()?;
         self.parameters.setting(&self.inputs).check_length(self.inputs.get(Input::Length), SLACK)
-    }
-
-    /// Put the circuit at its start if it has no state yet.
-    #[inline]
-    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
-        if self.state.is_none() {
-            self.parameters.check(&self.inputs)?;
-            self.state = Some(self.parameters.start(&self.inputs));
-        }
-        Ok(())
     }
 
     /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
@@ -83,7 +71,7 @@ impl Model {
         };
         // Some hosts set all connected inputs to 0 before the first step.
         if inputs.get(Input::Length) == 0.0 && !parameters.laws.has_length(0.0) {
-            let (start, mut own) = (parameters.actuator.actuator.length, *inputs);
+            let (start, mut own) = (parameters.definition.actuator.length, *inputs);
             own.values[Input::Length as usize] = state.arrival.map_or(start, |[length, _]| length);
             check_inputs_at(&parameters.setting(&own), &original.variables, h, None)?;
             *inputs = own;
@@ -99,7 +87,7 @@ impl Model {
             return Ok(None);
         }
         let (read, announced) = (cache.read, parameters.horizon(inputs, state));
-        let mode = parameters.actuator.coupling.mode;
+        let mode = parameters.definition.coupling.mode;
         let whole = h;
         cache.event = if to_event { first_event(&setting, state, mode, h, overrun, &original.variables) } else { None };
         let h = cache.event.map_or(h, |(time, _)| time);
@@ -174,7 +162,7 @@ impl Model {
         }
         if reached < h {
             cache.event = None;
-            return Err(interrupted(&parameters.actuator.solver, reached, h));
+            return Err(interrupted(&parameters.definition.solver, reached, h));
         }
         Ok(cache.event.map(|(time, _)| time))
     }

@@ -3,13 +3,11 @@
 //! In: values and derivatives from the host. Out: each input as a polynomial in time, counted from the communication
 //! point. It must not know what they act on.
 use super::layout::{Input, Layout, Part};
-use crate::codec::record::{Damaged, Record};
 use crate::format::Range;
-use crate::hydraulics::inputs::{Polynomial, SPEED_ORDER};
+use crate::hydraulics::common::{HostInputs, SPEED_ORDER};
+use crate::hydraulics::inputs::Polynomial;
 
-/// Values and time derivatives of the inputs. FMI 2.0.5, 4.2.1: derivatives are set with respect to the beginning of a
-/// communication step. They hold for one step, at the end of which the inputs keep their values there; the derivatives
-/// at the end are kept for the derivatives of outputs, until the input is set.
+/// Values and time derivatives of the inputs; see [`HostInputs`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
     pub values: Vec<f64>,
@@ -49,30 +47,6 @@ impl Inputs {
     /// Constant inputs.
     pub fn new(values: Vec<f64>) -> Self {
         Self { rates: vec![[0.0; SPEED_ORDER]; values.len()], values, ahead: false }
-    }
-
-    /// Become the same as another one, without allocation.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.values.copy_from_slice(&other.values);
-        self.rates.copy_from_slice(&other.rates);
-        self.ahead = other.ahead;
-    }
-
-    /// Set a value.
-    pub fn set(&mut self, input: usize, value: f64) {
-        self.values[input] = value;
-        if !self.ahead {
-            self.rates[input] = [0.0; SPEED_ORDER];
-        }
-    }
-
-    /// Set a derivative for the next step.
-    pub fn set_rate(&mut self, input: usize, order: usize, value: f64) {
-        if !self.ahead {
-            self.rates.fill([0.0; SPEED_ORDER]);
-            self.ahead = true;
-        }
-        self.rates[input][order - 1] = value;
     }
 
     /// The input over the next step.
@@ -130,12 +104,18 @@ impl Inputs {
         }
         self.ahead = false;
     }
+}
 
-    /// All fields, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        record.length("inputs", self.values.len())?;
-        record.all_finite("input", &mut self.values)?;
-        self.rates.iter_mut().try_for_each(|rates| record.all_finite("derivative of an input", rates))?;
-        record.flag("derivatives of inputs ahead", &mut self.ahead)
+impl HostInputs for Inputs {
+    fn constant(values: &[f64]) -> Self {
+        Self::new(values.to_vec())
+    }
+
+    fn parts(&self) -> (&[f64], &[[f64; SPEED_ORDER]], bool) {
+        (&self.values, &self.rates, self.ahead)
+    }
+
+    fn parts_mut(&mut self) -> (&mut [f64], &mut [[f64; SPEED_ORDER]], &mut bool) {
+        (&mut self.values, &mut self.rates, &mut self.ahead)
     }
 }

@@ -13,19 +13,7 @@ use crate::variables::{
 use tables::{PARTS, PREVIEW, TOTALS};
 
 /// Quantity of a variable.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
-    /// A Real that the host sets between steps, by its index.
-    Input(usize),
-    /// A number of the definition, by its index among the parameters.
-    Parameter(usize),
-    /// What a step does with the foreseen motion: `coupling.mode`.
-    Mode,
-    /// Computed from the state.
-    Output(Output),
-    /// Whether a lock is engaged.
-    Lock(usize),
-}
+pub type Quantity = crate::hydraulics::common::Quantity<Output>;
 
 /// The variables as they come up.
 struct Builder<'a> {

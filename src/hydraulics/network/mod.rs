@@ -5,7 +5,7 @@
 //! nor FMI.
 //!
 //! ```text
-//! definition -> layout, laws -> system -> state -> outputs, model -> snapshot
+//! definition -> layout, laws -> system -> state -> outputs, model
 //! ```
 pub mod definition;
 pub(crate) mod facts;
@@ -16,7 +16,6 @@ pub(crate) mod laws;
 pub(crate) mod layout;
 mod model;
 pub(crate) mod outputs;
-mod snapshot;
 mod state;
 mod system;
 
@@ -24,7 +23,8 @@ mod system;
 pub const FILE: &str = "network.json";
 
 pub use model::Model;
-pub use snapshot::Snapshot;
+/// All values that decide how a hydraulic system continues.
+pub type Snapshot = super::common::Snapshot<model::Network>;
 
 #[cfg(test)]
 mod tests;

@@ -179,8 +179,8 @@ impl<'a> Singular<'a> {
         let flat = |matrix: DMatrix<f64>| DVector::from_column_slice(matrix.as_slice());
         let mut residual = DVector::zeros(rows);
         residual.rows_mut(0, m).copy_from(&self.gaps(linkage, q));
-        residual.rows_mut(m, n * k).copy_from(&flat(jacobian.transpose() * l));
-        residual.rows_mut(m + n * k, k * k).copy_from(&flat(normal * l - DMatrix::identity(k, k)));
+        residual.rows_mut(m, n * k).copy_from(&flat(jacobian.tr_mul(l)));
+        residual.rows_mut(m + n * k, k * k).copy_from(&flat(normal.transpose().tr_mul(l) - DMatrix::identity(k, k)));
         let mut own = DMatrix::zeros(rows, n + m * k);
         own.view_mut((0, 0), (m, n)).copy_from(&jacobian);
         for column in 0..n {
@@ -190,14 +190,14 @@ impl<'a> Singular<'a> {
                 self.jacobian(linkage, &q)
             };
             let change = (at(1.0) - at(-1.0)) / (2.0 * DIFFERENCE);
-            own.view_mut((m, column), (n * k, 1)).copy_from(&flat(change.transpose() * l));
+            own.view_mut((m, column), (n * k, 1)).copy_from(&flat(change.tr_mul(l)));
         }
         for c in 0..k {
             own.view_mut((m + c * n, n + c * m), (n, m)).copy_from(&jacobian.transpose());
             own.view_mut((m + n * k + c * k, n + c * m), (k, m)).copy_from(normal);
         }
         let mut moves = DMatrix::zeros(rows, 2 * self.points.len());
-        let (gaps, transposed) = (self.gaps(linkage, q), jacobian.transpose() * l);
+        let (gaps, transposed) = (self.gaps(linkage, q), jacobian.tr_mul(l));
         let mut unit = vec![Vec2::zeros(); self.points.len()];
         // Points of the present linkage, in the same order.
         let points = self.points.iter().map(|point| self.moved(linkage, *point)).collect::<Vec<_>>();
@@ -206,7 +206,7 @@ impl<'a> Singular<'a> {
             let other = linkage.with_moved_points(&points, &unit);
             unit[column / 2][column % 2] = 0.0;
             moves.view_mut((0, column), (m, 1)).copy_from(&(self.gaps(&other, q) - &gaps));
-            let change = self.jacobian(&other, q).transpose() * l - &transposed;
+            let change = self.jacobian(&other, q).tr_mul(l) - &transposed;
             moves.view_mut((m, column), (n * k, 1)).copy_from(&flat(change));
         }
         Linear { residual, own, moves }
@@ -244,13 +244,12 @@ fn step(linear: &[Linear], moves: &DVector<f64>) -> Option<(DVector<f64>, Vec<DV
         let svd = square.svd(true, false);
         let lefts = svd.u?;
         let cut = RANK * svd.singular_values.max();
-        let null: Vec<_> =
-            (0..rows).filter(|&i| svd.singular_values[i] <= cut).map(|i| lefts.column(i).transpose()).collect();
+        let null: Vec<_> = (0..rows).filter(|&i| svd.singular_values[i] <= cut).map(|i| lefts.column(i)).collect();
         if null.is_empty() {
             return None;
         }
-        let null = DMatrix::from_rows(&null);
-        conditions.push((&null * by_moves, &null * (by_moves * moves - residual)));
+        let null = DMatrix::from_columns(&null);
+        conditions.push((null.tr_mul(by_moves), null.tr_mul(&(by_moves * moves - residual))));
     }
     let count = conditions.iter().map(|(left, _)| left.nrows()).sum();
     let (mut left, mut right) = (DMatrix::zeros(count, moves.len()), DVector::zeros(count));

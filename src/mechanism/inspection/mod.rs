@@ -19,6 +19,7 @@ pub use scene::{
 
 use super::definition::Mechanism;
 use super::model::Model;
+use super::motion::allow_hydraulics;
 use crate::inspection::{Finding, Inspection};
 
 /// Inspect the text of a definition.
@@ -38,6 +39,7 @@ pub fn inspect(text: &str) -> Inspection {
         out.findings.extend(mechanism.warnings());
         return out;
     }
+    allow_hydraulics();
     match Model::with_mechanism(mechanism.clone(), None) {
         Ok(mut model) => {
             out.findings.extend(model.warnings().iter().cloned());

@@ -25,6 +25,11 @@ impl Model {
         &self.original.parameter_values.mechanism().description
     }
 
+    /// Whether a circuit or a network drives the mechanism.
+    pub fn has_hydraulics(&self) -> bool {
+        self.original.reduced.loading().first_port().is_some()
+    }
+
     /// The variables that the host sees.
     pub fn variables(&self) -> &Variables<Quantity> {
         &self.original.variables

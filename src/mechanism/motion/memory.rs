@@ -8,9 +8,13 @@ use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Statistics};
 use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED};
+use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
+use crate::mechanism::motion::hydraulic_motion::HydraulicMotion;
 use crate::mechanism::motion::step_ahead::Lookahead;
+use std::any::Any;
+use std::sync::OnceLock;
 
 /// Memory of the integration, with or without the energy lost and a circuit as components of the state. A step
 /// allocates nothing, so there is no box where a step may go from one to another.
@@ -20,10 +24,8 @@ pub enum Memory {
     Conservative(Integrator<2>, Lookahead<2>),
     /// The energy lost is integrated too.
     WithDissipation(Integrator<3>, Lookahead<3>),
-    /// The hydraulic circuit of a drive is integrated too.
-    WithCircuit(Box<CircuitMemory>),
-    /// The hydraulic network of the mechanism is integrated too.
-    WithNetwork(Box<NetworkMemory>),
+    /// The hydraulic circuit of a drive or the hydraulic network of the mechanism is integrated too.
+    WithHydraulics(Box<dyn HydraulicMotion>),
 }
 
 /// State of a hydraulic circuit or network of C components, with the memory of the integration.
@@ -80,7 +82,7 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
     }
 
     /// Become the same as another one, without allocation.
-    fn copy_from(&mut self, other: &Self) {
+    pub fn copy_from(&mut self, other: &Self) {
         self.integrator.copy_from(&other.integrator);
         self.lookahead.copy_from(&other.lookahead);
         (self.circuit, self.before) = (other.circuit, other.before);
@@ -88,7 +90,7 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
     }
 
     /// All fields, written or read.
-    pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.circuit.time.record(record)?;
         record.all_finite("state of the circuit", &mut self.circuit.values)?;
         if record.reads() {
@@ -100,6 +102,20 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
     }
 }
 
+/// A motion with hydraulics that begins in this state, with so many inputs.
+type Make<const C: usize> = fn(CircuitState<C>, usize) -> Box<dyn HydraulicMotion>;
+/// Makers of motions with a circuit and with a network.
+static MAKERS: OnceLock<(Make<CIRCUIT>, Make<CAPACITY>)> = OnceLock::new();
+
+/// State that mechanisms may have hydraulics. A library that never does so is without the code of their steps.
+pub fn allow_hydraulics() {
+    MAKERS.get_or_init(|| {
+        let circuit: Make<CIRCUIT> = |state, ports| Box::new(CircuitMemory::new(state, ports));
+        let network: Make<CAPACITY> = |state, ports| Box::new(NetworkMemory::new(state, ports));
+        (circuit, network)
+    });
+}
+
 impl Default for Memory {
     fn default() -> Self {
         Self::Conservative(Integrator::default(), Lookahead::default())
@@ -107,6 +123,24 @@ impl Default for Memory {
 }
 
 impl Memory {
+    /// That before the first step of a motion with a circuit in this state, with so many inputs.
+    ///
+    /// # Errors
+    /// [`ModelError::NoHydraulics`]: nothing called [`allow_hydraulics`].
+    pub fn with_circuit(state: CircuitState, ports: usize) -> Result<Self, ModelError> {
+        let (make, _) = MAKERS.get().ok_or(ModelError::NoHydraulics)?;
+        Ok(Self::WithHydraulics(make(state, ports)))
+    }
+
+    /// [`Self::with_circuit`] for a network.
+    ///
+    /// # Errors
+    /// As [`Self::with_circuit`].
+    pub fn with_network(state: CircuitState<CAPACITY>, ports: usize) -> Result<Self, ModelError> {
+        let (_, make) = MAKERS.get().ok_or(ModelError::NoHydraulics)?;
+        Ok(Self::WithHydraulics(make(state, ports)))
+    }
+
     /// Become that before the first step, without a circuit.
     pub fn begin(&mut self, with_dissipation: bool) {
         match self {
@@ -116,24 +150,6 @@ impl Memory {
                 *self = Self::default();
                 self.set_dissipation(with_dissipation);
             }
-        }
-    }
-
-    /// Become that before the first step, with a circuit in this state.
-    pub fn begin_with_circuit(&mut self, circuit: CircuitState, ports: usize) {
-        let begun = CircuitMemory::new(circuit, ports);
-        match self {
-            Self::WithCircuit(memory) => **memory = begun,
-            _ => *self = Self::WithCircuit(Box::new(begun)),
-        }
-    }
-
-    /// Become that before the first step, with a network in this state.
-    pub fn begin_with_network(&mut self, network: CircuitState<CAPACITY>, ports: usize) {
-        let begun = NetworkMemory::new(network, ports);
-        match self {
-            Self::WithNetwork(memory) => **memory = begun,
-            _ => *self = Self::WithNetwork(Box::new(begun)),
         }
     }
 
@@ -157,8 +173,7 @@ impl Memory {
         match self {
             Self::Conservative(i, _) => i.statistics(),
             Self::WithDissipation(i, _) => i.statistics(),
-            Self::WithCircuit(memory) => memory.integrator.statistics(),
-            Self::WithNetwork(memory) => memory.integrator.statistics(),
+            Self::WithHydraulics(motion) => motion.statistics(),
         }
     }
 
@@ -168,27 +183,33 @@ impl Memory {
         match self {
             Self::Conservative(i, _) => i.tried(),
             Self::WithDissipation(i, _) => i.tried(),
-            Self::WithCircuit(memory) => memory.integrator.tried(),
-            Self::WithNetwork(memory) => memory.integrator.tried(),
+            Self::WithHydraulics(motion) => motion.tried(),
         }
     }
 
     /// State of the hydraulic circuit of a drive; none without one.
     #[inline]
     pub fn circuit(&self) -> Option<&CircuitState> {
-        match self {
-            Self::WithCircuit(memory) => Some(&memory.circuit),
-            _ => None,
-        }
+        self.hydraulics::<CircuitMemory>().map(|memory| &memory.circuit)
+    }
+
+    /// [`Self::circuit`], to change it.
+    pub fn circuit_mut(&mut self) -> Option<&mut CircuitState> {
+        let Self::WithHydraulics(motion) = self else { return None };
+        (motion.as_mut() as &mut dyn Any).downcast_mut::<CircuitMemory>().map(|memory| &mut memory.circuit)
     }
 
     /// State of the hydraulic network of the mechanism; none without one.
     #[inline]
     pub fn network(&self) -> Option<&CircuitState<CAPACITY>> {
-        match self {
-            Self::WithNetwork(memory) => Some(&memory.circuit),
-            _ => None,
-        }
+        self.hydraulics::<NetworkMemory>().map(|memory| &memory.circuit)
+    }
+
+    /// The motion with hydraulics of this type.
+    #[inline]
+    fn hydraulics<T: 'static>(&self) -> Option<&T> {
+        let Self::WithHydraulics(motion) = self else { return None };
+        (motion.as_ref() as &dyn Any).downcast_ref()
     }
 
     /// The numbers of this state.
@@ -199,10 +220,8 @@ impl Memory {
 
     /// A step has failed: the circuit or network is where it was.
     pub fn undo_circuit(&mut self) {
-        match self {
-            Self::WithCircuit(memory) => memory.circuit = memory.before,
-            Self::WithNetwork(memory) => memory.circuit = memory.before,
-            _ => {}
+        if let Self::WithHydraulics(motion) = self {
+            motion.undo();
         }
     }
 
@@ -211,8 +230,7 @@ impl Memory {
         match self {
             Self::Conservative(_, ahead) => ahead.step_ahead.as_ref()?.event,
             Self::WithDissipation(_, ahead) => ahead.step_ahead.as_ref()?.event,
-            Self::WithCircuit(memory) => memory.lookahead.step_ahead.as_ref()?.event,
-            Self::WithNetwork(memory) => memory.lookahead.step_ahead.as_ref()?.event,
+            Self::WithHydraulics(motion) => motion.event_ahead(),
         }
     }
 
@@ -227,8 +245,11 @@ impl Memory {
                 own.copy_from(other);
                 own_ahead.copy_from(other_ahead);
             }
-            (Self::WithCircuit(own), Self::WithCircuit(other)) => own.copy_from(other),
-            (Self::WithNetwork(own), Self::WithNetwork(other)) => own.copy_from(other),
+            (Self::WithHydraulics(own), Self::WithHydraulics(other)) => {
+                if !own.copy_from(other.as_ref()) {
+                    *own = other.clone();
+                }
+            }
             (own, other) => *own = other.clone(),
         }
     }
@@ -238,8 +259,7 @@ impl Memory {
         match self {
             Self::Conservative(i, ahead) => restart(i, ahead),
             Self::WithDissipation(i, ahead) => restart(i, ahead),
-            Self::WithCircuit(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
-            Self::WithNetwork(memory) => restart(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithHydraulics(motion) => motion.restart(),
         }
     }
 
@@ -248,8 +268,7 @@ impl Memory {
         match self {
             Self::Conservative(i, ahead) => recount(i, ahead),
             Self::WithDissipation(i, ahead) => recount(i, ahead),
-            Self::WithCircuit(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
-            Self::WithNetwork(memory) => recount(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithHydraulics(motion) => motion.recount(),
         }
     }
 
@@ -258,8 +277,7 @@ impl Memory {
         match self {
             Self::Conservative(i, ahead) => refresh(i, ahead),
             Self::WithDissipation(i, ahead) => refresh(i, ahead),
-            Self::WithCircuit(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
-            Self::WithNetwork(memory) => refresh(&mut memory.integrator, &mut memory.lookahead),
+            Self::WithHydraulics(motion) => motion.refresh(),
         }
     }
 }
@@ -271,13 +289,13 @@ fn begin<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahe
 }
 
 /// [`Memory::restart`] of one kind.
-fn restart<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+pub(super) fn restart<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
     integrator.restart();
     lookahead.invalidate();
 }
 
 /// [`Memory::recount`] of one kind.
-fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+pub(super) fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
     if lookahead.step_ahead.take().is_some() {
         integrator.branch_off();
     }
@@ -285,7 +303,7 @@ fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Looka
 
 /// [`Memory::refresh`] of one kind.
 #[inline]
-fn refresh<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
+pub(super) fn refresh<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
     if lookahead.invalidate() {
         integrator.branch_off();
     }

@@ -7,6 +7,7 @@ pub mod dynamics;
 mod elapsed;
 pub mod equilibrium;
 pub mod events;
+mod hydraulic_motion;
 pub mod impacts;
 mod memory;
 mod power_ahead;
@@ -20,5 +21,5 @@ pub mod travel_time;
 pub mod witness;
 mod work;
 
-pub use memory::CircuitState;
+pub use memory::{CircuitState, allow_hydraulics};
 pub use saved::{MOST_REVOLUTIONS, SavedState};

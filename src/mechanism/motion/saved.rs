@@ -3,7 +3,7 @@
 //! In: a state, or a record. Out: a state that continues bit for bit as the saved one would have. It must not know
 //! outputs.
 use super::acting::{blows, state_loads};
-use super::memory::{CircuitMemory, CircuitState, Memory, NetworkMemory};
+use super::memory::{CircuitState, Memory};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::hydraulic::border_of;
 use crate::mechanism::error::ModelError;
@@ -93,12 +93,10 @@ impl SavedState {
         let applied = vec![0.0; reduced.components().sized];
         let mut saved = Self { applied, travel, impacts, ..Self::default() };
         if reduced.loading().hydraulics.is_some() {
-            let memory = CircuitMemory::new(CircuitState::default(), reduced.loading().ports());
-            saved.memory = Memory::WithCircuit(Box::new(memory));
+            saved.memory = Memory::with_circuit(CircuitState::default(), reduced.loading().ports())?;
         }
         if reduced.loading().network.is_some() {
-            let memory = NetworkMemory::new(CircuitState::default(), reduced.loading().ports());
-            saved.memory = Memory::WithNetwork(Box::new(memory));
+            saved.memory = Memory::with_network(CircuitState::default(), reduced.loading().ports())?;
         }
         saved.prescribed = reduced.can_prescribe().then(PrescribedState::default);
         saved.record(record)?;
@@ -141,8 +139,7 @@ impl SavedState {
                 integrator.record(record)?;
                 lookahead.record(record)
             }
-            Memory::WithCircuit(memory) => memory.record(record),
-            Memory::WithNetwork(memory) => memory.record(record),
+            Memory::WithHydraulics(motion) => motion.record(record),
         }
     }
 

@@ -6,6 +6,7 @@ mod arrival;
 mod circuit;
 mod inputs;
 mod jump;
+mod ports;
 mod prescribed;
 mod start;
 
@@ -20,6 +21,7 @@ use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::coasting::{Coasting, Path};
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
+use crate::mechanism::motion::hydraulic_motion::Driven;
 use crate::mechanism::motion::memory::Memory;
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::AT_STOP;
@@ -248,7 +250,7 @@ impl State {
                 let [sigma, sigma_dot, lost] = lookahead.read_within(h, tolerance, locked)?;
                 Some(([sigma, sigma_dot], lost))
             }
-            Memory::WithCircuit(_) | Memory::WithNetwork(_) => None,
+            Memory::WithHydraulics(_) => None,
         }
     }
 
@@ -336,17 +338,9 @@ impl State {
                 *lost += impacts?;
                 Ok(())
             }
-            Memory::WithCircuit(memory) => {
-                let driven = circuit::Driven { dynamics, memory, ends, contact, witness, tolerance, inputs };
-                let (impacts, z, _) = driven.run(*y, h, max_steps);
-                (*y, *lost) = ([z[0], z[1]], z[2]);
-                *lost += impacts?;
-                Ok(())
-            }
-            Memory::WithNetwork(memory) => {
-                let own = &mut **memory;
-                let driven = circuit::Driven { dynamics, memory: own, ends, contact, witness, tolerance, inputs };
-                let (impacts, z, now_locked) = driven.run(*y, h, max_steps);
+            Memory::WithHydraulics(motion) => {
+                let driven = Driven { dynamics, ends, contact, witness, tolerance, inputs };
+                let (impacts, z, now_locked) = motion.run(driven, *y, h, max_steps);
                 (*y, *lost) = ([z[0], z[1]], z[2]);
                 if now_locked != locked {
                     saved.in_force = None;

@@ -3,6 +3,7 @@
 //!
 //! In: the reduced model in one state. Out: reduced mass, load and ratios of one body. It must not know the drive's
 //! kind.
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, spring_force};
 use crate::mechanism::outputs::view::{Reading, View};
@@ -33,9 +34,9 @@ impl<N: Reading> View<'_, N> {
                 {
                     work = (x * acceleration.x + y * acceleration.y) * mass * self.size(gravity);
                 }
-                let curve = loading.drives[drive].curve.as_ref().map(|curve| curve.load);
+                let own = loading.drives[drive].law.as_ref().map_or(0..0, DriveLaw::commands);
                 for (index, &[load, on]) in bodies.pairs.iter().enumerate() {
-                    if on == body && load != drive && Some(load) != curve {
+                    if on == body && load != drive && !own.contains(&load) {
                         work = work + self.present_size(load)? * self.component(table, position, bodies.work(index));
                     }
                 }

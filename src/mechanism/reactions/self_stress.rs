@@ -10,6 +10,7 @@ use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::{Freedom, Linkage, Positions};
 use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, perp};
+use crate::numerics::pseudo_inverse::pseudo_inverse;
 use nalgebra::{Cholesky, DMatrix, Dyn, Vector3};
 
 /// States of self-stress at a configuration.
@@ -91,7 +92,7 @@ impl SelfStresses {
             });
             pairs.iter().for_each(|pair| pair.share(state.as_mut_slice()));
         }
-        let inverse = inverse(states.transpose() * &states);
+        let inverse = inverse(states.tr_mul(&states));
         Self { pairs, states, inverse, size: linkage.size }
     }
 
@@ -106,12 +107,15 @@ impl SelfStresses {
             self.pairs.iter().for_each(|pair| pair.share(term.as_mut_slice()));
         }
         if !self.states.is_empty() {
-            let products = self.states.transpose() * &all;
-            all -= &self.states
-                * match &self.inverse {
-                    Inverse::Factor(factor) => factor.solve(&products),
-                    Inverse::Pseudo(inverse) => inverse * products,
-                };
+            let products = self.states.tr_mul(&all);
+            let parts = match &self.inverse {
+                Inverse::Factor(factor) => factor.solve(&products),
+                // It is symmetric.
+                Inverse::Pseudo(inverse) => inverse.tr_mul(&products),
+            };
+            for (mut term, part) in all.column_iter_mut().zip(parts.column_iter()) {
+                term.gemv(-1.0, &self.states, &part, 1.0);
+            }
         }
         for (r, part) in reactions.iter_mut().zip(all.as_slice().chunks_exact(ROWS)) {
             *r = Reaction { force: Vec2::new(part[0], part[1]), moment: self.size * part[2] };
@@ -243,9 +247,8 @@ fn inverse(gram: DMatrix<f64>) -> Inverse {
         let diagonal = factor.l_dirty().diagonal();
         diagonal.min().powi(2) > INDEPENDENT * diagonal.max().powi(2)
     });
-    let n = gram.nrows();
     match factor {
         Some(factor) => Inverse::Factor(factor),
-        None => Inverse::Pseudo(gram.pseudo_inverse(1e-12).unwrap_or(DMatrix::zeros(n, n))),
+        None => Inverse::Pseudo(pseudo_inverse(gram, 1e-12)),
     }
 }

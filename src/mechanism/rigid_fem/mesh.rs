@@ -5,6 +5,7 @@ use super::element::{Element, Ends, LocalCoordinates, Span};
 use super::error::RigidFemError;
 use crate::mechanism::linkage::{Freedom, GROUND, Joint, Linkage, Point};
 use crate::numerics::plane::Vec2;
+use crate::numerics::pseudo_inverse::pseudo_inverse;
 use nalgebra::DMatrix;
 
 /// Distance below which points of one body are one node, relative to the linkage's size.
@@ -208,7 +209,7 @@ impl Mesh {
                     - f64::from(i8::from(joint.first.body == group[row].body))
             });
             // Entries are 0, 1 and -1, so singular values are 0 or of order 1.
-            let Ok(inverse) = incidence.pseudo_inverse(1e-9) else { continue };
+            let inverse = pseudo_inverse(incidence, 1e-9);
             // The force on the ground is minus the sum of the others.
             let ground = group.iter().position(|p| p.body == GROUND);
             for (row, joint) in joints.iter().enumerate() {

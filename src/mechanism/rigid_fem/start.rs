@@ -7,6 +7,7 @@ use super::mesh::Present;
 use super::model::{RigidFem, State};
 use crate::mechanism::linkage::Linkage;
 use crate::numerics::plane::Vec2;
+use crate::numerics::pseudo_inverse::pseudo_inverse;
 use nalgebra::{DMatrix, DVector};
 
 /// Correction of positions at which the iterations end, relative to the linkage's size: some ten units of rounding.
@@ -156,7 +157,7 @@ impl System {
             }
         }
         let rank = RANK * matrix.amax();
-        let inverse = matrix.pseudo_inverse(rank).unwrap_or_else(|_| DMatrix::zeros(n + m, n + m));
+        let inverse = pseudo_inverse(matrix, rank);
         Self { mass, rows, weights, inverse }
     }
 

@@ -1,18 +1,16 @@
-//! Derivatives as a host asks for them: of outputs by inputs, of outputs in time, and those of inputs that it sets.
+//! Derivatives of outputs by inputs and in time.
 //!
-//! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
-//! must not know any law.
-use super::{Model, motion};
+//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know any
+//! law.
+use super::{Model, Network, motion};
+use crate::hydraulics::common::Differentiable;
 use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::model::OUTPUT_ORDER;
 use crate::hydraulics::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
 use crate::hydraulics::network::inputs::order;
-use crate::hydraulics::network::interface::Quantity;
-use crate::hydraulics::network::laws::Drive;
+use crate::hydraulics::network::laws::{Drive, Laws};
 use crate::hydraulics::network::layout::Part;
 use crate::hydraulics::network::outputs::{Ahead, Output, Present, ahead, blind};
 use crate::numerics::dual::{Dual, Number};
-use crate::variables::{Causality, Kind, Reference, Variability};
 
 /// A direction in which state and inputs change.
 struct Direction {
@@ -24,68 +22,6 @@ struct Direction {
 type Changed = Option<(Vec<Dual<1>>, [Drive<Dual<1>>; MOST_CYLINDERS])>;
 
 impl Model {
-    /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
-    /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
-    /// derivative in this state.
-    ///
-    /// # Errors
-    /// An unknown that is no continuous output, a known that is no continuous input, a seed that is not finite.
-    pub fn directional_derivative(
-        &mut self,
-        unknowns: &[Reference],
-        knowns: &[Reference],
-        seeds: &[f64],
-        report: &mut dyn FnMut(usize, f64),
-    ) -> Result<(), HydraulicsError> {
-        for &known in knowns {
-            self.continuous(
-                known,
-                Causality::Input,
-                "a known (the variable to differentiate by) must be a continuous input",
-            )?;
-        }
-        for &unknown in unknowns {
-            self.continuous(
-                unknown,
-                Causality::Output,
-                "an unknown (the variable to differentiate) must be a continuous output",
-            )?;
-        }
-        self.started()?;
-        let layout = self.parameters.laws.layout;
-        let mut direction = Direction { y: vec![0.0; layout.components()], inputs: vec![0.0; layout.inputs()] };
-        for (known, seed) in knowns.iter().zip(seeds) {
-            if !seed.is_finite() {
-                let name = self.name_of(*known);
-                return Err(HydraulicsError::Value {
-                    name,
-                    value: *seed,
-                    allowed: "finite, because this value is the seed of a directional derivative".into(),
-                });
-            }
-            // Inputs come first: the reference of an input is its index.
-            direction.inputs[*known as usize] += seed;
-        }
-        let present = self.present(&direction);
-        let mut changed = None;
-        for (index, &unknown) in unknowns.iter().enumerate() {
-            let Some(Quantity::Output(output)) = self.original.variables.quantity(unknown) else { continue };
-            let derivative = match output {
-                Output::Preview(cylinder, what) => {
-                    let changed = match &changed {
-                        Some(changed) => changed,
-                        None => changed.insert(self.foresee_change(&direction)),
-                    };
-                    Some(self.ahead(changed, &direction, cylinder, what))
-                }
-                _ => present.output(&self.parameters.laws, output, 0.0),
-            };
-            let derivative = derivative.map_or(f64::NAN, |dual| dual.slope[0]);
-            report(index, if derivative.is_finite() { derivative } else { f64::NAN });
-        }
-        Ok(())
-    }
-
     /// The present state and its change along a direction.
     fn present(&self, direction: &Direction) -> Present<Dual<1>> {
         let (laws, inputs) = (&self.parameters.laws, &self.inputs);
@@ -98,7 +34,7 @@ impl Model {
 
     /// The motion foreseen and its change along a direction.
     fn foresee_change(&mut self, direction: &Direction) -> Changed {
-        let h = self.horizon();
+        let h = self.next_step();
         let Self { parameters, inputs, state: Some(state), cache, .. } = self else { return None };
         let setting = parameters.setting(inputs);
         let foreseen = cache.foresee(&setting, state, h);
@@ -127,7 +63,7 @@ impl Model {
         let pressures = [chamber, chamber + 1].map(|k| Dual { value: y[k], slope: [direction.y[k]] });
         let (motion, given) = ([of(Part::Length), of(Part::Speed)], of(Part::Acceleration));
         let force = laws.cylinders[cylinder].laws.force(pressures, motion[1]);
-        let h = self.horizon();
+        let h = self.next_step();
         match changed {
             Some((end, drives)) => {
                 let h = Dual { value: h, slope: [direction.inputs[layout.horizon()]] };
@@ -136,27 +72,54 @@ impl Model {
             None => blind(what, force, motion, given, h),
         }
     }
+}
 
-    /// Rate of a continuous output in time, under inputs that change at the rates set by
-    /// [`Self::set_input_derivative`], and under the speed and the acceleration of the inputs; where the latter is 0
-    /// and a reduced mass is told, under the acceleration of this mass. Outputs of the foreseen motion belong to the
-    /// next step: the rate of `preview.force` is that of the line, `preview.force_mean` and `preview.force_rate` are
-    /// constant, `preview.length` and `preview.speed` have the speed and the acceleration at the end of the step; the
-    /// accelerations have no rate.
-    ///
-    /// # Errors
-    /// No continuous output has this reference, or another order than 1.
-    pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, HydraulicsError> {
-        self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
-        if order != OUTPUT_ORDER {
-            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
-            let reason = "only order 1 is available (maxOutputDerivativeOrder is 1)".into();
-            return Err(HydraulicsError::Derivative { what, reason });
+impl Differentiable for Network {
+    type Along = Vec<f64>;
+
+    fn order(laws: &Laws, input: usize) -> usize {
+        order(laws.layout.input(input))
+    }
+
+    fn rate_set(model: &mut Model, _input: usize) {
+        model.cache.clear();
+    }
+
+    fn along(laws: &Laws) -> Vec<f64> {
+        vec![0.0; laws.layout.inputs()]
+    }
+
+    fn is_instant(output: Output) -> bool {
+        matches!(output, Output::Preview(_, Ahead::StartAcceleration | Ahead::Acceleration))
+    }
+
+    fn derivatives(
+        model: &mut Model,
+        along: &Vec<f64>,
+        outputs: &mut dyn Iterator<Item = (usize, Output)>,
+        report: &mut dyn FnMut(usize, f64),
+    ) -> Result<(), HydraulicsError> {
+        let layout = model.parameters.laws.layout;
+        let direction = Direction { y: vec![0.0; layout.components()], inputs: along.clone() };
+        let present = model.present(&direction);
+        let mut changed = None;
+        for (index, output) in outputs {
+            let derivative = match output {
+                Output::Preview(cylinder, what) => {
+                    let changed = match &changed {
+                        Some(changed) => changed,
+                        None => changed.insert(model.foresee_change(&direction)),
+                    };
+                    Some(model.ahead(changed, &direction, cylinder, what))
+                }
+                _ => present.output(&model.parameters.laws, output, 0.0),
+            };
+            report(index, derivative.map_or(f64::NAN, |dual| dual.slope[0]));
         }
-        self.started()?;
-        let Some(Quantity::Output(output)) = self.original.variables.quantity(reference) else {
-            return Ok(f64::NAN);
-        };
+        Ok(())
+    }
+
+    fn rate(model: &mut Model, output: Output) -> Result<f64, HydraulicsError> {
         if let Output::Preview(cylinder, what) = output {
             let of = match what {
                 Ahead::Force => Ahead::ForceRate,
@@ -165,10 +128,9 @@ impl Model {
                 Ahead::Speed => Ahead::Acceleration,
                 Ahead::StartAcceleration | Ahead::Acceleration => return Ok(f64::NAN),
             };
-            let value = self.output(Output::Preview(cylinder, of))?;
-            return Ok(if value.is_finite() { value } else { f64::NAN });
+            return model.output(Output::Preview(cylinder, of));
         }
-        let Self { parameters, inputs, state: Some(state), .. } = self else {
+        let Model { parameters, inputs, state: Some(state), .. } = model else {
             return Err(HydraulicsError::NotInitialised);
         };
         let (laws, setting) = (&parameters.laws, parameters.setting(inputs));
@@ -196,66 +158,7 @@ impl Model {
             let own = layout.motion(cylinder);
             direction.y[own] = setting.get(cylinder, Part::Speed);
         }
-        let rate = self.present(&direction).output(&self.parameters.laws, output, 0.0);
-        Ok(rate.map_or(f64::NAN, |dual| if dual.slope[0].is_finite() { dual.slope[0] } else { f64::NAN }))
-    }
-
-    /// Why an output has no derivative where the last call gave NaN.
-    #[cold]
-    pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
-        match self.original.variables.quantity(reference)? {
-            Quantity::Output(Output::Preview(_, Ahead::StartAcceleration | Ahead::Acceleration)) => {
-                Some("the acceleration at one instant of the next step has no time derivative".to_owned())
-            }
-            Quantity::Output(_) => Some(
-                "the derivative exceeds the largest number, 1.8e308: check the inputs and the parameters".to_owned(),
-            ),
-            _ => None,
-        }
-    }
-
-    /// Whether [`Self::set_input_derivative`] would accept this; changes nothing.
-    ///
-    /// # Errors
-    /// No continuous input has this reference, the order is not one of those that count, the value is not finite.
-    pub fn check_input_derivative(&self, reference: Reference, own: i32, value: f64) -> Result<(), HydraulicsError> {
-        self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
-        let most = order(self.parameters.laws.layout.input(reference as usize));
-        if !(1..=most as i32).contains(&own) {
-            let what = format!("time derivative of order {own} of {}", self.name_of(reference));
-            let reason = format!("only the orders 1 to {most} can be set");
-            return Err(HydraulicsError::Derivative { what, reason });
-        }
-        if !value.is_finite() {
-            let name = format!("time derivative of order {own} of {}", self.name_of(reference));
-            return Err(HydraulicsError::Value { name, value, allowed: "finite".into() });
-        }
-        Ok(())
-    }
-
-    /// Set a derivative of an input in time at the beginning of the next step; it holds for one step. Those of lengths
-    /// are not used: within a step a length is its value at the beginning plus the integral of the speed.
-    ///
-    /// # Errors
-    /// As [`Self::check_input_derivative`].
-    pub fn set_input_derivative(&mut self, reference: Reference, own: i32, value: f64) -> Result<(), HydraulicsError> {
-        self.check_input_derivative(reference, own, value)?;
-        self.inputs.set_rate(reference as usize, own as usize, value);
-        self.cache.clear();
-        Ok(())
-    }
-
-    /// Refuse a variable that is not a continuous Real of this causality.
-    fn continuous(&self, reference: Reference, causality: Causality, rule: &str) -> Result<(), HydraulicsError> {
-        match self.original.variables.get(reference) {
-            Some(v) if v.causality == causality && v.kind == Kind::Real && v.variability == Variability::Continuous => {
-                Ok(())
-            }
-            Some(v) => {
-                let what = format!("{} (value reference {reference})", v.name);
-                Err(HydraulicsError::Derivative { what, reason: rule.into() })
-            }
-            None => Err(self.no_such(reference, "Real")),
-        }
+        let rate = model.present(&direction).output(&model.parameters.laws, output, 0.0);
+        Ok(rate.map_or(f64::NAN, |dual| dual.slope[0]))
     }
 }

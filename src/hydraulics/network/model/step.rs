@@ -2,16 +2,15 @@
 //!
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
-use super::{Model, Warnings};
+use super::Model;
 use crate::format::Range;
 use crate::hydraulics::circuit::SLACK;
-use crate::hydraulics::definition::{ABOVE_VACUUM, check_pressure, is_pressure};
+use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::events::nearness;
 use crate::hydraulics::network::definition::Mode;
 use crate::hydraulics::network::inputs::range;
 use crate::hydraulics::network::layout::{Input, Part};
-use crate::hydraulics::network::state::State;
 use crate::hydraulics::state::interrupted;
 use crate::integrator::SHORTEST;
 use crate::variables::Reference;
@@ -25,25 +24,9 @@ impl Model {
     /// # Errors
     /// The present parameters give no network, or a cylinder does not have its present length.
     pub fn initialize(&mut self) -> Result<(), HydraulicsError> {
-        self.state = None;
-        self.cache.clear();
-        self.warnings = Warnings::default();
+        self.clear_motion();
         self.started()?;
         self.parameters.setting(&self.inputs).check_lengths(0.0, &self.cache.foreseen.motions, |_| SLACK)
-    }
-
-    /// Put the network at its start if it has no state yet.
-    #[inline]
-    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
-        if self.state.is_none() {
-            self.parameters.system.check()?;
-            let layout = &self.parameters.laws.layout;
-            for (index, value) in self.inputs.values.iter().enumerate().take(layout.reservoirs) {
-                check_pressure(&self.name_of(index as Reference), *value, self.parameters.laws.ambient())?;
-            }
-            self.state = Some(State::at_start(&self.parameters.laws, &self.parameters.system, &self.inputs));
-        }
-        Ok(())
     }
 
     /// Advance by exactly `h` [s], > 0: by the foreseen motion, or by that of the inputs. The inputs keep their values
@@ -69,13 +52,13 @@ impl Model {
     /// The event to which a step has led is handled: locks release or engage.
     pub fn handle_event(&mut self) {
         let Self { parameters, state: Some(state), .. } = self else { return };
-        state.switch_locks(&parameters.laws, nearness(parameters.system.solver.tolerance));
+        state.switch_locks(&parameters.laws, nearness(parameters.definition.solver.tolerance));
     }
 
     /// The event to which the last step has led: its time since the beginning of the step [s], and its words.
     pub fn take_event(&mut self) -> Option<(f64, String)> {
         let (time, event) = self.cache.event.take()?;
-        Some((time, self.parameters.laws.event_words(event, &self.parameters.system)))
+        Some((time, self.parameters.laws.event_words(event, &self.parameters.definition)))
     }
 
     /// Whether a step can come to an event.
@@ -100,7 +83,7 @@ impl Model {
             return Ok(None);
         }
         let moves = (0..layout.cylinders).any(|index| setting.get(index, Part::Mass) > 0.0);
-        let follows = parameters.system.coupling.mode == Mode::Follow;
+        let follows = parameters.definition.coupling.mode == Mode::Follow;
         let whole = h;
         cache.event = None;
         if to_event {
@@ -140,7 +123,7 @@ impl Model {
         inputs.leave(layout, reached, &state.y);
         cache.clear();
         if reached < h {
-            Err(interrupted(&parameters.system.solver, reached, h))
+            Err(interrupted(&parameters.definition.solver, reached, h))
         } else {
             Ok(cache.event.map(|(time, _)| time))
         }

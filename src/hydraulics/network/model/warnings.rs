@@ -104,7 +104,7 @@ impl Warnings {
 
 fn text(parameters: &Parameters, kind: Warning, (index, numbers): (usize, [f64; 2])) -> String {
     let [one, two] = numbers.map(Decimal::rounded);
-    let system = &parameters.system;
+    let system = &parameters.definition;
     let name = |names: Vec<&str>| names.get(index).copied().unwrap_or_default().to_owned();
     match kind {
         Warning::Clipped => {

@@ -2,9 +2,10 @@
 //!
 //! In: what a model has at the beginning of a step. Out: the jobs of its integrations; lengths that are refused. It
 //! must not know the state.
+use crate::format::Named;
 use crate::hydraulics::definition::Solver;
 use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::network::definition::MOST_CYLINDERS;
+use crate::hydraulics::network::definition::{Cylinder, MOST_CYLINDERS};
 use crate::hydraulics::network::inputs::Inputs;
 use crate::hydraulics::network::laws::{Drive, Laws};
 use crate::hydraulics::network::layout::Part;
@@ -19,8 +20,8 @@ pub struct Setting<'a> {
     pub laws: &'a Laws,
     pub solver: &'a Solver,
     pub inputs: &'a Inputs,
-    /// Names of the cylinders.
-    pub names: &'a [String],
+    /// The cylinders by name.
+    pub cylinders: &'a Named<Cylinder>,
 }
 
 impl Setting<'_> {
@@ -80,7 +81,11 @@ impl Setting<'_> {
                 speed.passages(0.0, h, &mut add);
             }
             if beyond(farthest) > 0.0 && beyond(farthest) > overrun(index) {
-                let name = format!("{}.length{}", self.names[index], if h > 0.0 { " within the step" } else { "" });
+                let name = format!(
+                    "{}.length{}",
+                    self.cylinders.names()[index],
+                    if h > 0.0 { " within the step" } else { "" }
+                );
                 let allowed = format!("from closed_length = {least} m to closed_length + stroke = {most} m");
                 return Err(HydraulicsError::Value { name, value: farthest, allowed });
             }

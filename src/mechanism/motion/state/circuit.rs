@@ -4,35 +4,27 @@
 //! the motion from going on. It must not know outputs.
 use super::inputs::engaged_locks;
 use super::{State, set_locks};
+use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::SUPPLY;
-use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::network::laws::Laws;
-use crate::integrator::{IntegrationError, System};
+use crate::integrator::{IntegrationError, Statistics, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED, NetworkPorts, engage_locks, switch_locks};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
-use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
+use crate::mechanism::motion::contact::EngagedLocks;
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::elapsed::Elapsed;
-use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory};
-use crate::mechanism::motion::witness::{What, Witness};
+use crate::mechanism::motion::events::Event;
+use crate::mechanism::motion::hydraulic_motion::{Driven, HydraulicMotion};
+use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, recount, refresh, restart};
+use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
-
-/// A step of a motion with a circuit or network of C components.
-pub struct Driven<'a, 'e, const N: usize, const C: usize> {
-    pub dynamics: &'a mut EquationOfMotion<'e>,
-    pub memory: &'a mut HydraulicMemory<N, C>,
-    pub ends: &'a Ends<'a>,
-    pub contact: &'a mut Contact,
-    pub witness: &'a mut Witness,
-    pub tolerance: f64,
-    pub inputs: &'e Inputs,
-}
+use std::any::Any;
 
 /// A motion with the hydraulics that drive it.
 pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
@@ -79,20 +71,19 @@ impl<'e> Hydraulics<'e, NETWORKED> for EquationOfMotion<'e> {
     }
 }
 
-impl<'e, const N: usize, const C: usize> Driven<'_, 'e, N, C>
+impl<const N: usize, const C: usize> HydraulicMotion for HydraulicMemory<N, C>
 where
-    EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
+    for<'e> EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
 {
-    /// Advance (sigma, sigma_dot) and the circuit or network by exactly `h` [s]. Returns the energy lost in impacts
-    /// [J]; sigma, sigma_dot and the energy lost in the state reached; the places where a lock is engaged there.
-    pub fn run(
-        self,
+    fn run<'e>(
+        &mut self,
+        driven: Driven<'_, 'e>,
         [sigma, sigma_dot]: [f64; 2],
         h: f64,
         max_steps: u64,
     ) -> (Result<f64, Stopped>, [f64; MOTION], EngagedLocks) {
-        let Self { dynamics, memory, ends, contact, witness, tolerance, inputs } = self;
-        let HydraulicMemory { integrator, lookahead, circuit, before, ports } = memory;
+        let Driven { dynamics, ends, contact, witness, tolerance, inputs } = driven;
+        let Self { integrator, lookahead, circuit, before, ports } = self;
         *before = *circuit;
         let mut z = [0.0; N];
         (z[0], z[1]) = (sigma, sigma_dot);
@@ -146,6 +137,47 @@ where
             advanced = Err(dynamics.why_stuck(error, &z));
         }
         (advanced, [z[0], z[1], z[2]], ends.locked)
+    }
+
+    fn undo(&mut self) {
+        self.circuit = self.before;
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.integrator.statistics()
+    }
+
+    fn tried(&self) -> [u64; 2] {
+        self.integrator.tried()
+    }
+
+    fn event_ahead(&self) -> Option<Event> {
+        self.lookahead.step_ahead.as_ref()?.event
+    }
+
+    fn restart(&mut self) {
+        restart(&mut self.integrator, &mut self.lookahead);
+    }
+
+    fn recount(&mut self) {
+        recount(&mut self.integrator, &mut self.lookahead);
+    }
+
+    fn refresh(&mut self) {
+        refresh(&mut self.integrator, &mut self.lookahead);
+    }
+
+    fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        Self::record(self, record)
+    }
+
+    fn duplicate(&self) -> Box<dyn HydraulicMotion> {
+        Box::new(self.clone())
+    }
+
+    fn copy_from(&mut self, other: &dyn HydraulicMotion) -> bool {
+        let other = (other as &dyn Any).downcast_ref();
+        other.map(|other| Self::copy_from(self, other)).is_some()
     }
 }
 
@@ -208,57 +240,10 @@ impl State {
         else {
             return;
         };
-        if let (true, Memory::WithCircuit(memory)) = (input == drive.first_input + 1, &mut self.saved.memory)
-            && memory.circuit.time == Elapsed::default()
+        if input == drive.first_input + 1
+            && let Some(circuit) = self.saved.memory.circuit_mut().filter(|circuit| circuit.time == Elapsed::default())
         {
-            memory.circuit.values[SUPPLY] = value;
+            circuit.values[SUPPLY] = value;
         }
     }
-}
-
-/// Refuse inputs of the circuit or network out of range, such as pressures of ports at or below absolute zero, at the
-/// beginning or at the end of a step of `h` [s].
-///
-/// # Errors
-/// [`ModelError::Value`].
-#[inline]
-pub fn check_ports(reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
-    let loading = reduced.loading();
-    if let Some(drive) = &loading.hydraulics {
-        for (name, input) in [("supply.pressure", drive.first_input + 1), ("tank.pressure", drive.first_input + 2)] {
-            let is_allowed = |value| is_pressure(value, drive.laws.ambient());
-            check_port(
-                inputs,
-                input,
-                h,
-                name,
-                |value| if is_allowed(value) { None } else { Some(ABOVE_VACUUM.into()) },
-            )?;
-        }
-    }
-    let Some(network) = &loading.network else { return Ok(()) };
-    for index in 0..network.laws.layout.flow_inputs() {
-        let (input, name) = (network.first_input + index, &network.inputs[index]);
-        check_port(inputs, input, h, name, |value| network.laws.refuses(index, value))?;
-    }
-    Ok(())
-}
-
-/// Refuse a value of an input at the beginning or at the end of a step of `h` [s] for which `refuses` states what is
-/// allowed.
-#[inline]
-fn check_port(
-    inputs: &Inputs,
-    input: usize,
-    h: f64,
-    name: &str,
-    refuses: impl Fn(f64) -> Option<String>,
-) -> Result<(), ModelError> {
-    let value = inputs.reals[input];
-    for (value, place) in [(value, ""), (inputs.signal.at(input, value, h), " at the end of the step")] {
-        if let Some(allowed) = refuses(value) {
-            return Err(ModelError::Value { name: [name, place].concat(), value, allowed });
-        }
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 //! In: inputs that may have changed since the last step. Out: a state with them applied, or as it was before; the loads
 //! that the state decides under them. It must not know how a step is made.
 use super::State;
-use super::circuit::check_ports;
+use super::ports::check_ports;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;

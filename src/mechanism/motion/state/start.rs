@@ -2,8 +2,9 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::circuit::{check_ports, network_at_start};
+use super::circuit::network_at_start;
 use super::inputs::{Before, engaged_locks};
+use super::ports::check_ports;
 use super::{State, check_length, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
@@ -14,7 +15,7 @@ use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::motion::memory::CircuitState;
+use crate::mechanism::motion::memory::{CircuitState, Memory};
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel};
 use crate::mechanism::motion::witness::Witness;
@@ -209,7 +210,7 @@ impl State {
                 circuit.check()?;
                 let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
                 let state = CircuitState { values, ..CircuitState::default() };
-                saved.memory.begin_with_circuit(state, reduced.loading().ports());
+                saved.memory = Memory::with_circuit(state, reduced.loading().ports())?;
             }
             _ => match (&mechanism.hydraulics, &reduced.loading().network) {
                 (Some(system), Some(drives)) => {
@@ -218,7 +219,7 @@ impl State {
                     let length = |load: &usize| reduced.displacement_at(*load, start.sigma, 0) + growth(*load);
                     let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
                     let state = network_at_start(system, &drives.laws, &lengths);
-                    saved.memory.begin_with_network(state, reduced.loading().ports());
+                    saved.memory = Memory::with_network(state, reduced.loading().ports())?;
                 }
                 _ => saved.memory.begin(state_loads.is_some()),
             },
