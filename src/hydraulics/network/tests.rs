@@ -169,6 +169,25 @@ fn states_go_on_to_the_bit() {
     }
 }
 
+/// At rest implicit steps share a Jacobian. A state that is saved, written and read there continues with it.
+#[test]
+fn steps_at_rest_share_a_jacobian_and_a_saved_state_keeps_it() {
+    let mut host = Host::start(SYSTEM);
+    host.run(8.0, 1e-3);
+    let (snapshot, before, mut bytes) = (host.0.snapshot(), host.0.statistics(), Vec::new());
+    snapshot.write(&mut bytes).unwrap();
+    host.run(0.2, 1e-3);
+    let (after, expected) = (host.0.statistics(), host.outputs());
+    assert!(after.by_method[4] >= before.by_method[4] + 200, "{:?}", after.by_method);
+    assert!(after.jacobians <= before.jacobians + 5, "{} after {}", after.jacobians, before.jacobians);
+    let read = host.0.read_snapshot(&bytes).unwrap();
+    for start in [snapshot, read] {
+        host.0.restore(&start).unwrap();
+        host.run(0.2, 1e-3);
+        assert_eq!(host.outputs(), expected);
+    }
+}
+
 /// The same network with room for small and for large ones.
 #[test]
 fn the_capacity_does_not_matter() {
