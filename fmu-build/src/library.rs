@@ -13,7 +13,7 @@ use std::env::consts::DLL_EXTENSION;
 use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 /// The package of the program that runs now. Built together with it, the library has the engine that this program has
 /// been built with; by itself it might ask for other features of the dependencies, and all would be compiled again.
@@ -41,20 +41,8 @@ pub struct Target {
 /// The build fails, or it names no shared library.
 pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Target>) -> Result<Vec<u8>> {
     let package = library.package;
-    let mut cargo = command::cargo(workspace);
-    cargo.arg(target.map_or("build", |target| target.subcommand));
-    cargo.args(["--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
-    let extension = match target {
-        None => {
-            cargo.args(["--package", PROGRAM, "--package", package]);
-            DLL_EXTENSION
-        }
-        Some(target) => {
-            cargo.args(["--package", package, "--lib", "--target", &target.triple]);
-            cargo.args(&target.arguments).envs(target.variables.iter().cloned());
-            target.extension
-        }
-    };
+    let extension = target.map_or(DLL_EXTENSION, |target| target.extension);
+    let mut cargo = command(workspace, library, target);
     let output = cargo.output().with_context(|| command::cannot_start(&cargo, "cargo build"))?;
     let what = target.map_or_else(|| package.to_owned(), |target| format!("{package} for {}", target.triple));
     if !output.status.success() {
@@ -67,6 +55,21 @@ pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Tar
     sources::leave_out(&mut content, &sources::folder()?);
     binary::exports_fmi_only(&content).with_context(|| format!("{}: cannot be packed", path.display()))?;
     Ok(content)
+}
+
+/// The call of Cargo that builds a library; `target` as for [`build`].
+pub fn command(workspace: &Workspace, library: &SharedLibrary, target: Option<&Target>) -> Command {
+    let mut cargo = command::cargo(workspace);
+    cargo.arg(target.map_or("build", |target| target.subcommand));
+    cargo.args(["--release", "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
+    match target {
+        None => cargo.args(["--package", PROGRAM, "--package", library.package]),
+        Some(target) => {
+            cargo.args(["--package", library.package, "--lib", "--target", &target.triple]);
+            cargo.args(&target.arguments).envs(target.variables.iter().cloned())
+        }
+    };
+    cargo
 }
 
 /// The library of this name and extension among Cargo's messages, one JSON object a line.

@@ -4,8 +4,9 @@
 //! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
 
 mod macos;
+mod toolchain;
 
-use crate::binary::{ARM_LINUX, Binary, COMPATIBLE, MAC};
+use crate::binary::{ARM_LINUX, Binary, COMPATIBLE};
 use crate::library::served::SharedLibrary;
 use crate::library::{self, Target, sources};
 use crate::needs::{self, Needs};
@@ -17,75 +18,7 @@ use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-
-/// How Rust and a linker make libraries for a platform.
-struct Toolchain {
-    /// Name in FMI 3.0.
-    tuple: &'static str,
-    /// Folder in FMI 2.0.
-    folder: &'static str,
-    triple: &'static str,
-    extension: &'static str,
-    /// The linker, and the package of Debian that has it; none for macOS.
-    linker: Option<(&'static str, &'static str)>,
-    /// How Debian gives Rust's standard library to its own Rust, where it does. Debian 12 has a recent Rust under the
-    /// names of a browser's (rustc-web): its package rust-src is of Rust 1.63.
-    debian: &'static str,
-}
-
-const X86_LINUX: Toolchain = Toolchain {
-    tuple: "x86_64-linux",
-    folder: "linux64",
-    triple: "x86_64-unknown-linux-gnu",
-    extension: "so",
-    linker: Some(("x86_64-linux-gnu-gcc", "gcc-x86-64-linux-gnu")),
-    debian: " (with Debian's own rustc-web: apt-get install libstd-rust-web-dev:amd64)",
-};
-
-const X86_WINDOWS: Toolchain = Toolchain {
-    tuple: "x86_64-windows",
-    folder: "win64",
-    triple: "x86_64-pc-windows-gnu",
-    extension: "dll",
-    linker: Some(("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64")),
-    debian: " (with Debian's own rustc-web: apt-get install rust-web-src, and RUSTC_BOOTSTRAP=1)",
-};
-
-const ARM: Toolchain = Toolchain {
-    tuple: ARM_LINUX,
-    folder: ARM_LINUX,
-    triple: "aarch64-unknown-linux-gnu",
-    extension: "so",
-    linker: Some(("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")),
-    debian: " (with Debian's own rustc-web: dpkg --add-architecture arm64, apt-get install libstd-rust-web-dev:arm64)",
-};
-
-const X86_MAC: Toolchain = Toolchain {
-    tuple: "x86_64-darwin",
-    folder: MAC,
-    triple: "x86_64-apple-darwin",
-    extension: "dylib",
-    linker: None,
-    debian: "",
-};
-
-const ARM_MAC: Toolchain = Toolchain { tuple: "aarch64-darwin", triple: "aarch64-apple-darwin", ..X86_MAC };
-
-impl Toolchain {
-    fn is_linux(&self) -> bool {
-        self.extension == "so"
-    }
-}
-
-fn toolchain(platform: Platform) -> &'static Toolchain {
-    match platform {
-        Platform::X86Linux => &X86_LINUX,
-        Platform::X86Windows => &X86_WINDOWS,
-        Platform::ArmLinux => &ARM,
-        Platform::X86Mac => &X86_MAC,
-        Platform::ArmMac => &ARM_MAC,
-    }
-}
+use toolchain::{ARM, TOOLCHAINS, Toolchain, X86_LINUX, toolchain};
 
 /// Folder of a platform's library in FMUs of FMI 2.0.
 pub fn folder(platform: Platform) -> &'static str {
@@ -214,7 +147,11 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
             let folder = if version::tuple() == ARM.tuple { ARM.folder } else { version::platform()? };
             prebuilt::content(root, library, folder)?
         }
-        None => library::build(workspace, library, None)?,
+        None => {
+            let toolchain = TOOLCHAINS.into_iter().find(|toolchain| toolchain.tuple == version::tuple());
+            let target = toolchain.map_or(Ok(None), |toolchain| target(workspace, toolchain, None))?;
+            library::build(workspace, library, target.as_ref())?
+        }
     };
     if version::tuple() == ARM.tuple {
         return Ok(Binary::new(ARM.folder, content, ARM.triple)?.of(library).compatible());
@@ -222,14 +159,14 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
     Ok(Binary::new(version::platform()?, content, "this machine's library")?.of(library))
 }
 
-/// How the library for a platform is built; None for this machine's own.
+/// How the library for a platform is built; None for this machine's own where that serves as Cargo builds it.
 ///
 /// # Errors
 /// What is missing, with the command that gives it.
 fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> Result<Option<Target>> {
     let &Toolchain { triple, extension, .. } = toolchain;
     let glibc = glibc.filter(|_| toolchain.is_linux());
-    if glibc.is_none() && toolchain.tuple == version::tuple() {
+    if glibc.is_none() && toolchain.is_built_plainly(&version::tuple()) {
         return Ok(None);
     }
     let (subcommand, linked) = match toolchain.linker {
@@ -237,15 +174,14 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
         Some(named) if glibc.is_none() => ("build", linker(triple, named).map(Some)),
         Some(_) => ("zigbuild", path_with_zig(workspace).map(|path| Some(("PATH".to_owned(), path)))),
     };
-    let (mut arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
-    let (name, mut flags) = sources::variable()?;
-    if toolchain.linker.is_none() {
-        arguments.extend(macos::STRIPPED_BY_LINKER);
-        flags.push(macos::FLAGS);
-    }
-    let variables = linked.into_iter().chain([(name, flags)]).collect();
+    let (arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
     let triple = glibc.map_or_else(|| triple.to_owned(), |glibc| format!("{triple}.{glibc}"));
-    Ok(Some(Target { subcommand, triple, extension, arguments, variables }))
+    let variables = linked.into_iter().chain([sources::variable()?]).collect();
+    let mut target = Target { subcommand, triple, extension, arguments, variables };
+    if toolchain.linker.is_none() {
+        macos::complete(&mut target, cfg!(target_os = "macos"));
+    }
+    Ok(Some(target))
 }
 
 /// Both parts of a toolchain.
@@ -417,18 +353,6 @@ mod tests {
         let refused = |platforms: &[Platform]| folders(&asking(platforms, true)).unwrap_err().to_string();
         assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("build two FMUs"));
         assert!(refused(&[Platform::X86Windows]).contains("add aarch64-linux to --platforms"));
-    }
-
-    #[test]
-    fn a_toolchain_makes_libraries_of_its_platform() {
-        for toolchain in [&X86_LINUX, &X86_WINDOWS, &ARM, &X86_MAC, &ARM_MAC] {
-            let path = crate::binary::path(toolchain.folder, "A").unwrap();
-            assert_eq!(path, format!("binaries/{}/A.{}", toolchain.folder, toolchain.extension));
-            assert_eq!(
-                crate::binary::path(toolchain.tuple, "A").unwrap().split_once('.').unwrap().1,
-                toolchain.extension
-            );
-        }
     }
 
     #[test]
