@@ -127,7 +127,8 @@ impl Naming {
 #[derive(Args, Default)]
 pub struct Dist {
     /// Platforms of the libraries in the wheel, which the installed program packs into FMUs; the program itself is for
-    /// this machine [default: this machine]
+    /// this machine. With this option the program is built for a small file, as for a published wheel, and the build
+    /// needs some minutes more [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
@@ -142,10 +143,6 @@ pub struct Dist {
     /// 2.17 or later; the linker is zig [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Build the program for a small file, as for a published wheel; the build needs some minutes more [default: the
-    /// program of the repository's release build]
-    #[arg(long)]
-    pub small: bool,
     /// Folder for the wheel and the source distribution [default: target/dist in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
