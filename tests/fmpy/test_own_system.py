@@ -86,7 +86,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     small = ["--no-animation", "--no-results", "--fmi", "2"]
     done = package(folder.parent, f"{folder.name}/own system.json", "--out", f"{folder.name}/out", *small)
     assert done.returncode == 0, done.stderr
-    assert "warning" not in done.stdout, done.stdout
+    assert ": warning: " not in done.stdout, done.stdout
     path = folder / "out" / "Pushed.ssp"
     assert str(Path(folder.name) / "out" / "Pushed.ssp") in done.stdout
     return path
