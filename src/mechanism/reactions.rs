@@ -147,11 +147,12 @@ fn inertial<const N: usize>(
         demand.moment[i] = body.inertia * a.angle[index] + cross(p.vector(index, body.center), force);
     }
     for rotor in &closure.linkage.rotors {
-        let Thrust { force, on } = closure.linkage.thrust(rotor, p, r, a);
-        for ((body, at), force) in on.into_iter().zip([-force, force]) {
+        let Thrust { force, couple, on } = closure.linkage.thrust(rotor, p, r, a);
+        for ((body, at), sign) in on.into_iter().zip([-1.0, 1.0]) {
+            let force = sign * force;
             demand[body].force[0][i] += force.x;
             demand[body].force[1][i] += force.y;
-            demand[body].moment[i] += cross(at - p.origin[body], force);
+            demand[body].moment[i] += cross(at - p.origin[body], force) + sign * couple;
         }
     }
 }

@@ -19,6 +19,21 @@ fn directional(model: &mut Model, unknowns: &[Reference], knowns: &[Reference], 
     values
 }
 
+/// A slider-crank with a controlled servo with losses, a controlled ram, a rotor and constant friction.
+fn controlled(speed: f64) -> String {
+    changed(TWO_DRIVES, |m| {
+        m["actuators"]["ram"]["control"] = json!({ "position_gain": 900, "speed_gain": 20, "command": 0.3 });
+        m["actuators"]["servo"]["efficiency"] = json!(0.8);
+        m["actuators"]["servo"]["control"] =
+            json!({ "position_gain": 4, "speed_gain": 0.3, "command": 2.5, "max_force": 9 });
+        m["joints"]["pin"]["armature"] = json!(0.004);
+        m["joints"]["pin"]["frictionloss"] = json!(0.2);
+        m["joints"]["wrist"]["frictionloss"] = json!(0.1);
+        m["friction"]["law"] = json!("stick");
+        m["start"]["speed"] = json!(speed);
+    })
+}
+
 /// States at which derivatives are compared.
 fn states() -> Vec<(String, Run)> {
     let mut all = Vec::new();
@@ -104,6 +119,8 @@ fn states() -> Vec<(String, Run)> {
         ("gas", gas(gas_spring()), [1e-6, 0.01]),
         ("curve", gas(json!({ "joint": "slide", "points": POINTS })), [1e-6, 0.01]),
         ("circuit", circuit, [0.0793, 1.0]),
+        ("controllers", controlled(14.0), [0.02, 0.03]),
+        ("controllers at rest", controlled(0.0), [1e-6, 1e-4]),
     ] {
         let mut run = Run::new(text).started();
         for span in spans {

@@ -38,6 +38,7 @@ mod impacts;
 mod input_derivatives;
 mod interface;
 mod interpolation;
+mod joint_elements;
 mod linearisation;
 mod look_ahead;
 mod losses;

@@ -326,6 +326,6 @@ fn twice_kinetic_part(closure: &Closure, q: &[f64], tangent: &[f64]) -> f64 {
     let linkage = &*closure.linkage;
     let p = linkage.positions(q);
     let whole: f64 = linkage.bodies.iter().map(|b| b.mass * linkage.size.powi(2) + b.inertia).sum();
-    let whole = whole + linkage.rotors.iter().map(|rotor| rotor.mass * linkage.size.powi(2)).sum::<f64>();
+    let whole = whole + linkage.rotors.iter().map(|rotor| rotor.inertia(linkage.size)).sum::<f64>();
     if whole > 0.0 { twice_kinetic(linkage, &p, &linkage.rates(&p, q, tangent)) / whole } else { 0.0 }
 }

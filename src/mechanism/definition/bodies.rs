@@ -1,7 +1,7 @@
 //! Bodies, points on them whose motion is asked for, joints, and the friction in these.
 use super::drawing::Drawn;
-use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit, keys, number, point, words};
-use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, One, Radian};
+use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit, either, keys, number, point, words};
+use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, NewtonMetre, One, Radian};
 
 keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
@@ -76,6 +76,17 @@ keys! {
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
+        /// Constant friction torque of a revolute joint or friction force of a prismatic joint [N.m or N], >= 0. The
+        /// constant friction acts against the motion of the joint, holds the joint at rest, and does not depend on the
+        /// force in the joint. The key `frictionloss` does not need the key `friction`.
+        frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
+            .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
+        /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
+        /// position of a prismatic joint [kg.m2 or kg], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
+        /// where rate is the relative speed of the two bodies. State the inertia of a geared motor at the joint: the
+        /// inertia of the motor times the square of the gear ratio.
+        armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
+            .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
 
     /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
@@ -158,7 +169,8 @@ impl Body {
 
 impl Joint {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        Owner { group: Some("joints"), name, is_rotary: false }.parameters(self, &Some, visit);
+        let is_rotary = self.kind == JointKind::Revolute;
+        Owner { group: Some("joints"), name, is_rotary }.parameters(self, &Some, visit);
     }
 }
 

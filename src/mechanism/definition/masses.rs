@@ -40,13 +40,14 @@ impl Mechanism {
         listed(&moving.map(|(name, _)| name).collect::<Vec<_>>())
     }
 
-    /// Whether a number may give a body, or the screw of a drive, a mass or an inertia.
+    /// Whether a number may give a body, the screw of a drive or the rotor of a joint a mass or an inertia.
     fn has_masses(&self) -> bool {
         let bodies = self.bodies.iter().any(|(_, body)| [body.mass, body.inertia].into_iter().any(|m| m > Some(0.0)));
         let screws = self.actuators.iter().filter_map(|(_, drive)| drive.screw).any(|s| s.reflected_mass() > 0.0);
-        let is_inertial =
-            |key: &str| !key.starts_with("parameters") && (key.ends_with(".mass") || key.ends_with(".inertia"));
-        bodies || screws || self.expressions.iter().any(|one| is_inertial(&one.key))
+        let rotors = self.joints.iter().any(|(_, joint)| joint.armature > Some(0.0));
+        let ends = [".mass", ".inertia", ".armature"];
+        let is_inertial = |key: &str| !key.starts_with("parameters") && ends.iter().any(|end| key.ends_with(end));
+        bodies || screws || rotors || self.expressions.iter().any(|one| is_inertial(&one.key))
     }
 
     /// Refuse what needs masses where no body has one, and leave out what then has no effect.
@@ -124,7 +125,8 @@ impl Mechanism {
             take(idle, format!("couplings.{name}.efficiency"), &mut coupling.efficiency);
             take(idle, format!("couplings.{name}.pretension"), &mut coupling.pretension);
         }
-        for (_, joint) in self.joints.iter_mut() {
+        for (name, joint) in self.joints.iter_mut() {
+            take(idle, format!("joints.{name}.frictionloss"), &mut joint.frictionloss);
             (joint.pin_radius, joint.static_coefficient, joint.kinetic_coefficient) = (None, None, None);
         }
         for (name, body) in self.bodies.iter_mut() {

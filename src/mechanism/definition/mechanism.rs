@@ -115,7 +115,8 @@ impl Mechanism {
     /// Whether friction, where it is enabled, holds at rest.
     pub fn sticks(&self) -> bool {
         let loses = self.couplings.iter().any(|(_, coupling)| coupling.efficiency.is_some());
-        loses || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
+        let rubs = self.joints.iter().any(|(_, joint)| joint.frictionloss.is_some());
+        loses || rubs || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
     }
 
     /// Refuse a `snap` that is no small part of the mechanism.

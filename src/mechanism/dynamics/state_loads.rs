@@ -77,6 +77,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let groups = state_loads.map_or(0, |s| s.groups.count());
         let reactions = Bundle::rows(2 * friction_joints);
         let mut friction = FrictionLoop::new(friction_joints, groups);
+        friction.constant = state_loads.map_or(0, |s| s.constant_friction().count());
         friction.has_normal_forces = state_loads.is_some_and(|s| !s.prismatic.is_empty());
         Self {
             delivered: vec![zero; drives],
@@ -234,6 +235,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         let damping = reduced.components().damping;
         let effects = self.effects.as_flattened();
         let reactions = &mut self.reactions.as_flattened_mut()[..2 * state_loads.friction_joints.len()];
+        for (k, size) in state_loads.constant_friction() {
+            reactions[k] = T::constant(size);
+        }
         let square = sigma_dot * sigma_dot;
         for (sum, effect) in reactions.iter_mut().zip(&effects[state_loads.square()]) {
             *sum = *sum + *effect * square;

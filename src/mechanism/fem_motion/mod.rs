@@ -14,6 +14,7 @@ use crate::mechanism::definition::{DefinitionError, Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
+use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::state::{Start, State};
 use crate::mechanism::outputs::ReducedMotion;
@@ -241,6 +242,11 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
     if let Some(drive) = loading.motion.as_ref().filter(|_| inputs.prescribes()) {
         let name = format!("{}.motion.enabled", loading.drives[drive.load].name);
         return refuse(&name, "true".into(), "set this value to false");
+    }
+    let mut constant = loading.friction.iter().flat_map(|f| &f.friction_joints);
+    if let Some(joint) = constant.find(|own| matches!(own.kind, FrictionKind::Constant(_))) {
+        let name = format!("joints.{}.frictionloss", reduced.linkage().joints[joint.joint].name);
+        return refuse(&name, "constant friction".into(), "remove this key");
     }
     if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
         return refuse("friction.enabled", "true".into(), "set this value to false");

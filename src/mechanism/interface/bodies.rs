@@ -3,6 +3,7 @@ use super::builder::Builder;
 use super::couplings;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::Freedom;
+use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::quantity::{FramePart, Output, ReactionPart, SmallMotion};
 use crate::variables::Unit::{
     Hertz, Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One, Radian, RadianPerSecond,
@@ -64,12 +65,14 @@ pub(super) fn add_reactions(b: &mut Builder) {
                 reaction(ReactionPart::Moment),
             );
         }
-        // The joints with friction are in the order of the joints.
-        let Ok(friction_joint) = friction_joints.binary_search_by_key(&joint, |p| p.joint) else { continue };
+        let Some(friction_joint) = friction_joints.iter().position(|p| p.joint == joint) else { continue };
         let friction = Output::Friction { friction_joint };
         match is_revolute {
             true => add("friction_torque", "Friction torque", NewtonMetre, friction),
             false => add("friction_force", "Friction force along the axis", Newton, friction),
+        }
+        if friction_joints[friction_joint].kind != FrictionKind::Joint {
+            continue;
         }
         let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in the joint ", n];
         let needs = s.slip_speed(friction_joints[friction_joint].load);

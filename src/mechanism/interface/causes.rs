@@ -3,7 +3,7 @@ use super::needs::Needs;
 use super::source::Source;
 use crate::mechanism::definition::{FrictionLaw, Mechanism, Role};
 use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
-use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::loads::resolved::{FrictionKind, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::plane::Vec2;
 
@@ -223,9 +223,9 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
 }
 
 /// What static friction depends on besides positions: whether friction is enabled, pin radii and coefficients.
-fn statics(loading: &Loading) -> Vec<(bool, f64, f64)> {
+fn statics(loading: &Loading) -> Vec<(bool, FrictionKind, f64, f64)> {
     let joints = loading.friction.iter().flat_map(|f| f.friction_joints.iter().map(|p| (f.enabled, p)));
-    joints.map(|(enabled, p)| (enabled, p.radius, p.law.static_coefficient)).collect()
+    joints.map(|(enabled, p)| (enabled, p.kind, p.radius, p.law.static_coefficient)).collect()
 }
 
 /// What the kinetic energy of each body depends on: the moment of inertia about a fixed pivot, else mass, centre and

@@ -2,6 +2,7 @@
 use super::builder::Builder;
 use super::source::Source;
 use crate::mechanism::linkage::Freedom;
+use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::quantity::{Curve, Indicator, Quantity};
 use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One};
 use crate::variables::{Causality, Unit};
@@ -54,14 +55,14 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
         all.push((Indicator::Reversal, MetrePerSecond));
     }
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
-    let is_coupling =
-        |joint: usize| s.loading.friction.as_ref().is_some_and(|friction| friction.friction_joints[joint].is_coupling);
-    all.extend((0..joints).filter(|joint| !is_coupling(*joint)).flat_map(borders));
+    let kind = |joint: usize| s.loading.friction.as_ref().map(|friction| friction.friction_joints[joint].kind);
+    all.extend((0..joints).filter(|joint| kind(*joint) == Some(FrictionKind::Joint)).flat_map(borders));
     let drives = s.loading.drives.iter().enumerate();
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
     all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
     let friction_joints = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
-    let slides = friction_joints.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
+    let by_reaction = friction_joints.filter(|(_, joint)| !matches!(joint.kind, FrictionKind::Constant(_)));
+    let slides = by_reaction.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
     all.extend(slides.map(|(joint, _)| (Indicator::NormalForce(joint), Newton)));
     let springs = || s.loading.springs.iter().enumerate();
     let stops = s.loading.stops.iter().enumerate();

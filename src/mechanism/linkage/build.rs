@@ -1,7 +1,7 @@
 //! From the definition to the linkage: merged bodies, groups of one angle, spanning tree.
 //!
 //! In: a checked definition. Out: a linkage. It must not know positions.
-use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Linkage, Point, Rotor, Stroke};
+use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Line, Linkage, Point, Rotor, Stroke};
 use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
 use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
@@ -111,23 +111,32 @@ impl Linkage {
         Ok(linkage)
     }
 
-    /// Add the screws of drives, with or without a moment of inertia.
+    /// Add the screws of drives and the rotors of joints, with or without a moment of inertia.
     fn add_rotors(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
         for (name, drive) in mechanism.actuators.iter() {
             let Some(screw) = drive.screw else { continue };
-            let stroke = match (&drive.first, &drive.second, &drive.joint) {
+            let line = match (&drive.first, &drive.second, &drive.joint) {
                 (Some(first), Some(second), _) => {
                     let end =
                         |key: &str, text: &str| self.locate(mechanism, format_args!("actuators.{name}.{key}"), text);
-                    Stroke::Between(end("first", first)?, end("second", second)?)
+                    Line::Between(end("first", first)?, end("second", second)?)
                 }
                 (.., Some(joint)) => match mechanism.joints.position(joint) {
-                    Some(index) => Stroke::Joint(index),
+                    Some(index) => Line::Joint(index),
                     None => continue,
                 },
                 _ => continue,
             };
-            self.rotors.push(Rotor { stroke, mass: screw.reflected_mass() });
+            self.rotors.push(Rotor { stroke: Stroke::Along(line), mass: screw.reflected_mass() });
+        }
+        for (index, (_, joint)) in mechanism.joints.iter().enumerate() {
+            let Some(mass) = joint.armature else { continue };
+            let Joint { freedom, first, second, .. } = self.joints[index];
+            let stroke = match freedom {
+                Freedom::Revolute => Stroke::Angle(first.body, second.body),
+                _ => Stroke::Along(Line::Joint(index)),
+            };
+            self.rotors.push(Rotor { stroke, mass });
         }
         Ok(())
     }

@@ -28,7 +28,7 @@ pub use loops::Side;
 pub use motion::{Arms, Positions, Rates};
 pub use outline::Outline;
 pub use rotor::Thrust;
-pub use structure::{Body, Branch, Freedom, GROUND, Joint, Linkage, Loop, Point, Rotor, Stroke};
+pub use structure::{Body, Branch, Freedom, GROUND, Joint, Line, Linkage, Loop, Point, Rotor, Stroke};
 
 #[cfg(test)]
 mod tests;

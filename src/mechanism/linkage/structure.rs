@@ -121,13 +121,22 @@ pub(super) struct Frame {
 pub struct Rotor {
     /// What moves it.
     pub stroke: Stroke,
-    /// Mass that has its kinetic energy at the speed of the stroke [kg].
+    /// Mass that has its kinetic energy at the speed of the stroke [kg]; moment of inertia for an angle [kg.m2].
     pub mass: f64,
+}
+
+/// A distance or an angle in the linkage.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stroke {
+    /// A distance.
+    Along(Line),
+    /// Angle of a second body relative to a first one, by their indices.
+    Angle(usize, usize),
 }
 
 /// A distance in the linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stroke {
+pub enum Line {
     /// Between two points.
     Between(Point, Point),
     /// Position of a prismatic joint, by its index.
@@ -149,7 +158,7 @@ pub struct Linkage {
     pub loops: Vec<Loop>,
     /// Couplings in the order of the file.
     pub couplings: Vec<Coupling>,
-    /// Rotors, one for each drive with a screw.
+    /// Rotors, one for each drive with a screw and one for each joint with a rotor.
     pub rotors: Vec<Rotor>,
     /// Names of the coordinates: of a body for an angle, of a joint for a position.
     pub coordinates: Vec<String>,

@@ -39,7 +39,8 @@ pub struct Balance<'a, T> {
 ///
 /// Friction affects the reactions only through u and P_g, three numbers for each group of joints. These are the
 /// unknowns z of z = B |R(z)|, solved by Newton's method from z = B |R(0)|; the magnitudes s = |R(B s)| stand for them
-/// where there are many. Of several solutions the solver finds the
+/// where there are many. Friction that is known before, whose |R_i| no friction changes, belongs to R(0). Of several
+/// solutions the solver finds the
 /// one that is connected with the frictionless solution as the m_j grow from 0.
 #[derive(Clone, Debug)]
 pub struct FrictionLoop<T> {
@@ -52,6 +53,8 @@ pub struct FrictionLoop<T> {
     pub sign: Vec<f64>,
     /// Whether some joint may have a held sign.
     pub has_normal_forces: bool,
+    /// Number of the last joints whose |R_i| no friction changes.
+    pub constant: usize,
     /// Of losses of couplings: whether power flows back, for which `arm` then is.
     pub flows_back: Vec<bool>,
     /// B: derivative of each unknown with respect to |R_j|.
@@ -102,6 +105,7 @@ impl<T: Number> FrictionLoop<T> {
             size: vec![zero; n],
             sign: vec![0.0; n],
             has_normal_forces: false,
+            constant: 0,
             flows_back: vec![false; n],
             effect: vec![zero; unknowns * n],
             unknown: vec![zero; unknowns],

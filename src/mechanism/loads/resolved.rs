@@ -24,7 +24,7 @@ pub use air::{Air, Surface};
 pub use couplings::Mesh;
 pub use drives::{Drive, DriveLaw};
 use ends::{Hinges, between};
-pub use friction::{FrictionJoint, JointFriction};
+pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NetworkDrives, PORTS};
 
 /// All loads of a mechanism.

@@ -168,7 +168,11 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::ActingForce { drive } => motion.acting_force(drive)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {
-            Some(friction) => motion.state_load(friction.friction_joints[friction_joint].load)?,
+            Some(friction) => {
+                let (first, later) = friction.of_joint(friction_joint);
+                let further = later.map_or(Ok(N::constant(0.0)), |own| motion.state_load(own.load))?;
+                motion.state_load(first.load)? + further
+            }
             None => N::constant(0.0),
         },
         Output::SlipSpeed { friction_joint } => match &loading.friction {

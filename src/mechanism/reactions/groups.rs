@@ -24,20 +24,20 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Groups of these joints of a linkage.
-    pub fn new(linkage: &Linkage, joints: impl Iterator<Item = usize>) -> Self {
+    /// Groups of these joints of a linkage; what is none of them is a group of its own, whose forces are 0.
+    pub fn new(linkage: &Linkage, joints: impl Iterator<Item = Option<usize>>) -> Self {
         let all = groups(linkage);
         let mut own = Self { of: Vec::new(), signs: Vec::new(), seconds: Vec::new(), ends: Vec::new() };
         let mut leaders: Vec<Member> = Vec::new();
         for (i, joint) in joints.enumerate() {
-            let member = all[joint];
+            let member = joint.map_or(Member { first: NO_JOINT, sign: 1.0, lever: 0.0 }, |joint| all[joint]);
             let found = leaders.iter().position(|leader| leader.first == member.first);
             let group = found.unwrap_or(leaders.len());
             if found.is_none() {
                 leaders.push(member);
                 own.ends.push([i, i]);
             }
-            let is_revolute = linkage.joints[joint].freedom == Freedom::Revolute;
+            let is_revolute = joint.is_none_or(|joint| linkage.joints[joint].freedom == Freedom::Revolute);
             let lever = member.lever - leaders[group].lever;
             own.of.push(group);
             own.signs.push(member.sign * leaders[group].sign);
@@ -64,6 +64,9 @@ impl Groups {
         })
     }
 }
+
+/// In the place of the first joint of a group without joints.
+const NO_JOINT: usize = usize::MAX;
 
 /// A joint as a member of its group.
 #[derive(Clone, Copy, Debug, PartialEq)]

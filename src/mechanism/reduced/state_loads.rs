@@ -12,7 +12,7 @@ use crate::codec::checksum::fnv1a;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::laws::spring::Spring;
-use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Columns, Groups, Reaction};
 use crate::numerics::bundle::Bundle;
@@ -168,6 +168,14 @@ impl StateLoads {
         self.free() - self.springs.len() + k
     }
 
+    /// Joints with constant friction, the last friction joints, by their indices there, each with its size.
+    pub fn constant_friction(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.friction_joints.iter().enumerate().filter_map(|(k, joint)| match joint.kind {
+            FrictionKind::Constant(size) => Some((k, size)),
+            _ => None,
+        })
+    }
+
     /// Number of `loads` that are not friction.
     pub fn free(&self) -> usize {
         self.loads.len() - self.friction_joints.len()
@@ -260,7 +268,7 @@ impl StateLoads {
             Some(friction) => friction.acting().copied().collect(),
             None => Vec::new(),
         };
-        let loses = friction_joints.iter().any(|joint| joint.is_coupling);
+        let loses = friction_joints.iter().any(|joint| joint.kind == FrictionKind::Coupling);
         let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let by_state = |(index, spring): (usize, &Spring)| {
@@ -277,8 +285,10 @@ impl StateLoads {
             return Ok(None);
         }
         loads.extend(friction_joints.iter().map(|p| p.load));
-        let groups = Groups::new(linkage, friction_joints.iter().map(|joint| joint.joint));
-        let is_prismatic = |j: &FrictionJoint| linkage.joints[j.joint].freedom != Freedom::Revolute;
+        let by_reaction = |joint: &FrictionJoint| !matches!(joint.kind, FrictionKind::Constant(_));
+        let groups =
+            Groups::new(linkage, friction_joints.iter().map(|joint| Some(joint.joint).filter(|_| by_reaction(joint))));
+        let is_prismatic = |j: &FrictionJoint| by_reaction(j) && linkage.joints[j.joint].freedom != Freedom::Revolute;
         let prismatic = (0..friction_joints.len()).filter(|&j| is_prismatic(&friction_joints[j])).collect();
         let air = !surfaces.is_empty();
         let mut state_loads = Self {
@@ -332,7 +342,11 @@ impl StateLoads {
     fn section_of(&self, source: &Source) -> String {
         let surfaces = source.loading.air.iter().filter(|_| self.air).flat_map(|air| &air.surfaces);
         let lines = surfaces.flat_map(|surface| surface.line.map_or([0; 2], |line| [line.x, line.y].map(f64::to_bits)));
-        let joints = self.friction_joints.iter().map(|joint| joint.joint as u64);
+        // Whether friction is constant shows in the bits above those of an index.
+        let joints = self.friction_joints.iter().map(|joint| match joint.kind {
+            FrictionKind::Constant(_) => 1 << 32 | joint.joint as u64,
+            _ => joint.joint as u64,
+        });
         let positioned = self.positioned.iter().map(|&law| law as u64);
         let bytes: Vec<u8> = lines.chain(joints).chain(positioned).flat_map(u64::to_le_bytes).collect();
         format!("state loads {:?} {:?} {:016x}", self.drives, self.loads, fnv1a(&bytes))
@@ -455,7 +469,10 @@ impl StateLoads {
                 Freedom::Revolute | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
-            if friction_joint.is_coupling {
+            if let FrictionKind::Constant(_) = friction_joint.kind {
+                continue;
+            }
+            if friction_joint.kind == FrictionKind::Coupling {
                 for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
                     parts[i] = sign * column[friction_joint.joint].moment;
                 }

@@ -6,7 +6,7 @@ use super::model::Reduced;
 use super::stored;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Point;
-use crate::mechanism::loads::resolved::FrictionJoint;
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::reactions::{Reaction, columns};
 use crate::numerics::plane::Vec2;
@@ -121,6 +121,7 @@ impl Reduced {
         let c = self.curve().configuration(sigma);
         let columns = columns(&self.curve().closure, &c, &[]);
         let joints = self.loading().friction.iter().flat_map(|friction| &friction.friction_joints);
+        let joints = joints.filter(|joint| !matches!(joint.kind, FrictionKind::Constant(_)));
         let weight = |joint: &FrictionJoint| {
             let slip = self.loading().loads[joint.load].influence(self.linkage(), &c).abs();
             joint.law.static_coefficient * joint.radius * slip * columns[0][joint.joint].force.norm()

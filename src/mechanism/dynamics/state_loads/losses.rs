@@ -3,7 +3,7 @@
 //! In: the friction loop with its arms, the state loads, the balance. Out: the solution with the flow of power that
 //! belongs to it. It must not know laws.
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
-use crate::mechanism::loads::resolved::FrictionJoint;
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::dual::Number;
 
@@ -29,7 +29,8 @@ fn solve_with_losses<T: Number>(
     state_loads: &StateLoads,
     balance: &Balance<T>,
 ) -> Result<(), Locked> {
-    let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_coupling);
+    let couplings =
+        || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.kind == FrictionKind::Coupling);
     for (j, joint) in couplings() {
         let held = friction.sign[j];
         let force = if held == 0.0 { balance.free[0][j].value() } else { held };

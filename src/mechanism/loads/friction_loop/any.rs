@@ -34,6 +34,16 @@ impl<T: Number> FrictionLoop<T> {
             }
             self.size[j] = self.measure(j, [balance.free[0][j], balance.free[1][j]]);
         }
+        if self.constant > 0 {
+            // From the reactions under the friction that is known before.
+            let known = n - self.constant;
+            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+                *unknown = total(&row[known..], &self.size[known..]);
+            }
+            for j in 0..known {
+                self.size[j] = self.measure(j, self.reaction(j, balance));
+            }
+        }
         self.keep_sizes();
         let contracts = self.contracts(balance);
         if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
@@ -63,8 +73,11 @@ impl<T: Number> FrictionLoop<T> {
         let n = self.arm.len();
         let largest = balance.inertial[0].iter().zip(balance.inertial[1]).map(|(x, y)| length_bound(*x, *y));
         let largest = largest.fold(0.0, greater);
-        let along: f64 = self.effect[..n].iter().map(|effect| effect.value().abs()).sum();
-        let group = |rows: &[T]| rows.iter().map(|effect| effect.value().abs()).sum::<f64>();
+        let varying = |rows: &[T]| -> f64 {
+            rows.iter().enumerate().filter(|(k, _)| k % n < n - self.constant).map(|(_, e)| e.value().abs()).sum()
+        };
+        let along = varying(&self.effect[..n]);
+        let group = |rows: &[T]| varying(rows);
         let passed = self.effect[n..].chunks_exact(2 * n).map(group).fold(0.0, greater);
         along * largest + passed < 1.0
     }
@@ -77,6 +90,16 @@ impl<T: Number> FrictionLoop<T> {
     /// Whether the magnitudes are near those kept last.
     fn is_near(&self) -> bool {
         are_near(&self.size, self.last.iter().copied())
+    }
+
+    /// R_i at the present unknowns.
+    #[inline]
+    fn reaction(&self, i: usize, balance: &Balance<T>) -> [T; 2] {
+        let of = 1 + 2 * balance.groups[i];
+        let [first, second] = [self.unknown[of], self.unknown[of + 1]];
+        let [on_x, on_y] = balance.seconds[i];
+        let passed = [first + second * on_x, second * on_y];
+        [0, 1].map(|axis| balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + passed[axis])
     }
 
     /// |R_j|, or what stands for it under a held sign.
@@ -96,20 +119,17 @@ impl<T: Number> FrictionLoop<T> {
         /// square of a correction is a quarter of the one before, elsewhere far less.
         const CONTRACTION: f64 = 0.2;
         let n = self.arm.len();
+        let known = n - self.constant;
         let (mut converged, mut before) = (false, f64::INFINITY);
         for iteration in 1..=most {
             self.iterations = iteration;
             for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
-                *unknown = total(row, &self.size) * part;
+                *unknown = total(&row[..known], &self.size[..known]) * part + total(&row[known..], &self.size[known..]);
             }
             let mut scale = f64::MIN_POSITIVE;
             for i in 0..n {
-                let of = 1 + 2 * balance.groups[i];
-                let [first, second] = [self.unknown[of], self.unknown[of + 1]];
-                let [on_x, on_y] = balance.seconds[i];
-                let passed = [first + second * on_x, second * on_y];
-                let r = [0, 1]
-                    .map(|axis| balance.free[axis][i] + balance.inertial[axis][i] * self.unknown[0] + passed[axis]);
+                let (of, [on_x, on_y]) = (1 + 2 * balance.groups[i], balance.seconds[i]);
+                let r = self.reaction(i, balance);
                 let size = self.measure(i, r);
                 self.rest[i] = size - self.size[i];
                 let unit = if self.sign[i] == 0.0 {

@@ -8,24 +8,44 @@ use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::decimal::Decimal;
+use std::fmt;
 
 /// Friction in the joints, and the losses of couplings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFriction {
-    /// Whether friction acts; losses of couplings do in any case.
+    /// Whether friction that reactions cause in joints acts; losses of couplings and constant friction do in any case.
     pub enabled: bool,
-    /// Joints with friction, then couplings with losses.
+    /// Joints with friction, then couplings with losses, then joints with constant friction.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
 impl JointFriction {
     /// The joints whose friction acts, and the couplings with losses.
     pub fn acting(&self) -> impl Iterator<Item = &FrictionJoint> + Clone {
-        self.friction_joints.iter().filter(|joint| self.enabled || joint.is_coupling)
+        self.friction_joints.iter().filter(|joint| self.enabled || joint.kind != FrictionKind::Joint)
+    }
+
+    /// The friction with this index, and the constant friction of the same joint where that is another one.
+    pub fn of_joint(&self, index: usize) -> (&FrictionJoint, Option<&FrictionJoint>) {
+        let first = &self.friction_joints[index];
+        (first, self.friction_joints[index + 1..].iter().find(|other| other.joint == first.joint))
     }
 }
 
+/// What the friction of a joint follows from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrictionKind {
+    /// The reaction of a joint.
+    Joint,
+    /// The transmitted force of a coupling: its loss.
+    Coupling,
+    /// Nothing: it is constant, [N.m] in a revolute joint or [N] in a prismatic one.
+    Constant(f64),
+}
+
 /// A joint with friction, or a coupling with losses.
+///
+/// Constant friction is that of a reaction that has this size in any state, with the coefficient 1.
 ///
 /// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its
 /// second body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta - 1)
@@ -40,8 +60,8 @@ pub struct FrictionJoint {
     /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of
     /// the second wheel of a coupling, or 1.
     pub radius: f64,
-    /// Whether this is the loss of a coupling.
-    pub is_coupling: bool,
+    /// What the friction follows from.
+    pub kind: FrictionKind,
     /// Coefficient where power flows back over that where it flows forward; 1 for a joint.
     pub back: f64,
     /// Coefficient of friction over slip speed.
@@ -63,6 +83,7 @@ impl Loading {
             self.add_joints(mechanism, linkage, friction, &mut friction_joints)?;
         }
         self.add_losses(mechanism, linkage, &mut friction_joints)?;
+        self.add_constant(mechanism, linkage, &mut friction_joints)?;
         let enabled = mechanism.friction.as_ref().is_some_and(|friction| friction.enabled.unwrap_or(false));
         if mechanism.friction.is_some() || !friction_joints.is_empty() {
             self.friction = Some(JointFriction { enabled, friction_joints });
@@ -79,11 +100,7 @@ impl Loading {
     ) -> Result<(), DefinitionError> {
         for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
             let Some(efficiency) = defined.efficiency else { continue };
-            if mechanism.friction.as_ref().is_some_and(|friction| friction.law != FrictionLaw::Stick) {
-                let message = "a coupling with losses needs a friction law that can hold the mechanism at rest: write \
-                               \"law\": \"stick\" in friction, or remove the efficiency";
-                return Err(DefinitionError::key(format_args!("couplings.{name}.efficiency"), message));
-            }
+            check_law(mechanism, "a coupling with losses", format_args!("couplings.{name}.efficiency"))?;
             let joint = &linkage.joints[coupling.joint];
             let (load, radius) = match (coupling.second, &coupling.kind) {
                 (Second::Position { joint, sign, .. }, _) => (Load::Slide { joint, sign, is_idle: false }, 1.0),
@@ -99,18 +116,27 @@ impl Loading {
                     )
                 }
             };
-            let coefficient = 1.0 - efficiency;
-            let law = Law {
-                sticks: true,
-                static_coefficient: coefficient,
-                kinetic_coefficient: coefficient,
-                static_speed: 0.0,
-                kinetic_speed: 0.0,
-            };
-            let (joint, index) = (coupling.joint, self.loads.len());
-            let back = 1.0 / efficiency;
-            friction_joints.push(FrictionJoint { joint, load: index, radius, is_coupling: true, back, law });
+            let (joint, index, law) = (coupling.joint, self.loads.len(), coulomb(1.0 - efficiency));
+            let (kind, back) = (FrictionKind::Coupling, 1.0 / efficiency);
+            friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
             self.loads.push(load);
+        }
+        Ok(())
+    }
+
+    /// Add the constant friction of joints, behind the losses of couplings.
+    fn add_constant(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        for (joint, (name, defined)) in mechanism.joints.iter().enumerate() {
+            let Some(size) = defined.frictionloss else { continue };
+            check_law(mechanism, "a joint with constant friction", format_args!("joints.{name}.frictionloss"))?;
+            let (load, kind) = (self.loads.len(), FrictionKind::Constant(size));
+            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back: 1.0, law: coulomb(1.0) });
+            self.loads.push(joint_load(linkage, joint, 0.0));
         }
         Ok(())
     }
@@ -146,12 +172,35 @@ impl Loading {
             if sticks && law.static_coefficient < law.kinetic_coefficient {
                 return Err(static_below_kinetic(name, defined, &law));
             }
-            let (load, is_coupling, back) = (self.loads.len(), false, 1.0);
-            friction_joints.push(FrictionJoint { joint, load, radius, is_coupling, back, law });
+            let (load, kind, back) = (self.loads.len(), FrictionKind::Joint, 1.0);
+            friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law });
             self.loads.push(joint_load(linkage, joint, 0.0));
         }
         Ok(())
     }
+}
+
+/// Coulomb's law with one coefficient at rest and at any slip speed.
+fn coulomb(coefficient: f64) -> Law {
+    Law {
+        sticks: true,
+        static_coefficient: coefficient,
+        kinetic_coefficient: coefficient,
+        static_speed: 0.0,
+        kinetic_speed: 0.0,
+    }
+}
+
+/// Refuse friction in joints that does not hold at rest together with an element whose friction does.
+fn check_law(mechanism: &Mechanism, what: &str, key: fmt::Arguments) -> Result<(), DefinitionError> {
+    if mechanism.friction.as_ref().is_none_or(|friction| friction.law == FrictionLaw::Stick) {
+        return Ok(());
+    }
+    let message = format!(
+        "{what} needs a friction law that can hold the mechanism at rest: write \"law\": \"stick\" in friction, or \
+         remove this key"
+    );
+    Err(DefinitionError::key(key, message))
 }
 
 /// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at
