@@ -91,10 +91,11 @@ LEFT_OUT = {"open", "optimise", "sweep", "package", "equilibria", "check", "view
 def calls(target: Any) -> list[Callable[..., Any]]:  # noqa: ANN401
     """What can be called of an object."""
     if isinstance(target, np.ndarray):
-        names = ["to_pandas", "plot", "animate", "__repr__", "__reduce__"]
+        names = ["to_pandas", "plot", "animate", "__repr__", "__reduce__", "_repr_html_"]
     else:
         names = [name for name in dir(target) if not name.startswith("_") and name not in LEFT_OUT]
-        names += [name for name in ("__getitem__", "__setitem__", "__repr__") if hasattr(type(target), name)]
+        special = ("__getitem__", "__setitem__", "__repr__", "_repr_html_")
+        names += [name for name in special if hasattr(type(target), name)]
     # A property of a closed simulation raises.
     found = [getattr(target, name) for name in names if not inspect.isdatadescriptor(getattr(type(target), name, None))]
     # Of the classes, users make a mechanism only.
