@@ -312,6 +312,7 @@ fn linker(triple: &str, (linker, package): (&str, &str)) -> Result<(String, OsSt
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::binary::MAC;
     use crate::library::served;
 
     fn asking(platforms: &[Platform], compatible: bool) -> Arguments {
