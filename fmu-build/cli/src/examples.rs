@@ -9,7 +9,9 @@ Examples:
   Pack your mechanism for this machine, for FMI 2.0 and 3.0:
     cargo fmu package gear.json --out fmus
   Pack for Linux and Windows, FMI 2.0 only:
-    cargo fmu package gear.json --fmi 2 --platforms x86_64-linux,x86_64-windows";
+    cargo fmu package gear.json --fmi 2 --platforms x86_64-linux,x86_64-windows
+  Pack a landing gear with its hydraulic actuator as an SSP package:
+    cargo fmu package --ssp system.json --out fmus";
 
 /// Examples of `check`.
 pub const CHECK: &str = "\
@@ -52,7 +54,9 @@ Examples:
     cargo fmu simulate gear.json --output-file run.csv --plot run.png
   Run 6 s with other start values, and record two variables:
     cargo fmu simulate gear.json --stop-time 6 --start-values load_factor 3 crank.start_angle 45deg \\
-      --output-variables crank.angle jack.force --output-file run.parquet";
+      --output-variables crank.angle jack.force --output-file run.parquet
+  Run with the values of an SSP parameter set:
+    cargo fmu simulate gear.json --parameters heavy.ssv --output-file run.csv";
 
 /// Examples of `import`.
 pub const IMPORT: &str = "\

@@ -171,9 +171,13 @@ pub struct Simulate {
     /// Relative tolerance of the integration [1] [default: solver.tolerance of the definition]
     #[arg(long, value_name = "REL", value_parser = part)]
     pub relative_tolerance: Option<f64>,
+    /// Parameter set of SSP (SSV file) with start values of inputs and parameters. The program converts each value from
+    /// its unit in the file to the unit of the variable. A value in --start-values replaces a value of the file
+    #[arg(long, value_name = "SSV")]
+    pub parameters: Option<PathBuf>,
     /// Start values of inputs and parameters: pairs of a name and a value, or name=value. A number without a unit is in
-    /// SI units; a number with a unit has the unit or display unit of the variable (45deg) [default: values of the
-    /// definition]
+    /// SI units; a number can have the unit of the variable, its display unit (45deg) or a common unit (30kN) [default:
+    /// values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
     /// CSV file with inputs over time; the first column is `time` [s]. Numbers are interpolated between two rows.

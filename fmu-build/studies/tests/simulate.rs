@@ -317,3 +317,43 @@ fn signals_are_separated_by_commas() {
     let error = simulate::run(&Workspace::locate(), &arguments).unwrap_err();
     assert!(format!("{error:#}").contains("separated by ';'"), "{error:#}");
 }
+
+/// A constant force F moves the cart of mass m by F t^2 / (2 m). The parameter set states F in kgf and m in g.
+#[test]
+fn a_parameter_set_has_units_and_start_values_replace_its_values() {
+    let folder = Folder::new("parameters");
+    let [definition, set] = ["cart.json", "heavy cart.ssv"].map(|name| folder.0.join(name));
+    fs::write(&definition, CART).unwrap();
+    let text = |name: &str| {
+        format!(
+            r#"<ssv:ParameterSet version="1.0" name="heavy"
+            xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+            xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"><ssv:Parameters>
+            <ssv:Parameter name="push.force"><ssv:Real value="3" unit="kgf"/></ssv:Parameter>
+            <ssv:Parameter name="{name}"><ssv:Real value="2500" unit="g"/></ssv:Parameter></ssv:Parameters><ssv:Units>
+            <ssc:Unit name="kgf"><ssc:BaseUnit kg="1" m="1" s="-2" factor="9.80665"/></ssc:Unit>
+            <ssc:Unit name="g"><ssc:BaseUnit kg="1" factor="0.001"/></ssc:Unit></ssv:Units></ssv:ParameterSet>"#
+        )
+    };
+    let run = |start_values: &[&str]| {
+        let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
+        command.arg("simulate").arg(&definition).arg("--parameters").arg(&set).args(start_values);
+        command.args(["--output-variables", "rail.position"]).output().unwrap()
+    };
+    fs::write(&set, text("cart.mass")).unwrap();
+    for (start_values, force, mass) in
+        [(&[][..], 3.0 * 9.806_65, 2.5), (&["--start-values", "cart.mass=4"], 3.0 * 9.806_65, 4.0)]
+    {
+        let output = run(start_values);
+        let printed = String::from_utf8_lossy(&output.stdout);
+        let position: f64 = printed.split('\t').nth(1).unwrap_or_else(|| panic!("{output:?}")).parse().unwrap();
+        let expected = force / mass * 2.0 * 2.0 / 2.0;
+        assert!((position - expected).abs() < 1e-12 * expected, "{position} and {expected}");
+    }
+    fs::write(&set, text("cart.weight")).unwrap();
+    let output = run(&[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && said.lines().count() == 1, "{output:?}");
+    let words = "heavy cart.ssv: there is no variable \"cart.weight\": the most similar names are ";
+    assert!(said.starts_with("error: --parameters: ") && said.contains(words) && said.contains("cart.mass"), "{said}");
+}

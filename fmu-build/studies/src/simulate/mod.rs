@@ -20,10 +20,12 @@ use fmu_build::run::table::{Recorded, Table};
 use fmu_build::run::{self, Ended, Span};
 use fmu_build::start_values;
 use fmu_build::workspace::Workspace;
+use fmu_build::xml::ssv;
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::Unit;
 use parquet::Parquet;
+use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -53,7 +55,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;
     }
-    start_values::apply(&mut model, &arguments.start_values)?;
+    set_start_values(&mut model, arguments)?;
     let Arguments { start_time, stop_time, output_interval, .. } = *arguments;
     let span = Span::new(model.experiment(), start_time, stop_time, output_interval)?;
     let signals = match &arguments.input_file {
@@ -98,13 +100,29 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
 }
 
+/// Set the start values: those of the command line replace those of the parameter set.
+fn set_start_values(model: &mut Component, arguments: &Arguments) -> Result<()> {
+    let mut values = BTreeMap::new();
+    let mut options = "--start-values";
+    if let Some(path) = &arguments.parameters {
+        values.extend(ssv::read(path, model.interface()).context("--parameters")?);
+        options = "--parameters and --start-values";
+    }
+    values.extend(start_values::parse(model.interface(), &arguments.start_values)?);
+    start_values::apply_all(model, values.into_iter().collect()).context(options)
+}
+
 /// Check the names of the files to be written, before anything is computed.
 fn check(arguments: &Arguments) -> Result<()> {
     let Arguments { output_file, plot, gif, .. } = arguments;
     plot.as_deref().map_or(Ok(()), plot::check)?;
     gif.as_deref().map_or(Ok(()), film::check)?;
     output_file.as_deref().map_or(Ok(()), check_table)?;
-    let read = [("the model", Some(&arguments.path)), ("--input-file", arguments.input_file.as_ref())];
+    let read = [
+        ("the model", Some(&arguments.path)),
+        ("--parameters", arguments.parameters.as_ref()),
+        ("--input-file", arguments.input_file.as_ref()),
+    ];
     for path in [output_file, plot, gif].into_iter().flatten() {
         let is_same = |other: &PathBuf| matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
         if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {

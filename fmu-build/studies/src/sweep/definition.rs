@@ -5,6 +5,7 @@
 
 use anyhow::{Context, Result};
 use fmu_build::files;
+pub use fmu_build::setting::Setting;
 use linkage_fmu::format::{
     self, DefinitionError, Field, Json, Key, Kind, LARGEST_DEFINITION, Named, Node, Own, Slot, keys, words,
 };
@@ -19,6 +20,9 @@ keys! {
         description: Option<String>;
         /// Path of the mechanism, relative to the folder of the study.
         mechanism: String => Key::PLAIN.required();
+        /// Path of a parameter set of SSP (SSV file), relative to the folder of the study. All runs have the values of
+        /// the parameter set in common. Values in other keys of the study replace those of the parameter set.
+        parameters_file: Option<String>;
         /// Start values that all runs have in common, by the name of the variable.
         start_values: Named<Setting>;
         /// Parameters and inputs that differ between the runs, by the name of the variable.
@@ -151,28 +155,6 @@ words! {
     }
 }
 
-/// Value of a variable.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Setting {
-    /// Of a Real.
-    Real(f64),
-    /// Of a Boolean.
-    Boolean(bool),
-    /// Of a String.
-    Text(String),
-}
-
-impl Setting {
-    fn of(node: &Node) -> Option<Self> {
-        match &node.json {
-            Json::Number(number) => Some(Self::Real(*number)).filter(|_| number.is_finite()),
-            Json::Flag(value) => Some(Self::Boolean(*value)),
-            Json::Text(text) => Some(Self::Text(text.clone())),
-            Json::Null | Json::List(_) | Json::Object(_) => None,
-        }
-    }
-}
-
 /// An input over time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
@@ -202,40 +184,32 @@ impl Input {
     }
 }
 
-/// A value of several types, and what it is, in words.
-macro_rules! own {
-    ($type:ident, $default:expr, $words:literal, $fault:literal) => {
-        impl Default for $type {
-            fn default() -> Self {
-                $default
-            }
-        }
-
-        impl Field for $type {
-            const KIND: Kind = Kind::Own($words);
-
-            fn slot(&mut self) -> Slot<'_> {
-                Slot::Own(self)
-            }
-        }
-
-        impl Own for $type {
-            fn take(&mut self, node: &Node, text: &str) -> Result<(), String> {
-                *self = Self::of(node).ok_or_else(|| format!($fault, &text[node.span.clone()]))?;
-                Ok(())
-            }
-
-            fn written(&self) -> String {
-                unreachable!("a study is read only")
-            }
-        }
-    };
+impl Default for Input {
+    fn default() -> Self {
+        Self::Constant(Setting::default())
+    }
 }
 
-own! { Setting, Self::Real(0.0), "a value", "{} is not a value; write a number, true, false or a text" }
-own! {
-    Input, Self::Constant(Setting::default()), "an input over time",
-    "{} is not an input over time; write a value, or a list of points [time, value]"
+impl Field for Input {
+    const KIND: Kind = Kind::Own("an input over time");
+
+    fn slot(&mut self) -> Slot<'_> {
+        Slot::Own(self)
+    }
+}
+
+impl Own for Input {
+    fn take(&mut self, node: &Node, text: &str) -> Result<(), String> {
+        let stated = &text[node.span.clone()];
+        *self = Self::of(node).ok_or_else(|| {
+            format!("{stated} is not an input over time; write a value, or a list of points [time, value]")
+        })?;
+        Ok(())
+    }
+
+    fn written(&self) -> String {
+        unreachable!("a study is read only")
+    }
 }
 
 impl Definition {

@@ -82,16 +82,7 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
             }) as f64)
         }
         (kind, value) => {
-            bail!("the value of {} must be a {}, but {} is not of this type", factor.name, kind.word(), shown(value))
+            bail!("the value of {} must be a {}, but {value} is not of this type", factor.name, kind.word())
         }
-    }
-}
-
-/// A value as JSON has it.
-pub fn shown(value: &Setting) -> String {
-    match value {
-        Setting::Real(value) => value.to_string(),
-        Setting::Boolean(value) => value.to_string(),
-        Setting::Text(text) => format!("\"{}\"", text.escape_debug()),
     }
 }

@@ -227,7 +227,8 @@ impl Study {
         Runner::new(&task, component).with_context(|| format!("{shown}"))?;
         let cut = Cut::new(design.runs());
         let mut all = format!("{text}\0{}\0{}\0", model.kind, model.text);
-        for file in [&definition.points, &definition.scenario.input_file].into_iter().flatten() {
+        let files = [&definition.points, &definition.parameters_file, &definition.scenario.input_file];
+        for file in files.into_iter().flatten() {
             all.push_str(&format!("{}\0", files::digest(&folder.join(file))?));
         }
         let identity = fnv1a_128([all.as_str(), env!("CARGO_PKG_VERSION")]);
@@ -265,7 +266,7 @@ impl Stated {
 
 /// What all runs of a study share.
 fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
-    let scenario = Scenario::new(definition, folder, component, &responses::instants(definition)?)?;
+    let scenario = Scenario::new(definition, folder, component, factors, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
         bail!("factors.{}: is also set by start_values or the scenario; remove one of these settings", factor.name);
     }

@@ -5,12 +5,13 @@
 //! that a response names.
 
 use super::definition::{Definition, Input, Setting};
-use super::factor::{settable, shown};
+use super::factor::{Factor, settable};
 use anyhow::{Context, Result, bail};
 use fmu_build::run::signals::{self, Signals, is_close};
 use fmu_build::start_values::find;
+use fmu_build::xml::ssv;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Variable};
+use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Value, Variable};
 use std::path::Path;
 
 /// Most steps of a run.
@@ -26,6 +27,16 @@ pub enum Set {
     Input(signals::Setting),
     /// A text parameter.
     Text(String),
+}
+
+impl From<Value> for Set {
+    fn from(value: Value) -> Self {
+        match value {
+            Value::Real(value) => Self::Input(signals::Setting::Real(value)),
+            Value::Boolean(value) => Self::Input(signals::Setting::Boolean(value)),
+            Value::Item(item) => Self::Text(item),
+        }
+    }
 }
 
 /// A step of a run.
@@ -64,11 +75,18 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// The scenario that a study in `folder` states; `instants` must be ends of steps [s].
+    /// The scenario that a study in `folder` states, with factors whose values differ; `instants` must be ends of steps
+    /// [s].
     ///
     /// # Errors
     /// A name that no variable has; a value or a time that makes no sense; an input that is stated twice.
-    pub fn new(study: &Definition, folder: &Path, model: &Component, instants: &[f64]) -> Result<Self> {
+    pub fn new(
+        study: &Definition,
+        folder: &Path,
+        model: &Component,
+        factors: &[Factor],
+        instants: &[f64],
+    ) -> Result<Self> {
         let interface = model.interface();
         let stated = &study.scenario;
         let stop = stated.stop_time.unwrap_or(model.experiment().stop_time);
@@ -106,6 +124,13 @@ impl Scenario {
                 bail!("scenario: {} is set twice; remove one value", interface.list()[reference as usize].name);
             }
             known.push(reference);
+        }
+        if let Some(file) = &study.parameters_file {
+            // All other keys of the study replace values of the parameter set.
+            known.extend(factors.iter().map(|factor| factor.reference));
+            let values = ssv::read(&folder.join(file), interface).context("parameters_file")?;
+            let free = values.into_iter().filter(|(reference, _)| !known.contains(reference));
+            start.extend(free.map(|(reference, value)| (reference, value.into())));
         }
         // A host sets values in the order of the variables: what one is checked against may depend on one before.
         start.sort_by_key(|(reference, _)| *reference);
@@ -204,14 +229,8 @@ fn constants<'a>(
     for (name, value) in values {
         let key = format!("{section}.{name}");
         let reference = settable(&key, name, "use a parameter or an input", model)?;
-        let variable = &model.interface().list()[reference as usize];
-        let set = match (variable.kind, value) {
-            (Kind::Real, Setting::Real(value)) => Set::Input(signals::Setting::Real(*value)),
-            (Kind::Boolean, Setting::Boolean(value)) => Set::Input(signals::Setting::Boolean(*value)),
-            (Kind::Enumeration, Setting::Text(text)) => Set::Text(text.clone()),
-            (kind, value) => bail!("{key} = {}: must be a {}", shown(value), kind.word()),
-        };
-        constants.push((reference, set));
+        let value = value.value(&model.interface().list()[reference as usize]);
+        constants.push((reference, value.with_context(|| key)?.into()));
     }
     Ok(constants)
 }

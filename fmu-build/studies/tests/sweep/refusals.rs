@@ -48,6 +48,9 @@ fn what_is_wrong_is_said_in_one_line() {
         ),
         (with("sampling", json!({ "method": "sobol", "count": 4 })), "sampling: no factor has a distribution"),
         (with("points", json!("none.csv")), "points: "),
+        (with("parameters_file", json!("none.ssv")), "parameters_file: "),
+        (with("parameters_file", json!("points.csv")), "parameters_file: "),
+        (with("start_values", json!({ "crank.mass": "3 m" })), "start_values.crank.mass: the unit of crank.mass is kg"),
         (with("points", json!("points.csv")), "crank.mass occurs twice"),
         (with("points", json!("words.csv")), "line: 2"),
         (with("scenario", json!({ "stop_time": 0 })), "scenario.stop_time = 0.0: must be finite and > 0 s"),
@@ -76,7 +79,7 @@ fn what_is_wrong_is_said_in_one_line() {
         (with("start_values", json!({ "crank.mass": -1 })), "start values: crank.mass = -1"),
         (
             with("start_values", json!({ "friction.enabled": 1 })),
-            "start_values.friction.enabled = 1: must be a Boolean",
+            "start_values.friction.enabled: friction.enabled must be a Boolean, not 1",
         ),
         (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
         (response(json!({ "event": "crank.angle" })), "an event must be the flag variable of a stop"),

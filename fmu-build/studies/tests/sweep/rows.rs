@@ -239,3 +239,36 @@ fn a_hydraulic_mechanism_is_swept() {
     let angle = |row: usize| rows.number(row, "angle");
     assert!(angle(0) != angle(2) && angle(0) != angle(4) && angle(0) < 0.8, "{:?}", rows.column("angle"));
 }
+
+/// Values of a parameter set hold in all runs, unless a factor, a start value or the scenario states another.
+#[test]
+fn a_parameter_set_of_a_study_yields_to_its_other_keys() {
+    let folder = Folder::new("parameters");
+    let parameter = |(name, value): (&str, &str)| format!("<Parameter name=\"{name}\"><{value}/></Parameter>");
+    let parameters = [
+        ("crank.mass", "Real value=\"15000\" unit=\"g\""),
+        ("load_factor", "Integer value=\"2\""),
+        ("actuator.force", "Real value=\"1\""),
+        ("airspeed", "Real value=\"2\""),
+        ("leg.length", "Real value=\"80\" unit=\"cm\""),
+        ("friction.enabled", "Boolean value=\"true\""),
+    ];
+    let text = parameters.map(parameter).concat();
+    let text = format!("<ParameterSet version=\"1.0\" name=\"a\"><Parameters>{text}</Parameters></ParameterSet>");
+    fs::write(folder.0.join("set of values.ssv"), text).unwrap();
+    let rows = folder.rows(json!({
+        "parameters_file": "set of values.ssv",
+        "factors": { "actuator.force": { "values": [29e3, 31e3] } },
+        "start_values": { "crank.mass": "14 kg" },
+        "scenario": { "stop_time": 0.1, "output_interval": 0.01, "inputs": { "airspeed": [[0, 70], [0.1, 80]] } },
+        "responses": { "angle": { "final": "crank.angle" } },
+    }));
+    fs::write(folder.0.join("air.csv"), "time,airspeed\n0,70\n0.1,80\n").unwrap();
+    for (row, force) in ["29e3", "31e3"].iter().enumerate() {
+        let values = ["crank.mass=14", "load_factor=2", "leg.length=0.8", "friction.enabled=true"].map(String::from);
+        let values = [&values[..], &[format!("actuator.force={force}")]].concat();
+        let run = simulated(&folder, &values, 0.1, 0.01, Some(folder.0.join("air.csv")));
+        let expected = run.number(run.rows.len() - 1, "crank.angle");
+        assert_eq!(rows.number(row, "angle").to_bits(), expected.to_bits(), "{force}");
+    }
+}
