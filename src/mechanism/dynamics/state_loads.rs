@@ -3,6 +3,7 @@
 //!
 //! In: the state loads, the sizes of the applied loads, the state. Out: the acceleration along the curve, the power
 //! lost, the sizes of the state loads. Written once for values and for values with derivatives. It must not know steps.
+mod drives;
 mod free;
 mod losses;
 
@@ -161,11 +162,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
         1.0 / efficiency - efficiency
-    }
-
-    /// Displacement of the drive of a law that depends on it [m or rad], at the state of the last evaluation.
-    pub fn position_of_law(&self, law: usize) -> f64 {
-        self.law_values[law][1]
     }
 
     /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
@@ -345,69 +341,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
-    /// Delivered forces of the drives, with those of their laws: added to the motion. Returns the power lost in them.
-    #[inline(never)]
-    fn drives(
-        &mut self,
-        (reduced, state_loads): (&Reduced, &StateLoads),
-        applied: &AppliedLoads,
-        panel_force: &PanelForce,
-        mode: &Mode,
-        [t, x, sigma_dot]: [T; 3],
-    ) -> T {
-        let at = |component: usize| polynomial_at(panel_force.series(&state_loads.table, component), x);
-        let mut lost = T::constant(0.0);
-        let first_law = state_loads.first_law();
-        for (law_load, known) in state_loads.laws.iter().zip(&mut self.law_values) {
-            let drive = law_load.drive;
-            let Some(law) = &reduced.loading().drives[drive].law else { continue };
-            let influence = at(state_loads.given(0, law.load));
-            let speed = influence * sigma_dot;
-            let position = law_load.position.map_or(T::constant(0.0), |k| {
-                let wound = panel_force.revolutions * reduced.load_growth(drive);
-                self.effects.as_flattened()[state_loads.driven(k)] + T::constant(wound)
-            });
-            *known = [influence.value(), position.value()];
-            let (switches, mut switch) = (&mut self.switches, state_loads.limit_switch(law_load.limit));
-            let margin = |_, margin| {
-                switch += 1;
-                switches.see(switch - 1, margin)
-            };
-            let own = applied.size(drive, t);
-            self.delivered[law_load.at] = law.force(own, |input| applied.size(input, t), [position, speed], margin);
-        }
-        for (k, &load) in state_loads.drives[..first_law].iter().enumerate() {
-            let influence = at(state_loads.given(0, load));
-            if k >= state_loads.efficient {
-                let cylinder = k - state_loads.efficient;
-                let Some(laws) = reduced.loading().cylinder(cylinder) else { continue };
-                self.delivered[k] = laws.force(self.pressures[cylinder], influence * sigma_dot);
-                let driven = influence * self.delivered[k];
-                self.motion = self.motion + driven;
-                lost = lost - driven * sigma_dot;
-                continue;
-            }
-            let size = applied.size(load, t);
-            let full = influence * size;
-            let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
-            let law = state_loads.laws.iter().find(|law| law.drive == load).map(|law| law.at);
-            let further = law.map_or(0.0, |law| (influence * self.delivered[law]).value());
-            let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
-            self.delivered[k] = size * T::constant(part);
-            if let Some(law) = law {
-                self.delivered[law] = self.delivered[law] * T::constant(part);
-            }
-            self.motion = self.motion + influence * self.delivered[k];
-            lost = lost + (full * T::constant(1.0 - part) - influence * applied.excess(load, t)) * sigma_dot;
-        }
-        for (&load, &delivered) in state_loads.drives[first_law..].iter().zip(&self.delivered[first_law..]) {
-            let driven = at(state_loads.given(0, load)) * delivered;
-            self.motion = self.motion + driven;
-            lost = lost - driven * sigma_dot;
-        }
-        lost
-    }
-
     fn friction(&mut self, state_loads: &StateLoads, mode: &Mode, t: f64, sigma_dot: T) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
@@ -451,18 +384,6 @@ fn balance<'a, T>(state_loads: &'a StateLoads, [effects, reactions, inertial]: [
 /// Whether the mechanism is at rest without a direction in which it would set off.
 fn is_at_rest(mode: &Mode, sigma_dot: f64) -> bool {
     sigma_dot == 0.0 && mode.direction == 0.0
-}
-
-/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where
-/// power flows into the mechanism, 1/eta where it flows back; 1 without a direction, as no power flows.
-fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
-    if direction == 0.0 {
-        1.0
-    } else if full * direction > 0.0 {
-        efficiency
-    } else {
-        1.0 / efficiency
-    }
 }
 
 #[cfg(test)]

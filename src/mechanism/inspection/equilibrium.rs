@@ -4,6 +4,7 @@
 //! drive. It must not know laws: it reads outputs.
 use super::place::Places;
 use crate::inspection::Fact;
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::model::Model;
 use crate::mechanism::motion::contact::Travel;
@@ -160,7 +161,11 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
         let force = spring.force(reduced.displacement_at(spring.load, sigma, 0));
         force.abs() * influence(spring.load)
     });
-    applied.chain(springs).sum()
+    let controllers = loading.drives.iter().enumerate().map(|(load, drive)| {
+        let gain = drive.law.as_ref().and_then(DriveLaw::control).and_then(|control| control.position_gain);
+        gain.unwrap_or(0.0) * reduced.displacement_at(load, sigma, 0).abs() * influence(load)
+    });
+    applied.chain(springs).chain(controllers).sum()
 }
 
 /// Name of a stop at this position.
