@@ -3,8 +3,8 @@
 //!
 //! In: a model. Out: its answers, and its snapshots. It must not know any law.
 use super::error::HydraulicsError;
-use super::model::Model;
-use super::{Snapshot, definition, network};
+use super::model::{Model, Snapshot};
+use super::{definition, network};
 use crate::format::{About, Experiment};
 use crate::inspection::Finding;
 use crate::integrator::Statistics;

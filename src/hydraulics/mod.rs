@@ -27,10 +27,7 @@ pub use common::{INPUT_ORDER, OUTPUT_ORDER};
 pub use definition::FILE;
 pub use error::HydraulicsError;
 pub use interface::ACTUATOR;
-pub use model::Model;
-
-/// All values that decide how a hydraulic actuator continues.
-pub type Snapshot = common::Snapshot<model::OneActuator>;
+pub use model::{Model, Snapshot};
 
 #[cfg(test)]
 mod tests;

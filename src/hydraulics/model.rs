@@ -26,6 +26,8 @@ use warnings::Warnings;
 pub struct OneActuator;
 /// One hydraulic actuator with its parameters, inputs and state.
 pub type Model = common::Model<OneActuator>;
+/// All values that decide how a hydraulic actuator continues.
+pub type Snapshot = common::Snapshot<OneActuator>;
 /// A definition with the values of its parameters, and the laws that follow from them.
 pub type Parameters = common::Parameters<OneActuator>;
 

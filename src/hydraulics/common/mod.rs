@@ -113,32 +113,32 @@ pub trait Kind: Clone + Debug + PartialEq + Send + Sync + 'static {
 #[derive(Clone, Debug)]
 pub struct Model<K: Kind> {
     /// As read; [`Self::reset`] returns to it.
-    pub(in crate::hydraulics) original: Arc<Original<K>>,
+    pub(super) original: Arc<Original<K>>,
     /// The present parameters; shared with the snapshots that were taken under them.
-    pub(in crate::hydraulics) parameters: Arc<Parameters<K>>,
-    pub(in crate::hydraulics) inputs: K::Inputs,
-    pub(in crate::hydraulics) state: Option<K::State>,
+    pub(super) parameters: Arc<Parameters<K>>,
+    pub(super) inputs: K::Inputs,
+    pub(super) state: Option<K::State>,
     /// What the present state and inputs give, while they are the present ones.
-    pub(in crate::hydraulics) cache: K::Cache,
-    pub(in crate::hydraulics) warnings: K::Warnings,
+    pub(super) cache: K::Cache,
+    pub(super) warnings: K::Warnings,
 }
 
 /// A definition as read, before any value is set.
 #[derive(Debug)]
 pub struct Original<K: Kind> {
-    pub(in crate::hydraulics) parameters: Arc<Parameters<K>>,
-    pub(in crate::hydraulics) variables: Variables<Quantity<K::Output>>,
-    pub(in crate::hydraulics) ranges: Vec<(Range, Role)>,
-    pub(in crate::hydraulics) inputs: K::Inputs,
+    pub(super) parameters: Arc<Parameters<K>>,
+    pub(super) variables: Variables<Quantity<K::Output>>,
+    pub(super) ranges: Vec<(Range, Role)>,
+    pub(super) inputs: K::Inputs,
 }
 
 /// A definition with the values of its parameters, and the laws that follow from them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters<K: Kind> {
-    pub(in crate::hydraulics) definition: K::Definition,
+    pub(super) definition: K::Definition,
     /// Numeric parameters, in the order of [`Kind::parameters`].
-    pub(in crate::hydraulics) values: Vec<f64>,
-    pub(in crate::hydraulics) laws: K::Laws,
+    pub(super) values: Vec<f64>,
+    pub(super) laws: K::Laws,
 }
 
 impl<K: Kind> Parameters<K> {
@@ -158,7 +158,7 @@ impl<K: Kind> Parameters<K> {
 
 impl<K: Kind> Model<K> {
     /// Name of a variable; empty if there is none.
-    pub(in crate::hydraulics) fn name_of(&self, reference: Reference) -> String {
+    pub(super) fn name_of(&self, reference: Reference) -> String {
         self.original.variables.get(reference).map_or_else(String::new, |v| v.name.clone())
     }
 
@@ -170,12 +170,25 @@ impl<K: Kind> Model<K> {
 
     /// Put the model at its start if it has no state yet.
     #[inline]
-    pub(in crate::hydraulics) fn started(&mut self) -> Result<(), HydraulicsError> {
+    pub(super) fn started(&mut self) -> Result<(), HydraulicsError> {
         if self.state.is_none() {
             K::check(&self.parameters.definition)?;
             K::check_ports(self)?;
             self.state = Some(K::start(&self.parameters, &self.inputs));
         }
         Ok(())
+    }
+
+    /// Value of an output; not finite where it has none.
+    pub(super) fn output(&mut self, output: K::Output) -> Result<f64, HydraulicsError> {
+        self.started()?;
+        K::output(self, output)
+    }
+
+    /// No state, no results, no warnings.
+    pub(super) fn clear_motion(&mut self) {
+        self.state = None;
+        K::clear(&mut self.cache);
+        self.warnings = K::Warnings::default();
     }
 }

@@ -75,12 +75,6 @@ impl<K: Kind> Model<K> {
         }
     }
 
-    /// Value of an output; not finite where it has none.
-    pub(in crate::hydraulics) fn output(&mut self, output: K::Output) -> Result<f64, HydraulicsError> {
-        self.started()?;
-        K::output(self, output)
-    }
-
     /// Whether [`Self::set_real`] would accept this value; changes nothing.
     ///
     /// # Errors
@@ -260,13 +254,6 @@ impl<K: Kind> Model<K> {
         self.parameters = Arc::clone(&self.original.parameters);
         self.inputs.copy_from(&self.original.inputs);
         self.clear_motion();
-    }
-
-    /// No state, no results, no warnings.
-    pub(in crate::hydraulics) fn clear_motion(&mut self) {
-        self.state = None;
-        K::clear(&mut self.cache);
-        self.warnings = K::Warnings::default();
     }
 
     /// Why an output has no value in the present state; None if it has one.

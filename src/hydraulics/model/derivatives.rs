@@ -1,7 +1,7 @@
 //! Derivatives of outputs by inputs and in time.
 //!
-//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know any
-//! law.
+//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know
+//! any law.
 use super::{Model, OneActuator, Parameters, point};
 use crate::hydraulics::circuit::{CIRCUIT, ENERGY, Equations, Point};
 use crate::hydraulics::common::Differentiable;

@@ -11,7 +11,7 @@ use crate::mechanism::reduced::Reduced;
 
 /// The state of motion in the formulation that solver.method chose.
 #[derive(Clone, Debug)]
-pub(in crate::mechanism) enum Formulation {
+pub enum Formulation {
     /// By the reduced model, along the curve. Apart, as a model is moved by value on the stack of a host's thread.
     Reduced(Box<ReducedMotion>),
     /// By rigid finite elements.
@@ -21,7 +21,7 @@ pub(in crate::mechanism) enum Formulation {
 impl Formulation {
     /// By the reduced model, at a start.
     #[inline(never)]
-    pub(super) fn reduced(
+    pub fn reduced(
         start: &Start,
         reduced: &Reduced,
         mechanism: &Mechanism,
@@ -32,7 +32,7 @@ impl Formulation {
 
     /// By rigid finite elements, at a start.
     #[inline(never)]
-    pub(super) fn rigid_fem(
+    pub fn rigid_fem(
         start: &Start,
         reduced: &Reduced,
         mechanism: &Mechanism,
@@ -42,7 +42,7 @@ impl Formulation {
     }
 
     /// The state along the curve; that of the finite elements where it fits best.
-    pub(in crate::mechanism) fn along_curve(&self) -> &State {
+    pub fn along_curve(&self) -> &State {
         match self {
             Self::Reduced(motion) => &motion.state,
             Self::RigidFem(motion) => &motion.rigid.state,

@@ -18,8 +18,8 @@ struct Entry {
 static SHARED: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 
 impl Model {
-    /// [`Self::with_tables`], sharing what is as read with the other models of this text. The mechanism has no hydraulics,
-    /// unless [`allow_hydraulics`](crate::mechanism::allow_hydraulics) was called.
+    /// [`Self::with_tables`], sharing what is as read with the other models of this text. The mechanism has no
+    /// hydraulics, unless [`allow_hydraulics`](crate::mechanism::motion::allow_hydraulics) was called.
     ///
     /// # Errors
     /// As [`Self::with_tables`].

@@ -1,7 +1,7 @@
 //! Derivatives of outputs by inputs and in time.
 //!
-//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know any
-//! law.
+//! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know
+//! any law.
 use super::{Model, Network, motion};
 use crate::hydraulics::common::Differentiable;
 use crate::hydraulics::error::HydraulicsError;
