@@ -89,7 +89,7 @@ impl Ensemble<'_> {
                     is_stopped.store(true, Ordering::Relaxed);
                 }
             }
-            let all = threads.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume(panic)));
+            let all = threads.into_iter().map(|thread| thread.join().unwrap_or_else(resume));
             all.collect::<Vec<_>>().concat()
         });
         remarks.sort_unstable();
