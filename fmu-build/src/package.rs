@@ -186,7 +186,10 @@ fn packages(systems: &[System], prepared: &[Prepared], refused: &mut Vec<String>
                 "two systems have the name {0}; both packages would have the file name {0}.ssp, so change one name",
                 package.name
             )),
-            Ok(package) => packages.push(package),
+            Ok(package) => {
+                package.warnings.iter().for_each(|line| println!("{line}"));
+                packages.push(package);
+            }
             Err(error) => refused.push(format!("{error:#}")),
         }
     }

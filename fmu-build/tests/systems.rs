@@ -1,7 +1,7 @@
 //! Systems of FMUs: the examples, a user's own system, what is wrong with one; the schema and the reader agree.
 #![allow(clippy::unwrap_used)]
 
-use fmu_build::ssp::System;
+use fmu_build::ssp::{Packable, System};
 use fmu_build::workspace::Workspace;
 use fmu_build::xml::ssv;
 use linkage_fmu::component::Component;
@@ -42,12 +42,16 @@ fn descriptions() -> PathBuf {
 
 /// Text of the structure of a system.
 fn structure(path: &Path) -> anyhow::Result<String> {
+    packable(path).map(|package| package.structure)
+}
+
+fn packable(path: &Path) -> anyhow::Result<Packable> {
     let (system, sources) = System::read(&Workspace::locate(), path)?;
     let models: Vec<Component> = sources
         .iter()
         .map(|source| Component::from_definition(source.kind(), &source.text().unwrap()).unwrap())
         .collect();
-    Ok(system.packable(&models.iter().collect::<Vec<_>>())?.structure)
+    system.packable(&models.iter().collect::<Vec<_>>())
 }
 
 /// All elements of this name.
@@ -177,6 +181,35 @@ fn values_of_a_system_are_in_the_units_of_the_variables_and_read_back() {
     assert_eq!(value("solver.method"), Start::Item("rigid_fem".into()));
     let enumeration = all(&document, "Enumeration").find(|node| node.attribute("name").is_some()).unwrap();
     assert_eq!(enumeration.attribute("name"), Some("solver.method.item"));
+}
+
+/// The acceleration of the first cart is demanded of the second, whose force acts on the first.
+#[test]
+fn loops_and_lonely_fmus_are_warned_of() {
+    let folder = Folder::new("warnings");
+    let cart = folder.write(
+        "cart.json",
+        r#"{ "name": "Cart", "bodies": { "ground": {}, "cart": { "mass": 2 } },
+        "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "cart.origin" } },
+        "actuators": { "push": { "joint": "rail", "force": 0 } },
+        "start": { "joint": "rail", "position": 0, "speed": 0 }, "guess": { "rail": 0 } }"#,
+    );
+    let back = ["second.push.required_force", "first.push.force"];
+    for (connections, lonely, has_loop) in [
+        (json!([["first.push.acceleration", "second.push.demanded_acceleration"], back]), &["third"][..], true),
+        (json!([back]), &["third"], false),
+        (json!([]), &["first", "second", "third"], false),
+    ] {
+        let fmus = json!({ "first": cart, "second": cart, "third": cart });
+        let system = json!({ "name": "Carts", "fmus": fmus, "connections": connections });
+        let path = folder.write("carts.json", &system.to_string());
+        let warnings = packable(&path).unwrap().warnings;
+        let about = |words: &str| warnings.iter().filter(|line| line.contains(words)).count();
+        let looped = "connections: first.push.acceleration, second.push.required_force depend on each other";
+        assert_eq!((about(looped), about("algebraic loop")), (usize::from(has_loop), usize::from(has_loop)));
+        assert!(lonely.iter().all(|name| about(&format!("fmus.{name}: this FMU has no connection")) == 1));
+        assert_eq!(warnings.len(), lonely.len() + usize::from(has_loop), "{warnings:?}");
+    }
 }
 
 #[test]

@@ -52,6 +52,8 @@ pub struct Packable {
     models: Vec<String>,
     /// Text of the system structure.
     pub structure: String,
+    /// What is probably not meant, each in a line.
+    pub warnings: Vec<String>,
 }
 
 impl System {
@@ -84,7 +86,7 @@ impl System {
         Ok((system, sources))
     }
 
-    /// The system with the models of its FMUs, in the order of the file. Warnings are printed.
+    /// The system with the models of its FMUs, in the order of the file.
     ///
     /// # Errors
     /// All faults of names, connections and values, each in a line.
@@ -93,7 +95,6 @@ impl System {
         let mut faults = Faults::default();
         let found = connect::Connected::new(self, models, &mut faults);
         self.refused(faults)?;
-        found.warnings(models).iter().for_each(|warning| println!("{}: warning: {warning}", self.path.display()));
         let connectors = found.connectors(models);
         let connected: Vec<[usize; 2]> = found.connections.iter().map(|ends| ends.map(|(part, _)| part)).collect();
         let (areas, area) = layout::areas(&connectors, &connected);
@@ -118,11 +119,13 @@ impl System {
             area,
             stop_time: stop_time.unwrap_or(longest),
         };
+        let shown = self.path.display();
+        let warnings = found.warnings(models).iter().map(|line| format!("{shown}: warning: {line}")).collect();
         let mut models: Vec<String> = models.iter().map(|model| model.name().to_owned()).collect();
         models.sort_unstable();
         models.dedup();
-        let structure = structure.text().with_context(|| self.path.display().to_string())?;
-        Ok(Packable { name: name.clone(), models, structure })
+        let structure = structure.text().with_context(|| shown.to_string())?;
+        Ok(Packable { name: name.clone(), models, structure, warnings })
     }
 
     /// Path of a file that the system names.
