@@ -209,7 +209,7 @@ impl<'a> Builder<'a> {
 
     fn join(&mut self, pin: &Pin, suffix: &str, (first, second): (usize, usize), axis: Option<f64>) {
         let name = self.name(pin, suffix);
-        self.own.joints.push(Joint { name, first, second, place: pin.place, other: None, axis });
+        self.own.joints.push(Joint { name, first, second, place: pin.place, axis, ..Joint::default() });
     }
 
     /// A free name for what stands for a joint.

@@ -120,7 +120,7 @@ fn wheel(own: &mut Linkage, carrier: usize, place: [f64; 2], name: &str) -> Join
     let name = own.free_name(&format!("{name}_wheel"));
     own.bodies.push(Body { name: name.clone(), points: vec![place], is_block: true, ..Body::default() });
     let name = own.free_name(&format!("{name}_bearing"));
-    let joint = Joint { name, first: carrier, second: own.bodies.len() - 1, place, other: None, axis: None };
+    let joint = Joint { name, first: carrier, second: own.bodies.len() - 1, place, ..Joint::default() };
     own.joints.push(joint.clone());
     joint
 }

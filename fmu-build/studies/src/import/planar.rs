@@ -53,7 +53,7 @@ pub struct Body {
 }
 
 /// A joint at a place.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Joint {
     pub name: String,
     /// Bodies, by index.
@@ -64,6 +64,10 @@ pub struct Joint {
     pub other: Option<[f64; 2]>,
     /// Of a prismatic joint the direction of sliding in the first body.
     pub axis: Option<f64>,
+    /// Inertia that only the motion of the joint moves.
+    pub armature: f64,
+    /// Constant friction.
+    pub friction: f64,
 }
 
 /// A part of the definition, whose keys keep their order.
@@ -164,7 +168,8 @@ impl Linkage {
 
     /// Whether no body has a mass, so that nothing but a prescribed motion moves the linkage.
     pub fn is_massless(&self) -> bool {
-        self.bodies.iter().all(|body| body.mass <= 0.0 && body.inertia <= 0.0)
+        let has_rotors = self.joints.iter().any(|joint| joint.armature > 0.0);
+        !has_rotors && self.bodies.iter().all(|body| body.mass <= 0.0 && body.inertia <= 0.0)
     }
 
     /// A drive: the first one of a linkage without masses turns with the speed of the start.
@@ -249,11 +254,16 @@ impl Linkage {
     fn joint(&mut self, joint: Joint) -> (String, Value) {
         let first = self.reference(joint.first, joint.place);
         let second = self.reference(joint.second, joint.other.unwrap_or(joint.place));
-        let value = match joint.axis {
+        let mut value = match joint.axis {
             Some(0.0) => json!({ "type": "prismatic", "first": first, "second": second }),
             Some(axis) => json!({ "type": "prismatic", "first": first, "second": second, "axis_angle": axis }),
             None => json!({ "type": "revolute", "first": first, "second": second }),
         };
+        for (key, size) in [("armature", joint.armature), ("frictionloss", joint.friction)] {
+            if size != 0.0 {
+                value[key] = json!(size);
+            }
+        }
         (joint.name, value)
     }
 }

@@ -3,7 +3,7 @@
 //! In: XML of one model, alone or in a world. Out: bodies and joints in space.
 
 use super::masses::{Part, in_space, symmetric};
-use super::spatial::{Acting, Hinge, Ratio, SAME, Solid, Space, Spring, add, after, turned, unit};
+use super::spatial::{Acting, Drive, Hinge, Ratio, SAME, Solid, Space, Spring, add, after, turned, unit};
 use super::urdf::{Frame, of_angles};
 use super::xml::{Element, Fate, Row, rejected, unread};
 use Fate::{LeftOut, NoEffect, Read, Rejected};
@@ -67,7 +67,7 @@ pub const TABLE: &[Row] = &[
     ("axis/dynamics", "", Read, "a spring with a damper"),
     ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "damping, stiffness, and angle \
         or position at which the spring has no force"),
-    ("dynamics/friction", "", LeftOut, "add the key friction and a pin radius to the definition instead"),
+    ("dynamics/friction", "", Read, "constant friction of the joint"),
     ("axis/mimic", "", Read, "a coupling by gears or a rack: multiplier (value - reference) + offset"),
     ("axis/mimic", "joint axis", Read, "name of the joint that this joint follows"),
     ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
@@ -180,7 +180,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let on_ground = |at: &usize| space.hinges[*at].first.min(space.hinges[*at].second) == 0;
     let driven = (0..space.hinges.len()).filter(on_ground).find(|at| !is_follower(*at));
     if let Some(hinge) = driven.map(|at| &mut space.hinges[at]) {
-        hinge.acting.drive = Some(0.0);
+        hinge.acting.drives.push(Drive::default());
         space.notes.push(format!("the file names no drive: the import adds a drive in the joint {}", hinge.name));
     }
     space.notes.extend(unread(root, TABLE, &str::to_owned)?);
@@ -287,7 +287,12 @@ impl Model<'_> {
             place: frame.0,
             axis: Some(turned(&of.1, direction)),
             slides,
-            acting: Acting { springs: vec![spring], range, ..Acting::default() },
+            acting: Acting {
+                springs: vec![spring],
+                range,
+                friction: part("dynamics", "friction")?.unwrap_or(0.0),
+                ..Acting::default()
+            },
             ..Hinge::default()
         })
     }

@@ -82,16 +82,35 @@ pub struct Spring {
     pub preload: f64,
 }
 
+/// A drive: its force at the start, and what controls it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Drive {
+    pub force: f64,
+    pub control: Option<Control>,
+}
+
+/// Control of a drive: force + position gain (command - value) + speed gain (commanded speed - rate), within limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Control {
+    pub position_gain: Option<f64>,
+    pub speed_gain: Option<f64>,
+    /// Command at the start.
+    pub command: f64,
+    /// Smallest and largest force.
+    pub limits: Option<[f64; 2]>,
+}
+
 /// What acts along a coordinate: of a joint, counted from the position of the file, or of a distance of two points.
 #[derive(Clone, Debug, Default)]
 pub struct Acting {
     pub springs: Vec<Spring>,
     /// Least and largest value.
     pub range: Option<[f64; 2]>,
-    /// Force or torque of a drive at the start; none without a drive.
-    pub drive: Option<f64>,
+    pub drives: Vec<Drive>,
     /// Inertia that only the rate of the coordinate moves.
     pub armature: f64,
+    /// Constant friction against the rate of the coordinate.
+    pub friction: f64,
 }
 
 /// A joint in space.
@@ -140,6 +159,25 @@ pub struct Space {
     pub sites: Vec<(String, usize, Vector)>,
     pub gravity: Vector,
     pub notes: Vec<String>,
+}
+
+impl Control {
+    /// The key `control` of a drive along a coordinate that counts by `sign`.
+    fn value(&self, sign: f64) -> Value {
+        let mut all = json!({});
+        if let Some(gain) = self.position_gain {
+            (all["position_gain"], all["command"]) = (json!(gain), json!(sign * self.command));
+        }
+        if let Some(gain) = self.speed_gain {
+            all["speed_gain"] = json!(gain);
+        }
+        if let Some(limits) = self.limits {
+            let mut limits = limits.map(|limit| sign * limit);
+            limits.sort_by(f64::total_cmp);
+            (all["min_force"], all["max_force"]) = (json!(limits[0]), json!(limits[1]));
+        }
+        all
+    }
 }
 
 impl Space {
@@ -231,6 +269,11 @@ pub fn project(space: Space) -> Result<Linkage> {
         let on = json!({ "first": first, "second": second });
         let name = own.free_name(&strut.name);
         act(&mut own, &name, &on, "length", &strut.acting, 1.0);
+        if strut.acting.armature != 0.0 {
+            let wanted = own.free_name(&format!("{name}_armature"));
+            let screw = json!({ "lead": TAU, "inertia": strut.acting.armature });
+            own.actuators.push((wanted, json!({ "first": first, "second": second, "screw": screw })));
+        }
     }
     for (name, body, place) in &space.sites {
         let name = own.free_name(name);
@@ -297,26 +340,16 @@ fn add_hinge(
         Some(axis) if !hinge.slides && dot(axis, normal) < 0.0 => -1.0,
         _ => 1.0,
     };
-    let mut acting = hinge.acting.clone();
-    if !hinge.slides && acting.armature != 0.0 {
-        ensure!(
-            first == 0 || second == 0,
-            "the armature {} of the joint {name} acts between two moving bodies, which no element of a definition \
-             does: set armature to 0 to import the mechanism without it",
-            acting.armature
-        );
-        // The rotor turns as the body does.
-        own.bodies[first.max(second)].inertia += std::mem::take(&mut acting.armature);
-    }
+    let Acting { armature, friction, .. } = hinge.acting;
     let index = own.joints.len();
     let other = hinge.other.map(&flat).filter(|other| (0..2).any(|k| (other[k] - place[k]).abs() > 1e-12));
-    own.joints.push(Joint { name: name.clone(), first, second, place, other, axis });
+    own.joints.push(Joint { name: name.clone(), first, second, place, other, axis, armature, friction });
     let quantity = if hinge.slides { "position" } else { "angle" };
-    act(own, &name, &json!({ "joint": name }), quantity, &acting, sign);
+    act(own, &name, &json!({ "joint": name }), quantity, &hinge.acting, sign);
     Ok(Some(couple::Coordinate { joint: index, sign }))
 }
 
-/// Springs, stops, a drive and a rotor along a coordinate that counts by `sign`.
+/// Springs, stops and drives along a coordinate that counts by `sign`.
 fn act(own: &mut Linkage, name: &str, on: &Value, quantity: &str, acting: &Acting, sign: f64) {
     let with = |fields: Value| {
         let mut all = on.clone();
@@ -345,13 +378,13 @@ fn act(own: &mut Linkage, name: &str, on: &Value, quantity: &str, acting: &Actin
             own.stops.push((wanted, with(json!({ "limit": limit, quantity: value }))));
         }
     }
-    if let Some(start) = acting.drive {
+    for drive in &acting.drives {
         let wanted = own.free_name(&format!("{name}_drive"));
         let word = if quantity == "angle" { "torque" } else { "force" };
-        own.actuators.push((wanted, with(json!({ word: sign * start }))));
-    }
-    if acting.armature != 0.0 {
-        let wanted = own.free_name(&format!("{name}_armature"));
-        own.actuators.push((wanted, with(json!({ "screw": { "lead": TAU, "inertia": acting.armature } }))));
+        let mut value = with(json!({ word: sign * drive.force }));
+        if let Some(control) = &drive.control {
+            value["control"] = control.value(sign);
+        }
+        own.actuators.push((wanted, value));
     }
 }

@@ -180,13 +180,20 @@ fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Resu
         let block = name(own, "_block");
         own.bodies.push(Body { name: block, points: vec![row.place], is_block: true, ..Body::default() });
         let (second, slot) = (own.bodies.len() - 1, name(own, "_slot"));
-        own.joints.push(Joint { name: slot, first, second, place: row.place, other: None, axis: Some(row.axis) });
+        own.joints.push(Joint {
+            name: slot,
+            first,
+            second,
+            place: row.place,
+            axis: Some(row.axis),
+            ..Joint::default()
+        });
         base = second;
     }
     for &second in others {
         let axis = (row.kind == Kind::Prismatic).then_some(row.axis);
         let name = name(own, "");
-        own.joints.push(Joint { name, first: base, second, place: row.place, other: None, axis });
+        own.joints.push(Joint { name, first: base, second, place: row.place, axis, ..Joint::default() });
     }
     if row.is_driven {
         let drive = if own.drives.is_empty() { "drive".to_owned() } else { format!("drive_{of}") };

@@ -15,7 +15,7 @@ const OTHERS: [&str; 2] = [
     r#"<mujoco><worldbody><body name="a"><joint name="j" axis="0 1 0"/><geom size=".1" contype="0"/><camera/></body>
        <frame><site name="s"/></frame></worldbody><equality><weld body1="a" relpose="0 0 0 1 0 0 0"/>
        <joint joint1="j" polycoef="0"/></equality><actuator><intvelocity joint="j"/><damper joint="j"/>
-       <cylinder joint="j"/><adhesion body="a"/></actuator></mujoco>"#,
+       <cylinder joint="j" bias="0 0 -1"/><adhesion body="a"/></actuator></mujoco>"#,
     r#"<mujoco><worldbody><body name="a"><joint axis="0 1 0"/><inertial pos="0 0 0" mass="1"/><geom size=".1"/></body>
        </worldbody></mujoco>"#,
 ];

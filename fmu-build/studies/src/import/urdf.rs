@@ -3,7 +3,7 @@
 //! In: XML. Out: bodies and joints in space: a tree, so that it has no loop but by `mimic`.
 
 use super::masses::{Part, in_space, symmetric};
-use super::spatial::{Acting, Hinge, Ratio, Rotation, SAME, Solid, Space, Spring, Vector};
+use super::spatial::{Acting, Drive, Hinge, Ratio, Rotation, SAME, Solid, Space, Spring, Vector};
 use super::spatial::{about, add, after, turned, unit};
 use super::xml::{Element, Fate, Row, unread};
 use Fate::{LeftOut, NoEffect, Read};
@@ -39,7 +39,7 @@ pub const TABLE: &[Row] = &[
     ("joint/mimic", "joint multiplier offset", Read, "name of the joint that this joint follows, ratio and offset"),
     ("joint/dynamics", "", Read, "a damper"),
     ("joint/dynamics", "damping", Read, "damping of the joint"),
-    ("joint/dynamics", "friction", LeftOut, "add the key friction and a pin radius to the definition instead"),
+    ("joint/dynamics", "friction", Read, "constant friction of the joint"),
     ("joint/limit", "", Read, "two rigid stops, except for `continuous`"),
     ("joint/limit", "lower upper", Read, "limits of the joint"),
     ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the \
@@ -127,7 +127,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         let ratio = mimic.one("multiplier")?.unwrap_or(1.0);
         let offset = mimic.one("offset")?.unwrap_or(0.0);
         space.ratios.push(Ratio { first, second, ratio, offset });
-        space.hinges[first].acting.drive = None;
+        space.hinges[first].acting.drives.clear();
     }
     space.notes.extend(unread(root, TABLE, &str::to_owned)?);
     Ok(space)
@@ -173,7 +173,10 @@ fn hinge(node: &Element, kind: &str, (first, second): (usize, usize), frame: Fra
     let axis = unit(axis).with_context(|| {
         format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
     })?;
-    let damping = node.child("dynamics").map(|dynamics| dynamics.one("damping")).transpose()?.flatten().unwrap_or(0.0);
+    let dynamics = |key: &'static str| -> Result<f64> {
+        Ok(node.child("dynamics").map(|dynamics| dynamics.one(key)).transpose()?.flatten().unwrap_or(0.0))
+    };
+    let (damping, friction) = (dynamics("damping")?, dynamics("friction")?);
     let range = match node.child("limit") {
         Some(limit) => {
             let range = [limit.one("lower")?.unwrap_or(0.0), limit.one("upper")?.unwrap_or(0.0)];
@@ -189,7 +192,7 @@ fn hinge(node: &Element, kind: &str, (first, second): (usize, usize), frame: Fra
         place: frame.0,
         axis: Some(turned(&frame.1, axis)),
         slides,
-        acting: Acting { springs, range, drive: Some(0.0), armature: 0.0 },
+        acting: Acting { springs, range, drives: vec![Drive::default()], friction, ..Acting::default() },
         ..Hinge::default()
     })
 }

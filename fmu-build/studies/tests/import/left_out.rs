@@ -43,11 +43,11 @@ fn medium_softness_and_second_drives() {
     assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set density and viscosity to 0"]);
     let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
     assert_says(&notes(Form::Mjcf, &text), &["<joint> margin is left out", "<joint> solreflimit is left out"]);
-    let two = r#"<motor joint="bearing"/><motor name="second" joint="bearing"/>"#;
+    let two = r#"<motor joint="bearing"/><position name="second" joint="bearing" kp="5" gear="2"/>"#;
     let text = replaced(MJCF, r#"<motor joint="bearing"/>"#, two);
     assert_says(
         &notes(Form::Mjcf, &text),
-        &["<motor \"second\">: this actuator acts on the joint bearing, on which another actuator acts too"],
+        &["<position \"second\">: the input of the drive bearing_drive_2 is the commanded position, 0.5 times"],
     );
 }
 
@@ -112,11 +112,20 @@ fn what_has_no_counterpart_is_rejected() {
         )
     };
     for (joint, rest, words) in [
-        (r#"frictionloss=".5""#, "", &["line 1: <joint \"j\">: frictionloss = 0.5", "set frictionloss to 0"][..]),
+        (r#"frictionloss="-.5""#, "", &["line 1: <joint \"j\">: frictionloss = -0.5", "must not be negative"][..]),
         (r#"stiffness="1 2""#, "", &["stiffness", "linear coefficient"]),
         (r#"damping="-1""#, "", &["damping = -1", "must not be negative"]),
         (r#"springdamper=".1 1""#, "", &["springdamper", "write stiffness and damping"]),
-        ("", r#"<default><joint armature=".1"/></default>"#, &["armature 0.1 of the joint l", "two moving bodies"]),
+        (
+            "",
+            r#"<tendon><spatial frictionloss="1"><site site="s"/><site site="t"/></spatial></tendon>"#,
+            &["frictionloss", "in a joint only"],
+        ),
+        (
+            "",
+            r#"<actuator><general joint="j" gaintype="affine" gainprm="1 2"/></actuator>"#,
+            &["gainprm", "depends on position or speed"],
+        ),
         ("", r#"<equality><joint joint1="j" joint2="l"/></equality>"#, &["joints j and l", "share no body"]),
         ("", r#"<equality><joint joint1="j" joint2="k" polycoef="0 1 .1"/></equality>"#, &["polycoef", "a cam"]),
         ("", r#"<equality><joint joint1="j" joint2="m"/></equality>"#, &["there is no joint m"]),

@@ -7,8 +7,11 @@ use serde_json::{Value, json};
 /// Accelerations agree to this part of their size.
 const SAME: f64 = 1e-9;
 
-/// Accelerations of a definition at its start, with a speed and inputs.
-fn accelerations(case: &Value, imported: &Imported) -> Vec<(String, f64)> {
+/// Travels agree to this number of rad: MuJoCo's steps pass over the instants at which a force reaches a limit.
+const SAME_TRAVEL: f64 = 2e-6;
+
+/// A definition at its start, with a speed and inputs.
+fn started(case: &Value, imported: &Imported) -> Simulation {
     let mut definition: Value = serde_json::from_str(&imported.definition).unwrap();
     if let Some(speed) = case["speed"].as_f64() {
         // Hinges about y count against the angles of the plane.
@@ -21,7 +24,12 @@ fn accelerations(case: &Value, imported: &Imported) -> Vec<(String, f64)> {
         simulation.set(name, value.as_f64().unwrap()).unwrap();
     }
     simulation.initialize().unwrap();
-    let names = case["accelerations"].as_object().unwrap().keys();
+    simulation
+}
+
+/// Outputs of a simulation that a case names under a key.
+fn outputs(simulation: &mut Simulation, case: &Value, key: &str) -> Vec<(String, f64)> {
+    let names = case[key].as_object().into_iter().flatten().map(|(name, _)| name);
     names.map(|name| (name.clone(), simulation.get(name).unwrap())).collect()
 }
 
@@ -42,10 +50,20 @@ fn accelerations_of_mujoco() {
                     continue;
                 }
             };
-            for (name, own) in accelerations(case, &imported) {
+            let mut simulation = started(case, &imported);
+            for (name, own) in outputs(&mut simulation, case, "accelerations") {
                 let expected = case["accelerations"][&name].as_f64().unwrap();
                 if (own - expected).abs() > SAME * expected.abs().max(1.0) {
                     wrong.push(format!("{} {form:?}: {name} = {own}, but {expected} in MuJoCo", case["name"]));
+                }
+            }
+            let Some(span) = case["span"].as_f64() else { continue };
+            let before = outputs(&mut simulation, case, "travel");
+            simulation.step(span).unwrap();
+            for ((name, end), (_, start)) in outputs(&mut simulation, case, "travel").into_iter().zip(before) {
+                let (own, expected) = (end - start, case["travel"][&name].as_f64().unwrap());
+                if (own - expected).abs() > SAME_TRAVEL {
+                    wrong.push(format!("{}: travel of {name} = {own}, but {expected} in MuJoCo", case["name"]));
                 }
             }
         }

@@ -73,6 +73,10 @@ SLIDES = (
 )
 SITES = '<site name="tip" pos=".4 0 0"/>'
 POST = '<site name="post" pos=".1 0 .6"/>'
+# The reference of 15 degrees, in the plane of the motion.
+RISE = 0.2617993877991494
+LIMITS = ' forcerange="-6 9"/>'
+WITHOUT_FRICTION = '<option><flag frictionloss="disable"/></option>'
 TENDON = '<tendon><spatial name="cord" springlength=".3" {}><site site="post"/><site site="tip"/></spatial></tendon>'
 URDF_PAIR = """<robot name="case"><link name="base"/>
 <link name="arm"><inertial><origin xyz=".25 0 0"/><mass value="1"/>
@@ -274,13 +278,53 @@ def cases() -> list[dict]:
             "control of the position",
             model(arm('ref="15"'), f"<actuator>{position}</actuator>"),
             SWING,
-            {"speed": 0.5, "control": {"servo": 0.3}, "input": {"swing_drive.torque": -0.3 * 80}},
+            {"speed": 0.5, "control": {"servo": 0.3}, "input": {"swing_drive.command": RISE - 0.3 / 2}},
         ),
         (
             "general control",
             model(arm('ref="15"'), f"<actuator>{general}</actuator>"),
             SWING,
-            {"speed": 0.5, "control": {"servo": 0.2}, "input": {"swing_drive.torque": -0.2 * 15}},
+            {"speed": 0.5, "control": {"servo": 0.2}, "input": {"swing_drive.command": RISE - 0.2 * 5 / (20 * 3)}},
+        ),
+        (
+            "control of the speed",
+            model(arm(), '<actuator><velocity name="servo" joint="swing" kv="4" gear="-3"/></actuator>'),
+            SWING,
+            {"speed": 0.5, "control": {"servo": 2}, "input": {"swing_drive.command_speed": 2 / 3}, "span": 1.5},
+        ),
+        (
+            "upper limit of the force",
+            model(arm(), f"<actuator>{position.replace('/>', LIMITS)}</actuator>"),
+            SWING,
+            {"speed": 0.5, "control": {"servo": -2.6}, "input": {"swing_drive.command": 1.3}, "span": 1.5},
+        ),
+        (
+            "lower limit of the force",
+            model(arm(), f"<actuator>{position.replace('/>', LIMITS)}</actuator>"),
+            SWING,
+            {"speed": -3.0, "control": {"servo": 2.6}, "input": {"swing_drive.command": -1.3}, "span": 1.5},
+        ),
+        (
+            "two actuators of a joint",
+            model(arm(), f'<actuator>{position}<motor name="motor" joint="swing" gear="3"/></actuator>'),
+            SWING,
+            {
+                "control": {"servo": 0.4, "motor": 0.5},
+                "input": {"swing_drive.command": -0.2, "swing_drive_2.torque": -1.5},
+                "span": 1.5,
+            },
+        ),
+        ("constant friction", model(arm('frictionloss=".5"')), SWING, {"speed": 0.7}),
+        ("constant friction backward", model(arm('frictionloss=".5" damping=".1"')), SWING, {"speed": -0.7}),
+        ("friction disabled", model(arm('frictionloss=".5"'), settings=WITHOUT_FRICTION), SWING, {"speed": 0.7}),
+        (
+            "friction and rotor between moving bodies",
+            model(
+                arm(inner=KNEE.replace('"0 -1 0"', '"0 -1 0" armature=".3" frictionloss=".4"')),
+                equality("0 1.4", "knee", "swing"),
+            ),
+            {"arm.acceleration": {"swing": -1}, "shank.acceleration": {"swing": -1, "knee": 1}},
+            {"speed": 1.1},
         ),
         (
             "defaults of drives",
@@ -422,6 +466,9 @@ class Rigid:
         mass = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, data, mass)
         force = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
+        # MuJoCo softens friction losses too; here they are those of Coulomb's law in motion.
+        if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS:
+            force -= model.dof_frictionloss * np.sign(data.qvel)
         _, jacobian = self.constraints(data.qpos)
         h = 1e-3
 
@@ -433,6 +480,19 @@ class Rigid:
         count = len(jacobian)
         whole = np.block([[mass, jacobian.T], [jacobian, np.zeros((count, count))]])
         return np.linalg.lstsq(whole, np.append(force, -drift), rcond=1e-12)[0][: model.nv]
+
+    def summed(self, numbers: np.ndarray, of: dict) -> float:
+        """Sum over joints of the numbers of their coordinates, times a sign."""
+        return float(sum(sign * numbers[self.model.joint(joint).dofadr[0]] for joint, sign in of.items()))
+
+    def travel(self, span: float) -> np.ndarray:
+        """Change of the coordinates in a time, by the method of Runge and Kutta in steps of 0.1 ms."""
+        model, data = self.model, self.data
+        model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-4
+        start = data.qpos.copy()
+        for _ in range(round(span / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+        return data.qpos - start
 
 
 def schema() -> list[str]:
@@ -453,11 +513,12 @@ def main() -> None:
     for case in cases():
         rigid = Rigid(case)
         found = rigid.acceleration()
-        place = {rigid.model.joint(i).name: rigid.model.joint(i).dofadr[0] for i in range(rigid.model.njnt)}
-        value = {
-            name: sum(sign * found[place[joint]] for joint, sign in of.items())
-            for name, of in case.pop("outputs").items()
-        }
+        outputs = case.pop("outputs")
+        value = {name: rigid.summed(found, of) for name, of in outputs.items()}
+        if "span" in case:
+            moved = rigid.travel(case["span"])
+            travels = {name.replace("acceleration", "angle"): rigid.summed(moved, of) for name, of in outputs.items()}
+            case["travel"] = travels
         inertia = {
             name: repr(float(max(rigid.model.body(name).inertia)))
             for name in ("arm", "other", "crank", "rod", "rocker")

@@ -2,7 +2,7 @@
 //!
 //! In: elements that name bodies, joints and sites. Out: connections, couplings, struts, springs and drives.
 
-use super::super::spatial::{Acting, Hinge, Ratio, Spring, Strut, add, dot, scaled, turned};
+use super::super::spatial::{Acting, Control, Drive, Hinge, Ratio, Spring, Strut, add, dot, scaled, turned};
 use super::super::xml::Element;
 use super::{Frame, Mjcf};
 use anyhow::{Context, Result, bail, ensure};
@@ -198,6 +198,11 @@ impl Mjcf {
             );
             spring.free = if by_reference { dot(between, between).sqrt() } else { rest[0] };
         }
+        ensure!(
+            acting.friction == 0.0,
+            "{}: frictionloss: constant friction is supported in a joint only: set frictionloss to 0",
+            node.at()
+        );
         acting.range = self.range(node)?;
         let count = self.space.struts.len() + 1;
         let name = node.get("name").map_or_else(|| format!("tendon_{count}"), str::to_owned);
@@ -210,7 +215,7 @@ impl Mjcf {
             self.space.notes.push(format!("{}: actuation is disabled: this actuator is left out", node.at()));
             return Ok(());
         }
-        let Law { bias, gain } = law(node)?;
+        let (Law { bias, gain }, autolimits) = (law(node)?, self.autolimits);
         let joint = match self.hinge_named(node, "joint")? {
             None => self.hinge_named(node, "jointinparent")?,
             joint => joint,
@@ -259,39 +264,60 @@ impl Mjcf {
             }
         };
         let [b0, b1, b2] = bias.map(|part| gear * part);
-        let spring = Spring {
-            suffix: "control",
-            stiffness: -b1 * gear,
-            damping: -b2 * gear + damping * gear * gear,
-            free: -origin,
-            preload: -b0,
-        };
+        let gains = [-b1 * gear, -b2 * gear];
         ensure!(
-            spring.stiffness >= 0.0 && spring.damping >= 0.0,
-            "{}: the control law pushes away from its position or drives with its speed, which no spring or damper \
-                does: correct the signs of its bias",
+            gains.iter().all(|gain| *gain >= 0.0),
+            "{}: the control law pushes away from its position or drives with its speed, which no controller of a \
+             drive does: correct the signs of its bias",
             node.at()
         );
-        acting.springs.push(spring);
+        let [position_gain, speed_gain] = gains.map(|gain| Some(gain).filter(|gain| *gain != 0.0));
+        let drive = match acting.drives.len() {
+            0 => format!("{name}_drive"),
+            count => format!("{name}_drive_{}", count + 1),
+        };
+        let given = match (position_gain, speed_gain) {
+            (None, None) => gain * gear,
+            (Some(controlled), _) | (None, Some(controlled)) => gain * gear / controlled,
+        };
+        let word = match (position_gain, speed_gain) {
+            (None, None) => "the force or torque itself",
+            (Some(_), _) => "the commanded position",
+            (None, Some(_)) => "the commanded speed",
+        };
+        let control = if position_gain.or(speed_gain).is_some() {
+            let limits = force_limits(node, autolimits)?.map(|limits| limits.map(|limit| gear * limit));
+            Some(Control { position_gain, speed_gain, command: -origin, limits })
+        } else {
+            None
+        };
+        acting.drives.push(Drive { force: b0, control });
+        acting.springs.push(Spring { suffix: "motor", damping: damping * gear * gear, ..Spring::default() });
         acting.armature += armature * gear * gear;
-        let mut notes = Vec::new();
-        if acting.drive.replace(0.0).is_some() {
-            notes.push(format!(
-                "{}: this actuator acts on the joint {}, on which another actuator acts too: the import combines both \
-                 actuators into one drive",
-                node.at(),
-                name.escape_debug()
-            ));
-        } else if gain * gear != 1.0 {
-            notes.push(format!(
-                "{}: the input of the drive {name}_drive is the force or torque itself, {} times the control of MuJoCo",
-                node.at(),
-                gain * gear
+        let counted = if position_gain.is_some() && origin != 0.0 {
+            format!(", counted from the reference {origin} of the joint")
+        } else {
+            String::new()
+        };
+        if given != 1.0 || !counted.is_empty() {
+            self.space.notes.push(format!(
+                "{}: the input of the drive {drive} is {word}, {given} times the control of MuJoCo{counted}",
+                node.at()
             ));
         }
-        self.space.notes.extend(notes);
         Ok(())
     }
+}
+
+/// Smallest and largest force of an actuator.
+fn force_limits(node: &Element, autolimits: bool) -> Result<Option<[f64; 2]>> {
+    let stated = node.fixed::<2>("forcerange")?;
+    let is_limit = match node.get("forcelimited") {
+        Some("true") => true,
+        Some("false") => false,
+        _ => autolimits,
+    };
+    stated.filter(|_| is_limit).map(|range| node.ascending("forcerange", range)).transpose()
 }
 
 /// The law of an actuator.
@@ -326,7 +352,16 @@ fn law(node: &Element) -> Result<Law> {
             };
             let gain = match node.get("gaintype").unwrap_or("fixed") {
                 "fixed" => first("gainprm", 1.0)?,
-                "affine" => affine("gainprm")?[0],
+                "affine" => {
+                    let [fixed, by_length, by_speed] = affine("gainprm")?;
+                    ensure!(
+                        by_length == 0.0 && by_speed == 0.0,
+                        "{}: gainprm: a gain that depends on position or speed is not supported: set the second and \
+                         the third number to 0",
+                        node.at()
+                    );
+                    fixed
+                }
                 other => bail!("{}: gaintype = {other} is not supported: write fixed or affine", node.at()),
             };
             Law { bias, gain }

@@ -354,17 +354,17 @@ impl Mjcf {
             ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative", node.at());
             Ok(if is_on { value } else { 0.0 })
         };
-        let friction = node.one("frictionloss")?.unwrap_or(0.0);
+        let friction = node.one("frictionloss")?.filter(|_| self.enabled.friction).unwrap_or(0.0);
         ensure!(
-            friction == 0.0 || !self.enabled.friction,
-            "{}: frictionloss = {friction}: a constant friction force or torque is not part of a definition: set \
-             frictionloss to 0, and add friction with a pin radius to the definition",
+            friction >= 0.0,
+            "{}: frictionloss = {friction}: must not be negative: write the size of the friction",
             node.at()
         );
         let stiffness = linear("stiffness", self.enabled.spring)?;
         let damping = linear("damping", self.enabled.damper)?;
         let spring = Spring { suffix: "spring", stiffness, damping, ..Spring::default() };
-        Ok(Acting { springs: vec![spring], armature: node.one("armature")?.unwrap_or(0.0), ..Acting::default() })
+        let armature = node.one("armature")?.unwrap_or(0.0);
+        Ok(Acting { springs: vec![spring], armature, friction, ..Acting::default() })
     }
 
     /// The limits of a joint or a tendon, in the unit of the file.

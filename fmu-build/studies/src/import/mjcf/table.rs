@@ -123,10 +123,7 @@ pub const TABLE: &[Row] = &[
         rejected"),
     ("body/joint", "ref", Read, "joint angle or position in the file, to which the ranges, springs and control \
         signals of the joint refer"),
-    ("body/joint", "armature", Read, "for a joint on the ground: additional moment of inertia of the body, or (for a \
-        slide) inertia of a screw; rejected for a joint between two moving bodies"),
-    ("body/joint", "frictionloss", Read, "`import` rejects values other than 0, because a definition has no constant \
-        friction torque"),
+    ("body/joint", "armature frictionloss", Read, "rotor inertia and constant friction of the joint"),
     ("body/joint", "springdamper springyield", Rejected("0"), "not supported: write stiffness and damping instead"),
     ("body/joint", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("body/joint", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
@@ -167,7 +164,7 @@ pub const TABLE: &[Row] = &[
     ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or \
         pulleys are rejected"),
     ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "same \
-        meaning as for a joint; `springlength` is the free length of the spring"),
+        meaning as for a joint; `springlength` is the free length of the spring; a tendon with friction is rejected"),
     ("tendon/spatial", "springyield", Rejected("0"), "springs cannot yield: set springyield to 0"),
     ("tendon/spatial", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("tendon/spatial", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
@@ -182,17 +179,19 @@ pub const TABLE: &[Row] = &[
     ("mujoco/actuator", "", Read, "drives"),
     ("actuator/general actuator/motor actuator/position actuator/velocity actuator/intvelocity actuator/damper \
         actuator/cylinder actuator/adhesion",
-        "", Read, "a drive of a joint or a tendon, whose input is the force or torque"),
-    ("actuator/general", "biastype biasprm gaintype gainprm", Read, "`import` converts the bias to a spring and a \
-        damper for the control signal 0, and prints a note with the gain"),
-    ("actuator/position actuator/intvelocity", "kp kv dampratio", Read, "a spring and a damper for the control signal \
-        0; `dampratio` is rejected"),
-    ("actuator/velocity", "kv", Read, "a damper"),
+        "", Read, "a drive of a joint or a tendon"),
+    ("actuator/general", "biastype biasprm gaintype gainprm", Read, "gains of a controller and force of the drive at \
+        the start; a gain that depends on position or speed is rejected"),
+    ("actuator/position actuator/intvelocity", "kp kv dampratio", Read, "gains of a controller; `dampratio` is \
+        rejected"),
+    ("actuator/velocity", "kv", Read, "speed gain of a controller"),
+    ("actuator/general actuator/position actuator/velocity actuator/intvelocity actuator/cylinder", "forcelimited \
+        forcerange", Read, "limits of the force of a controller"),
     ("actuator/position actuator/velocity", "gainprm", Read, "default value of `kp` or `kv`, if the attribute is \
         stated in the default class `general`"),
     ("actuator/damper", "kv", Read, "the damper has no force at the control signal 0"),
-    ("actuator/cylinder", "area diameter bias", Read, "`import` converts the bias of the force to a spring and a \
-        damper, and prints a note with the piston area"),
+    ("actuator/cylinder", "area diameter bias", Read, "gains of a controller, force of the drive at the start, and \
+        the factor of the control signal"),
     ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "joint or tendon on which the \
         drive acts, gear ratio, and damping and inertia of the motor"),
     ("actuator/*", "actdim actearly actlimited actrange ctrllimited ctrlrange delay dynprm dyntype ffrange \
