@@ -14,6 +14,8 @@ use std::ptr::{null, null_mut};
 const CURVES: &str = include_str!("../fixtures/curves.json");
 /// A block of 2 kg that falls 0.5 m onto a floor with a restitution of 0.5, from rest.
 const FALLING: &str = include_str!("../fixtures/falling_block.json");
+/// An arm that a controlled servo with limits lifts against gravity and constant friction.
+const LIMITED: &str = include_str!("../fixtures/limited_servo.json");
 /// A disc cam that turns against the weight of its follower, and a cylinder with losses that pushes the crank of a
 /// slider-crank over its dead centres.
 const BORDERS: &str = include_str!("../fixtures/cam_and_dead_centres.json");
@@ -192,6 +194,32 @@ fn curves_are_exchanged() {
     }
     assert!(pushed && turned);
     check_slopes(&fmu, "motor.command");
+}
+
+/// The force of a controller reaches and leaves its limits at events; between them the motion is that of co-simulation,
+/// and its derivatives are exact.
+#[test]
+fn limits_of_a_controller_are_events() {
+    let fmu = started(LIMITED);
+    let names = fmu.vrs(["servo.max_force_indicator", "servo.min_force_indicator", "crank.angle", "crank.speed"]);
+    let mut run = Simulation::open(LIMITED).unwrap();
+    run.initialize().unwrap();
+    let (mut crossings, mut events) = (0, 0);
+    for k in 1..=40 {
+        let before = fmu.read(&names);
+        events += integrate(&fmu, 0.02, 5e-5).len();
+        run.step(0.02).unwrap();
+        let after = fmu.read(&names);
+        crossings += (0..2).filter(|&n| before[n] * after[n] < 0.0).count();
+        let (angle, speed) = (run.get("crank.angle").unwrap(), run.get("crank.speed").unwrap());
+        // At the reversal friction jumps by 3.8 rad/s2 within one step of this method.
+        let allowed = if k <= 28 { 1e-8 } else { 3.8 * 5e-5 };
+        assert!((after[2] - angle).abs() < allowed, "{k}: {} {angle}", after[2]);
+        assert!((after[3] - speed).abs() < allowed, "{k}: {} {speed}", after[3]);
+        assert!((after[0] < 0.0) == (k <= 11), "{k}: the upper limit is left between 0.22 s and 0.24 s");
+    }
+    assert!(crossings == 3 && events >= crossings, "{crossings} limits, {events} events");
+    check_slopes(&fmu, "servo.torque");
 }
 
 /// The borders of segments of a cam are events, and so are the positions at which the force of a drive with losses
