@@ -5,7 +5,8 @@
 //! takes. It must not know definitions, loads or time.
 //!
 //! A screw with the moment of inertia J and the lead h turns by 2 pi / h for each metre of its stroke s, so that its
-//! kinetic energy is m s_dot^2 / 2 with m = J (2 pi / h)^2. That of the rotor of a joint is J (omega_2 - omega_1)^2 / 2.
+//! kinetic energy is m s_dot^2 / 2 with m = J (2 pi / h)^2. That of the rotor of a joint is
+//! J (omega_2 - omega_1)^2 / 2.
 use super::motion::{Positions, Rates};
 use super::structure::{Line, Linkage, Point, Rotor, Stroke};
 use crate::numerics::plane::Vec2;

@@ -1,8 +1,8 @@
 //! Delivered forces of the drives whose force the state decides: drives with an efficiency, a curve, a controller or a
 //! cylinder.
 //!
-//! In: the sizes of the applied loads, effects of the loads at a position, the speed. Out: delivered forces, added to the
-//! motion. It must not know friction.
+//! In: the sizes of the applied loads, effects of the loads at a position, the speed. Out: delivered forces, added to
+//! the motion. It must not know friction.
 use super::{Mode, StateLoadEvaluator};
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::reduced::{Reduced, StateLoads};
