@@ -14,11 +14,12 @@ const SPEED_GAIN: f64 = 9.0;
 /// A carriage on a level rail at 0 with a controlled drive, integrated to 1e-12.
 fn carriage(control: Value) -> Value {
     block(MASS).with(json!({
-        "actuators": { "motor": { "joint": "slide", "force": 0, "control": control } }, "solver": { "tolerance": 1e-12 },
+        "actuators": { "motor": { "joint": "slide", "force": 0, "control": control } },
+        "solver": { "tolerance": 1e-12 },
     }))
 }
 
-/// The motion of m x'' = f - k x - c x', from x and v, after a time: closed form, of any damping below the critical one.
+/// The motion of m x'' = f - k x - c x', from x and v, after a time: closed form, with less than critical damping.
 fn free([k, c, f]: [f64; 3], [x, v]: [f64; 2], t: f64) -> [f64; 2] {
     if k == 0.0 && c == 0.0 {
         return [x + t * (v + 0.5 * t * f / MASS), v + t * f / MASS];
@@ -343,7 +344,8 @@ fn what_is_no_controller_is_refused() {
         assert_says(refusal(text), &["actuators.motor.control", "cannot have", &name]);
     }
     let fem = definition::four_bar([0.4, 0.15, 0.4, 0.3], [1.0, 0.3, 1.4]).with(json!({
-        "actuators": { "motor": { "joint": "a", "control": { "speed_gain": 1 } } }, "solver": { "method": "rigid_fem", "tolerance": 1e-9 },
+        "actuators": { "motor": { "joint": "a", "control": { "speed_gain": 1 } } },
+        "solver": { "method": "rigid_fem", "tolerance": 1e-9 },
     }));
     assert_says(refusal(fem), &["actuators.motor.control", "a controller"]);
 }

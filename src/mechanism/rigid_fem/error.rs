@@ -46,8 +46,8 @@ impl fmt::Display for RigidFemError {
             Self::Screw => {
                 write!(
                     f,
-                    "a drive has a screw or a joint has an armature, which rigid finite elements do not support; choose \
-                    solver.method = \"reduced\""
+                    "a drive has a screw or a joint has an armature, which rigid finite elements do not support; \
+                    choose solver.method = \"reduced\""
                 )
             }
             Self::Coupling { coupling } => write!(
