@@ -13,11 +13,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use std::thread::available_parallelism;
 
+/// Values of the outputs, run by run, and for each run with a NaN its number and the reason.
+type Made<'py> = (Bound<'py, PyByteArray>, Vec<(usize, String)>);
+
 /// Most threads.
 const MOST_THREADS: i64 = 1024;
 
-/// Runs with these start values, of which `rows` has a double for each name, run by run. Values of the variables of the
-/// plan at the stop time, run by run, and for each run with a NaN its number and the reason.
+/// Make runs with these start values, of which `rows` has a double for each name, run by run. The outputs are those of
+/// the plan at the stop time.
 #[pyfunction]
 #[pyo3(signature = (model, names, rows, stop_time, plan, start_values, threads))]
 #[expect(clippy::too_many_arguments, reason = "one function of Python calls it")]
@@ -30,7 +33,7 @@ pub fn many<'py>(
     plan: &Plan,
     start_values: Option<&Bound<'py, PyAny>>,
     threads: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Bound<'py, PyByteArray>, Vec<(usize, String)>)> {
+) -> PyResult<Made<'py>> {
     let stop_time = optional("stop_time", stop_time)?;
     let threads = match threads {
         Some(threads) => whole::<1, MOST_THREADS>("threads", threads)? as usize,
