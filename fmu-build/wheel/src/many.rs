@@ -1,7 +1,7 @@
 //! Many runs of a model from Python.
 //!
-//! In: names, start values run by run, a stop time. Out: the outputs of each run at the stop time, as numbers that numpy
-//! reads, and the reasons of missing values.
+//! In: names, start values run by run, a stop time. Out: the outputs of each run at the stop time, as numbers that
+//! numpy reads, and the reasons of missing values.
 
 use crate::arguments::{optional, whole};
 use crate::errors::{guarded, input, value};
