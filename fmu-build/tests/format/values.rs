@@ -96,6 +96,12 @@ fn defaults_agree() {
                 assert!(in_joint || !validator().is_valid(&mechanism), "{path}/{key} = {default}");
                 continue;
             }
+            if key == "frictionloss" {
+                // The friction law of this mechanism cannot hold at rest, which constant friction needs.
+                let refused = Model::from_json(&mechanism.to_string()).unwrap_err().to_string();
+                assert!(refused.contains("write \"law\": \"stick\""), "{refused}");
+                continue;
+            }
             let now = read(&mechanism);
             assert_eq!(now.len(), before.len(), "{path}/{key} = {default}");
             for ((name, value), (same, known)) in now.iter().zip(&before) {
