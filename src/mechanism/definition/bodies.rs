@@ -76,13 +76,13 @@ keys! {
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
-        /// Constant friction torque of a revolute joint or friction force of a prismatic joint [N.m or N], >= 0. The
+        /// Constant friction force of a prismatic joint or friction torque of a revolute joint [N or N.m], >= 0. The
         /// constant friction acts against the motion of the joint, holds the joint at rest, and does not depend on the
         /// force in the joint. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
-        /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
-        /// position of a prismatic joint [kg.m2 or kg], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
+        /// Mass that moves with the position of a prismatic joint, or moment of inertia of a rotor that turns with the
+        /// angle of a revolute joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
         /// where rate is the relative speed of the two bodies. State the inertia of a geared motor at the joint: the
         /// inertia of the motor times the square of the gear ratio.
         armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
