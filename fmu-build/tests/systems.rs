@@ -236,7 +236,7 @@ fn all_faults_are_named_with_place_and_remedy() {
                 "fmus.gear.parameters: ",
                 "wrong.ssv",
                 "the text is not XML",
-                "fmus.gear.values.crank.lenght: there is no variable \"crank.lenght\": the most similar names are crank.",
+                "fmus.gear.values.crank.lenght: there is no variable \"crank.lenght\": the most similar names are",
                 "fmus.gear.values: ",
                 "crank.mass",
                 "(line 1, column ",
