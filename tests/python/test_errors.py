@@ -105,7 +105,7 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
         (lambda g, s: s.set("actuator.force", float("inf")), "finite"),
         (lambda g, s: s.set("actuator.force", True), "must be a number, or a text with a unit"),
         (lambda g, s: s.set("actuator.force", None), "must be a number, or a text with a unit"),
-        (lambda g, s: s.set("actuator.force", "3 kN"), 'is N, not "kN"; convert the value to N'),
+        (lambda g, s: s.set("actuator.force", "3 lbf"), 'is N or kN, not "lbf"; convert the value to N or kN'),
         (lambda g, s: g.package("gear.fmu"), "the folder for the FMUs has the name of an FMU"),
         (lambda g, s: s.set("friction.enabled", "yes"), "is not true or false"),
         (lambda g, s: s.set("friction.enabled", 2), "True or False"),
