@@ -138,7 +138,7 @@ fn a_spring_against_constant_friction_loses_the_same_in_each_swing() {
     assert_eq!(run.get("slide.position"), rest);
 }
 
-/// Beside friction that the reactions cause, in the same joint and in others.
+/// Together with friction that the reactions cause, in the same joint and in others.
 #[test]
 fn constant_friction_adds_to_that_of_reactions() {
     let text = block(2.0).with(json!({

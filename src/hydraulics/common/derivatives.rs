@@ -38,7 +38,7 @@ pub trait Differentiable: Kind {
 impl<K: Differentiable> Model<K> {
     /// Directional derivatives of outputs at the present state: for each unknown the sum over the knowns of dy / du
     /// times the seed. `report` is called once for each unknown, with its index; with NaN for one that has no
-    /// derivative in this state, of which [`Self::undefined_derivative`] tells why.
+    /// derivative in this state, for which [`Self::undefined_derivative`] has the reason.
     ///
     /// # Errors
     /// An unknown that is no continuous output, a known that is no continuous input, a seed that is not finite.

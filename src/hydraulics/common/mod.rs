@@ -96,7 +96,7 @@ pub trait Kind: Clone + Debug + PartialEq + Send + Sync + 'static {
     fn lock(_state: &Self::State, _lock: usize) -> bool {
         false
     }
-    /// The warnings of steps that are to be told; none if there is none.
+    /// The warnings of steps that were not yet returned; none if there is none.
     fn take_warning(model: &mut Model<Self>) -> Option<String>;
     /// Index of the input with the next step of the host.
     fn horizon(laws: &Self::Laws) -> usize;
