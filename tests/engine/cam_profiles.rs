@@ -1,5 +1,4 @@
-//! Profiles of cams and pitch curves of elliptic gears: their curvature by differences, what is drawn, what is warned
-//! of.
+//! Profiles of cams and pitch curves of elliptic gears: curvature against finite differences, drawn curves, warnings.
 
 use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
 use crate::support::{Run, assert_says, changed, refusal};
@@ -113,7 +112,7 @@ fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
         Scene::new(&mechanism, &Linkage::new(&mechanism).unwrap()).unwrap().outlines
     };
     let named = |text: &str, name: &str| outlines(text).into_iter().filter(|o| o.name == name).collect::<Vec<_>>();
-    // The drum is at x = 0.12 with the radius 0.09, all bodies have the angle 0 but for a turned rail.
+    // The drum is at x = 0.12 and has the radius 0.09. All bodies have the angle 0, except a turned rail.
     for (x, side, at) in [(0.21, "right", 0.0), (0.25, "left", -0.22), (0.25, "right", -0.04)] {
         let text = changed(winch, |m| {
             m["bodies"]["ground"]["points"]["rail"][0] = json!(x);
@@ -137,7 +136,8 @@ fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
         assert_eq!(all.len(), 4);
         for span in &all[2..] {
             let [[ax, ay], [bx, by]] = span.points[..] else { panic!() };
-            // Tangent to both pulleys: the radii to its ends have their lengths and are across the span.
+            // The line is tangent to both pulleys: the radii at its ends have the right lengths and are normal to the
+            // line.
             for ([x, y], [cx, cy], radius) in [([ax, ay], [0.12, 0.0], 0.04), ([bx, by], [0.12, 0.18], 0.06)] {
                 assert!(((x - cx).hypot(y - cy) - radius).abs() < 1e-15);
                 assert!(((x - cx) * (bx - ax) + (y - cy) * (by - ay)).abs() < 1e-16);

@@ -1,4 +1,4 @@
-//! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap, followers that lift off.
+//! Warnings of `check` about contacts at the start: slack belts, overlapping pulleys, followers that lose contact.
 
 use crate::cams::{ROLLER, parsed, translating};
 use crate::couplings::{BELT, shafts};
@@ -6,14 +6,14 @@ use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 
-/// What is told of a coupling.
+/// The findings of a coupling.
 fn told(text: &str, coupling: &str) -> Vec<String> {
     let path = format!("couplings.{coupling}");
     let findings = inspect(text).findings.into_iter().filter(|finding| finding.path.starts_with(&path));
     findings.map(|finding| finding.to_string()).collect()
 }
 
-/// Two shafts 0.3 m apart in a belt; inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
+/// Two shafts 0.3 m apart with a belt: inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
 fn belt(keys: Value) -> String {
     changed(shafts(BELT), |m| {
         let mut belt = m["couplings"]["mesh"].take();
@@ -25,8 +25,8 @@ fn belt(keys: Value) -> String {
 #[test]
 fn a_belt_whose_span_is_slack_at_the_start() {
     for crossed in [false, true] {
-        // The first shaft has J1 + i^2 J2 = 0.02 + 0.625^2 0.5, so that J2 alpha2 = 0.08 m x force - 1 N.m on the
-        // second.
+        // The inertia at the first shaft is J1 + i^2 J2 = 0.02 + 0.625^2 0.5. Second shaft: J2 alpha2 = 0.08 m x force
+        // - 1 N.m.
         let ratio = if crossed { -0.05 / 0.08 } else { 0.05 / 0.08 };
         let transmitted: f64 = (0.5 * ratio * (3.0 - ratio) / (0.02 + ratio * ratio * 0.5) + 1.0) / 0.08;
         let (half, number) = (0.5 * transmitted.abs(), |value: f64| value.to_string()[..6].to_owned());
@@ -40,7 +40,7 @@ fn a_belt_whose_span_is_slack_at_the_start() {
         }
         assert_eq!(told(&with(1.001 * half), "loop"), [""; 0]);
     }
-    // Without a pretension it is 0; without loads nothing is transmitted, and nothing is slack.
+    // The default pretension is 0. Without loads the belt transmits no force and is not slack.
     assert_says(told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
     let idle = changed(belt(json!({})), |m| {
         m["torques"] = json!({});
@@ -56,7 +56,7 @@ fn pulleys_that_overlap() {
     let [warning] = &told(&pulleys(0.21, false), "loop")[..] else { panic!() };
     assert_says(warning, &["0.21 and 0.1 m", "0.3 m apart", "overlap", "move a centre"]);
     assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
-    // A crossed belt cannot be drawn there.
+    // A crossed belt with these radii cannot exist: an error.
     assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be larger than the sum of the radii"]);
 }
 
@@ -67,7 +67,7 @@ fn a_follower_that_lifts_off_at_the_start() {
         told(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
     };
     assert_eq!(about_lift(&cam(&|_| {})), [""; 0]);
-    // A spring that is stretched, and pulls the follower away.
+    // A spring in tension lifts the follower off the cam.
     let pulled = |m: &mut Value| m["springs"]["spring"]["preload"] = json!(-900);
     let text = cam(&pulled);
     let force = Run::new(&text).started().get("cam.contact_force");
@@ -96,7 +96,7 @@ fn a_belt_that_goes_slack_in_a_run_is_told_once() {
     let [None, None, Some(warning), None] = &told[..] else { panic!("{told:?}") };
     let force = format!("transmits {force:.2}");
     assert_says(warning, &["loop ", &force[..13], "at t = 0.03 s", "the pretension of 80 N", "slack"]);
-    // After the next initialisation it is told again.
+    // After the next initialisation the warning is returned again.
     run.initialize();
     run.set("motor.torque", -60.0);
     run.step(0.01);

@@ -1,4 +1,5 @@
-//! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
+//! Drives and springs whose two ends coincide at a position of the curve: an error only for a motion that reaches this
+//! position.
 
 use crate::support::definition::{self, With, block, pin, rod};
 use crate::support::{Run, assert_says, read_all, refusal};
@@ -9,8 +10,8 @@ use std::f64::consts::{PI, TAU};
 /// Moment of inertia of the arm about its pivot [kg.m2]: a rod of 3 kg and 1 m.
 const INERTIA: f64 = 1.0;
 
-/// An arm of 1 m about the origin, which starts at 1 rad; a cylinder from its tip to the ground at (1, 0), where the
-/// tip is at the angle 0.
+/// An arm of 1 m about the origin, which starts at 1 rad. A cylinder connects its tip with the ground point (1, 0),
+/// where the tip is at the angle 0.
 fn arm(further: &Value) -> String {
     let mut definition = definition::arm(1.0, 3.0, 1.0).with(json!({
         "bodies": { "ground": { "points": { "east": [1, 0], "west": [-1, 0] } } },
@@ -28,7 +29,7 @@ fn length(angle: f64) -> f64 {
 
 #[test]
 fn a_motion_that_stays_away_is_exact() {
-    // Pushed from 1 rad over the dead point at pi to 2 pi - 1 and back.
+    // The arm moves from 1 rad over the dead centre at pi to 2 pi - 1 and back.
     let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 2.0)]).started();
     let (mut least, mut most) = (1.0_f64, 1.0_f64);
     for _ in 0..400 {
@@ -43,7 +44,7 @@ fn a_motion_that_stays_away_is_exact() {
     assert!(least < 1.01 && most > TAU - 1.01, "{least} {most}");
 }
 
-/// Ends that come near each other without coinciding: where the motion is, the drive has all its outputs.
+/// The ends come close elsewhere without coinciding. Within the motion all outputs of the drive have values.
 #[test]
 fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
     for k in 2..=80 {
@@ -89,7 +90,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
         assert_says(&error, &told);
         assert_says(error, &["cylinder.force"]);
         if h == 1e-3 {
-            // It has come as near as it could: 1e-3 sizes of the mechanism and one step.
+            // The motion ends at most 1e-3 sizes of the mechanism and one step before the position.
             let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
             assert!(angle < 1e-3 + 1.1 * h * speed.abs(), "{angle}");
             assert!((0.5 * speed * speed - 2.0 * (length(1.0) - length(angle))).abs() < 1e-9);
@@ -97,11 +98,11 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
             assert_eq!(steps, 0);
         }
     }
-    // There and back again within one step: a drive that is pulled through and pushed back.
+    // There and back within one step: the drive is first pulled, then pushed.
     let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
     run.place(("arm.start_angle", 0.3), ("arm.start_speed", -3.0));
     assert_says(run.0.step(1.0).unwrap_err(), &told);
-    // From the other side too, and with losses, friction and a damper.
+    // The same from the other side, and with losses, friction and a damper.
     for further in [
         json!({ "springs": { "damper": { "joint": "pivot", "damping": 0.01 } } }),
         json!({ "springs": { "coil": { "first": "ground.east", "second": "arm.end", "stiffness": 1,
@@ -142,7 +143,7 @@ fn stops_keep_the_motion_away() {
     }
 }
 
-/// Two cylinders whose ends coincide at 0 and at pi: the start decides on which of the arcs the arm moves.
+/// Two cylinders whose ends coincide at 0 and at pi: the start determines on which of the two arcs the arm moves.
 #[test]
 fn the_start_decides_between_which_meetings_the_motion_is() {
     let two = json!({ "actuators": {
@@ -161,12 +162,12 @@ fn the_start_decides_between_which_meetings_the_motion_is() {
             assert!(error.abs() < 1e-9, "{start} {angle}: {error:e} J");
         }
     }
-    // At the meeting itself the guess gives no direction.
+    // At the position where the ends coincide the guess gives no direction of the cylinder.
     run.set("arm.start_angle", 0.0);
     assert!(run.0.initialize().is_err());
 }
 
-/// A carriage on a rail with a spring to the rail's origin, beyond the first stretch of the curve.
+/// A carriage on a rail with a spring to the origin of the rail, beyond the first stretch of the curve.
 #[test]
 fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
     let carriage = block(2.0).with(json!({
@@ -177,7 +178,7 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
     let mut run = Run::new(carriage).started();
     for k in 1..1000 {
         let error = run.0.step(0.05).err();
-        // The spring pulls with 4 N.
+        // The force of the spring is 4 N.
         let t = 0.05 * f64::from(k);
         let exact = t + t * t;
         let limit = 60.0 * (1.0 - 1e-3);
@@ -198,7 +199,7 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
 #[test]
 fn the_check_tells_where_the_motion_ends() {
     let inspection = inspect(&arm(&json!({})));
-    // A motion that gets there ends its run: one warning for each side.
+    // A motion that reaches the position ends its run: one warning for each side.
     assert_eq!(inspection.findings.len(), 2, "{:?}", inspection.findings);
     for finding in &inspection.findings {
         assert_says(
@@ -213,7 +214,8 @@ fn the_check_tells_where_the_motion_ends() {
         .for_each(|fact| assert_says(&fact.text, &["cylinder.force: both ends are at the same place near arm = "]));
 }
 
-/// A drive between ends that never move to or from one another: rejected on one pin, else without effect, and told.
+/// A drive between two points at constant distance has no effect: an error if both points are on one pin, else a
+/// warning.
 #[test]
 fn ends_that_keep_their_distance_have_no_effect() {
     let bars = json!({ "name": "Bars",
@@ -234,10 +236,10 @@ fn ends_that_keep_their_distance_have_no_effect() {
         text[group] = json!({ "idle": { "first": first, "second": second } });
         text.to_string()
     };
-    // Both ends on one pin, by way of the crank.
+    // Both ends are on one pin, through the crank.
     let error = refusal(between("actuators", "rod.origin", "twin.origin"));
     assert_says(error, &["actuators.idle", "both ends are the point b", "give two different points"]);
-    // The ends of a crank, and two points of bars that move as one.
+    // The ends of a crank, and points of two bars that move as one body.
     for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {
         let mut run = Run::new(between("actuators", first, second)).started();
         run.set("idle.force", 1e3);
@@ -256,7 +258,7 @@ fn ends_that_keep_their_distance_have_no_effect() {
         }
     }
     assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
-    // In a joint of the two bars that move as one.
+    // A drive in a joint between two bars that move as one body.
     for (kind, unit) in [("revolute", "rad"), ("prismatic", "m")] {
         let within = |group: &str| {
             let mut text = bars.clone();

@@ -1,4 +1,4 @@
-//! What stops have met: number, time and impulse of impacts, against closed forms.
+//! Records of stops: number, time and impulse of impacts, against closed forms.
 
 use crate::support::definition::{G, With, block};
 use crate::support::{GEAR, Run, SLIDER_CRANK, changed};
@@ -7,7 +7,7 @@ use std::fmt::Display;
 
 const MASS: f64 = 3.5;
 
-/// A block at 2 m above the ground of its slide; stops as given.
+/// A block 2 m above the origin of its slide, with these stops.
 fn above(stops: Value) -> Value {
     block(MASS).with(json!({
         "actuators": { "load": { "joint": "slide" } }, "start": { "position": 2.0 }, "guess": { "slide": 2.0 },
@@ -19,7 +19,7 @@ fn floor(restitution: f64) -> Value {
     json!({ "floor": { "joint": "slide", "position": 0.5, "limit": "lower", "restitution": restitution } })
 }
 
-/// The block under a constant weight, on a floor of this restitution.
+/// The block under a constant weight, on a floor with this restitution.
 pub fn bouncing(restitution: f64) -> String {
     changed(above(floor(restitution)), |m| m["actuators"]["load"]["force"] = json!(-MASS * G))
 }
@@ -49,7 +49,7 @@ fn a_falling_block_gives_the_floor_its_momentum() {
         assert_eq!(count, 1.0);
         assert!((time - hit).abs() < 1e-12, "{time} {hit}");
         assert!((impulse - expected).abs() < 1e-9 * expected, "{impulse} {expected}");
-        // Each flight is shorter than the one before by the restitution.
+        // Each flight is shorter than the previous flight by the factor of the restitution.
         let (mut next, mut flight) = (hit, 2.0 * restitution * speed / G);
         for bounce in 1..4 {
             if restitution == 0.0 {
@@ -65,7 +65,7 @@ fn a_falling_block_gives_the_floor_its_momentum() {
     }
 }
 
-/// Bounces until they end, within one step and within many: the same record.
+/// A series of bounces until it ends, in one step and in many: the same record.
 #[test]
 fn all_bounces_of_a_series_count() {
     let restitution = 0.7_f64;

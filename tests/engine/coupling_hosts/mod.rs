@@ -1,5 +1,5 @@
-//! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against the same as one system:
-//! rest at stops and locks, release, steps that change, jumps of command and load.
+//! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against both as a single
+//! system: rest at stops and locks, release, changing steps, jumps of command and load.
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
@@ -11,7 +11,7 @@ const ONE: &str = include_str!("../../../modelDescription/LandingGearRetractionH
 
 /// Relative tolerance of the integrations.
 const TOLERANCE: f64 = 1e-11;
-/// Inputs of the actuator that are outputs of the gear, of one name.
+/// Inputs of the actuator that are outputs of the gear with the same name.
 const SHARED: [&str; 8] = [
     "length",
     "speed",
@@ -26,17 +26,17 @@ const SHARED: [&str; 8] = [
 /// How a host exchanges values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Host {
-    /// The mean force, held; the actuator keeps the motion foreseen.
+    /// The mean force, held over the step. The actuator keeps its predicted motion.
     Held,
-    /// The line of the force.
+    /// The force as a linear function of time.
     Line,
-    /// The line; the actuator moves with the gear's motion.
+    /// The linear force. The actuator then repeats the step with the motion of the gear.
     TwoPasses,
-    /// All values one step late, in the mode delayed: the mean force, held.
+    /// The mean force, held. All values arrive one step late (coupling mode `delayed`).
     Late,
 }
 
-/// A value that a host sets at a time: of the gear, a switch of the gear, of the circuit.
+/// A value that a host sets: of the gear, of a Boolean input of the gear, or of the circuit.
 #[derive(Clone, Copy, Debug)]
 enum Set {
     Gear(&'static str, f64),
@@ -44,7 +44,7 @@ enum Set {
     Circuit(&'static str, f64),
 }
 
-/// A run from the start to its end, its values at multiples of a time.
+/// Inputs of a run from its start to its end, and the interval at which its values are recorded.
 struct Scene {
     gear: String,
     one: String,
@@ -54,7 +54,7 @@ struct Scene {
     sample: f64,
 }
 
-/// Time, crank angle, force of the actuator, torque of the up stop, force of the ends of the cylinder.
+/// Time, crank angle, actuator force, torque of the up stop, force of the cylinder ends.
 type Row = [f64; 5];
 
 /// The retraction of scene H1.
@@ -99,7 +99,7 @@ impl Mechanism {
     }
 }
 
-/// What happens at or before the time is set.
+/// Apply the changes up to this time.
 fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set)) {
     while later.get(*done).is_some_and(|(when, _)| *when <= time + 1e-9) {
         set(later[*done].1);
@@ -107,7 +107,7 @@ fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set
     }
 }
 
-/// Gear and hydraulics as one system.
+/// Gear and hydraulics as a single system.
 fn one_system(scene: &Scene) -> Vec<Row> {
     let mut whole = Mechanism(mechanism::Model::from_json(&scene.one).unwrap());
     let apply = |whole: &mut Mechanism, set: Set| match set {
@@ -133,7 +133,8 @@ fn one_system(scene: &Scene) -> Vec<Row> {
     rows
 }
 
-/// Orders 1 to 4 of the derivatives of the speed that has v and a at both ends of a step and covers `way`.
+/// Derivatives of orders 1 to 4 of the speed polynomial with values v and slopes a at both ends of a step and integral
+/// `way`.
 fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
     let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
     let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
@@ -141,7 +142,8 @@ fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64
     [a, 2.0 * second / h.powi(2), 6.0 * third / h.powi(3), 24.0 * fourth / h.powi(4)]
 }
 
-/// Gear and actuator in a host that makes these steps, and sets `preview.horizon` to each or leaves it at 0.
+/// Gear and actuator in a host that makes these steps. If `announces`, the host sets `preview.horizon` to each step
+/// size, else to 0.
 fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool) -> Vec<Row> {
     let mut gear = Mechanism(mechanism::Model::from_json(&scene.gear).unwrap());
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
@@ -228,7 +230,8 @@ fn differences(rows: &[Row], of_one: &[Row]) -> [f64; 2] {
 
 const HOSTS: [Host; 4] = [Host::Held, Host::Line, Host::TwoPasses, Host::Late];
 
-/// At the up stop under pressure: force and torque of the stop are those of one system, whatever the step.
+/// At rest at the up stop under pressure: force and torque of the stop agree with the single system for every step
+/// size.
 #[test]
 fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
@@ -241,7 +244,7 @@ fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     }
 }
 
-/// A lock holds the gear while the pressure rises: the force is that of one system at all times.
+/// While a lock holds the gear and the pressure rises, the force agrees with the single system at all times.
 #[test]
 fn a_load_on_a_lock_is_that_of_one_system() {
     let scene = locked();
@@ -252,7 +255,7 @@ fn a_load_on_a_lock_is_that_of_one_system() {
     }
 }
 
-/// The command reverses and draws the gear off the up stop within a step: the error is that of a free motion.
+/// The command reverses and moves the gear off the up stop within a step. The error is as small as in a free motion.
 #[test]
 fn a_release_from_a_stop_errs_as_a_free_motion() {
     let later = vec![(5.0, Set::Circuit("valve.command", -1.3))];
@@ -274,7 +277,7 @@ fn a_release_from_a_stop_errs_as_a_free_motion() {
     }
 }
 
-/// The down lock lets go of the gear under full pressure.
+/// The down lock releases the gear under full pressure. The error is as small as in a free motion.
 #[test]
 fn a_release_from_a_lock_errs_as_a_free_motion() {
     let scene = Scene { later: vec![(0.4, Set::Switch("downlock.engage", false))], sample: 0.2, ..locked() };
@@ -293,7 +296,7 @@ fn a_release_from_a_lock_errs_as_a_free_motion() {
     }
 }
 
-/// Steps from 0.25 to 20 ms at random, which the host announces, or nobody.
+/// Random steps from 0.25 to 20 ms, with and without an announced horizon.
 #[test]
 fn steps_may_change_whether_announced_or_not() {
     let scene = retraction();
@@ -323,13 +326,13 @@ fn steps_may_change_whether_announced_or_not() {
     }
 }
 
-/// Equal steps with a horizon of 0 are those with the step as the horizon.
+/// With equal steps, the horizon 0 gives the same results as the step size as the horizon.
 #[test]
 fn a_horizon_of_0_is_the_last_step() {
     let scene = Scene { end: 0.5, ..retraction() };
     for host in HOSTS {
         let [told, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
-        // The last step has another last bit.
+        // The computed size of a step differs in the last bit.
         let [angle, force] = differences(&told, &own);
         assert!(angle < 1e-13 && force < 1e-8, "{host:?}: {angle:e} rad, {force:e} N");
     }
@@ -338,7 +341,7 @@ fn a_horizon_of_0_is_the_last_step() {
     assert!(angle < 3e-4, "{angle:e} rad");
 }
 
-/// In a late host the command acts a step late; the gear then catches up.
+/// In a host with delay a jump of the command acts one step late. Afterwards the error decays.
 #[test]
 fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
     let scene =
@@ -351,7 +354,7 @@ fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
     }
 }
 
-/// In a late host a load that jumps moves the gear for two steps before any force answers.
+/// In a host with delay a jump of the load moves the gear for two steps before the force reacts.
 #[test]
 fn a_jump_of_the_load_in_a_late_host_is_met() {
     let scene =
@@ -364,7 +367,7 @@ fn a_jump_of_the_load_in_a_late_host_is_met() {
     }
 }
 
-/// Some hosts set every connected input to 0 before the first step, as FMPy's `simulate_ssp` does.
+/// Some hosts, such as FMPy's `simulate_ssp`, set every connected input to 0 before the first step.
 #[test]
 fn a_host_that_begins_with_zeros_is_followed() {
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
@@ -376,7 +379,7 @@ fn a_host_that_begins_with_zeros_is_followed() {
     assert_eq!(oil.get("actuator.length"), start);
 }
 
-/// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad, met in steps of 20 ms.
+/// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad in steps of up to 20 ms.
 #[test]
 fn a_bumper_is_met_in_long_steps() {
     let bumper = r#""angle": -1.28, "rigid": false, "stiffness": 3e5, "damping": 1000, "flag""#;
@@ -390,7 +393,8 @@ fn a_bumper_is_met_in_long_steps() {
     }
 }
 
-/// Limits of the gear's actuator: the lengths at its stops, the present one while a stop or a lock holds it.
+/// The limit outputs of the gear's actuator are its lengths at the stops, or the present length while a stop or lock
+/// holds.
 #[test]
 fn limits_are_the_lengths_at_the_stops_or_the_present_one() {
     let mut gear = Mechanism(mechanism::Model::from_json(GEAR).unwrap());

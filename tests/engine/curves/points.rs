@@ -1,4 +1,4 @@
-//! The points of a curve in the file: their units, and what is refused by name.
+//! The points of a curve in the file: their units, and the messages about invalid points.
 use super::body;
 use crate::support::{FOUR_BAR, Run, assert_says, changed};
 use linkage_fmu::mechanism::Model;

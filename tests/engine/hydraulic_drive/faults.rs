@@ -1,4 +1,4 @@
-//! Saved states, failed steps, faulty circuits.
+//! Saved states, failed steps and faulty circuits.
 use super::*;
 use linkage_fmu::mechanism::Model;
 use std::f64::consts::PI;
@@ -49,7 +49,7 @@ fn faulty_circuits_are_refused_by_name() {
     assert!(gear.0.set_derivative("actuator.force", 1, 1.0).is_err());
 }
 
-/// Oil without air in chambers from which the gear's weight draws: no valve lets oil in.
+/// Oil without air in chambers that the gear's weight expands, with valves that let no oil in.
 #[test]
 fn oil_without_air_has_no_pressure_below_absolute_zero() {
     let mut gear = retraction(1e-9);
@@ -65,7 +65,7 @@ fn oil_without_air_has_no_pressure_below_absolute_zero() {
     assert_says(error, &["chamber_", "absolute", "fluid.air_fraction"]);
 }
 
-/// An input that changes takes effect at once, though steps may have gone on beyond the communication point.
+/// A changed input acts at once, although steps may extend beyond the communication point.
 #[test]
 fn a_change_of_a_port_takes_effect_at_once() {
     for (name, value) in [("valve.command", -0.3), ("supply.pressure", 15e6), ("tank.pressure", 1e6)] {
@@ -82,7 +82,8 @@ fn a_change_of_a_port_takes_effect_at_once() {
     }
 }
 
-/// With a circuit an equilibrium at the start is refused; start pressures whose force is the holding force are one.
+/// With a circuit the start `equilibrium` is rejected. Start pressures whose force is the holding force give an
+/// equilibrium.
 #[test]
 fn an_equilibrium_is_refused_and_the_remedy_is_one() {
     let text = changed(HYDRAULIC_GEAR, |gear| gear["start"]["equilibrium"] = json!(true));
@@ -104,7 +105,7 @@ fn an_equilibrium_is_refused_and_the_remedy_is_one() {
     assert!(rests.get("crank.acceleration").abs() < 1e-9, "{}", rests.get("crank.acceleration"));
 }
 
-/// Implicit steps share a Jacobian across communication steps; a state that is saved, written and read goes on with it.
+/// Implicit steps keep a Jacobian across communication steps. A saved and restored state keeps it too.
 #[test]
 fn steps_share_a_jacobian_and_a_saved_state_keeps_it() {
     let mut gear = retraction(1e-3);
