@@ -1,4 +1,4 @@
-//! The force of a prescribed motion: closed forms, the forward model, exact derivatives.
+//! The drive force of a prescribed motion: closed forms, forward simulation, exact derivatives.
 use super::{G, MASS, gear, is_close, lift, opened, slider_crank, stroke};
 use crate::support::Run;
 use serde_json::{Value, json};
@@ -68,7 +68,7 @@ fn the_force_of_a_smooth_motion_makes_the_same_motion_in_the_forward_model() {
             let next = driven.get("actuator.acting_force");
             forward.set("actuator.force", force);
             forward.set_derivative("actuator.force", 1, rate);
-            // The parabola that has the force at both ends of the step and its rate at the first.
+            // The parabola with the force at both ends of the step and its rate at the start.
             forward.set_derivative("actuator.force", 2, 2.0 * (next - force - rate * h) / (h * h));
             forward.step(h);
             worst = worst.max((driven.get("crank.angle") - forward.get("crank.angle")).abs());

@@ -1,4 +1,4 @@
-//! Motions that a mechanism cannot make, and definitions that state none: refused by name.
+//! Motions that a mechanism cannot make, and invalid definitions of a motion, are rejected with the name of the key.
 use super::{gear, is_close, lift, opened, slider_crank, stroke};
 use crate::support::{BUCKET, Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ fn a_motion_ends_at_a_stop_and_is_refused_beyond_it() {
     (0..10).for_each(|_| up.step(0.06));
     assert!(up.is("retracted"));
     assert_eq!(up.get("crank.speed"), 0.0);
-    // The lock then holds the gear against the forces.
+    // With the motion off, the lock holds the gear against the forces.
     up.set("actuator.motion.enabled", false);
     up.set("actuator.force", 0.0);
     up.step(0.5);
@@ -45,7 +45,7 @@ fn a_lock_that_is_engaged_is_not_torn() {
 
 #[test]
 fn a_dead_point_is_told_and_nothing_hangs() {
-    // The piston drives: it turns back at 0.45 m.
+    // The piston drives the crank. Its motion reverses at 0.45 m.
     let definition = |motion: &Value| {
         let mut crank = slider_crank(&json!(null));
         crank["actuators"] = json!({ "ram": { "joint": "guide", "motion": motion } });
@@ -67,7 +67,8 @@ fn a_dead_point_is_told_and_nothing_hangs() {
     assert_says(error, &["ram.position = 0.6", "dead centre"]);
 }
 
-/// A drive between points at one distance, and in a joint that does not turn: no dead centre, but no drive at all.
+/// A drive between points at constant distance, or in a joint that does not move, has no dead centre and cannot move
+/// the mechanism.
 #[test]
 fn a_drive_that_never_moves_takes_no_motion() {
     for (ends, words) in [

@@ -1,16 +1,16 @@
-//! Small steps: each takes its part of an energy that was integrated over a time that goes on beyond it.
+//! Small steps under a prescribed motion: each step uses its part of an energy that is integrated beyond the step.
 use super::{gear, is_close, stroke};
 use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
 
-/// Outputs that show position, speed, force and balance.
+/// Outputs for position, speed, force and energy balance.
 const NAMES: [&str; 4] = ["crank.angle", "crank.speed", "actuator.acting_force", "energy.drift"];
 
 fn with_friction(gear: &mut Value) {
     gear["friction"]["enabled"] = json!(true);
 }
 
-/// The drift shows every power that was counted in the wrong step, under a load that has changed since, or twice.
+/// The drift shows any power that counts in a wrong step, under a load that has changed since, or twice.
 #[test]
 fn the_balance_holds_whatever_changes_between_small_steps() {
     let motion =
@@ -53,7 +53,7 @@ fn small_steps_end_where_one_large_step_does() {
     }
 }
 
-/// A step that fails changes nothing, though the balance had been integrated beyond its start.
+/// A failed step changes nothing, although the energy is integrated beyond its start.
 #[test]
 fn the_balance_is_right_after_a_step_that_is_refused() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": stroke() + 0.01 });
