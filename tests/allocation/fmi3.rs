@@ -1,4 +1,4 @@
-//! The same of FMI 3.0: steps, vectors, derivatives, event mode, intermediate updates.
+//! Memory allocations in FMI 3.0: steps, vectors, derivatives, event mode, intermediate updates.
 use super::assert_allocates_nothing_again;
 use super::host::FOLDER;
 use linkage_fmu::fmi2::host::{Description, State};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// References of the gear's variables; vectors come after the time.
+/// References of the gear's variables. The references of vectors follow the reference of the time.
 struct Gear {
     description: Arc<Description>,
 }
@@ -66,7 +66,8 @@ fn a_step_with_vectors_and_derivatives_allocates_nothing() {
     assert_eq!(host.free(&mut start), Status::Ok);
 }
 
-/// From a state shortly before the up stop a step ends there; the impact follows in event mode, and the step goes on.
+/// From a state shortly before the up stop: a step ends at the stop, event mode applies the impact, and the step is
+/// completed.
 #[test]
 fn an_event_allocates_nothing() {
     const BEFORE: f64 = 0.13;

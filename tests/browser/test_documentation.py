@@ -1,4 +1,4 @@
-"""The documentation in the packed FMUs: it loads without errors, and what it draws is what the engine says."""
+"""The documentation in the packed FMUs: it loads without errors, and its drawings agree with the engine."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
     assert page.title() == name
     drawing = page.locator("figure .wide svg[role=img]")
     assert drawing.count() == 1
-    # Its name and its description are what assistive software reads.
+    # Screen readers read the name and the description of the drawing.
     named = drawing.get_attribute("aria-labelledby") or ""
     assert all((page.locator(f"#{part}").text_content() or "").strip() for part in named.split())
     assert len(named.split()) == 2
@@ -62,7 +62,7 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
 
 
 def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
-    """A description and a README that would be scripts, pictures and ends of elements."""
+    """A description and a README that contain scripts, pictures and closing tags."""
     hostile = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
     mechanism = definition("FourBar")
     mechanism["description"] = hostile
@@ -79,7 +79,7 @@ def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
     assert page.locator("script, img, a[href^=javascript]").count() == 0
     assert page.locator("p.lead").inner_text() == hostile
     assert page.locator(".readme h3").inner_text().endswith("{{ 7*7 }}")
-    # The animation takes its texts as data.
+    # The animation receives its texts as data.
     shown = show(tmp_path / "unpacked" / "documentation" / "animation.html")
     assert shown.data()["description"] == hostile
 
@@ -99,7 +99,7 @@ def test_nothing_is_wider_than_the_page(name: str, width: int, unpacked: Unpack,
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_letters_stand_out(scheme: str, unpacked: Unpack, show: Show) -> None:
-    """Contrast of text to what is behind it: 4.5 after WCAG 2.2."""
+    """Contrast of text and background: at least 4.5 according to WCAG 2.2."""
     page = opened(show, unpacked(GEAR), scheme=scheme).page
     colours = page.evaluate(
         """() => ["--ink", "--muted", "--accent"].flatMap((name) => ["--bg", "--panel", "--soft"].map((ground) => {
@@ -119,7 +119,7 @@ def test_letters_stand_out(scheme: str, unpacked: Unpack, show: Show) -> None:
 
 
 def test_drawn_joints_are_where_the_engine_has_them(unpacked: Unpack, show: Show) -> None:
-    """Against the first row of the reference results and the definition's lengths."""
+    """Drawn joints against the first row of the reference results and the lengths of the definition."""
     folder = unpacked(GEAR)
     shown = opened(show, folder)
     bodies = json.loads((folder / "resources" / "mechanism.json").read_text(encoding="utf-8"))["bodies"]
@@ -156,7 +156,7 @@ def test_names_in_the_drawing_stand_apart(unpacked: Unpack, show: Show) -> None:
             for b in found[k + 1 :]:
                 wide = min(a["x"] + a["width"], b["x"] + b["width"]) - max(a["x"], b["x"])
                 high = min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"])
-                # Boxes hold the room above and below letters; these may meet.
+                # A text box includes the space above and below the letters, in which boxes may overlap.
                 assert wide <= 0 or high <= 5, name
 
 

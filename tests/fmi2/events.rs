@@ -1,4 +1,4 @@
-//! What happens within steps, in the log of the FMU.
+//! Events within steps, as messages in the log of the FMU.
 
 use crate::host::Folder;
 use linkage_fmu::fmi2::fmi2SetDebugLogging;
@@ -9,7 +9,7 @@ use std::ffi::CStr;
 const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 const HIT: f64 = 0.132_059_852_744_259_7;
 
-/// The gear with pieces of its file replaced, at its start at this time.
+/// An instance of the gear with pieces of its file replaced, at its start at this time.
 fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> Host {
     let folder = Folder::new(name);
     let definition = changes.iter().fold(GEAR.to_owned(), |text, (from, to)| {
@@ -23,7 +23,7 @@ fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> H
     host
 }
 
-/// Category and text of the messages since the last look.
+/// Category and text of the messages since the last call.
 fn told(host: &Host) -> Vec<(String, String)> {
     host.log.take().into_iter().map(|message| (message.category, message.text)).collect()
 }
@@ -32,7 +32,7 @@ fn texts(host: &Host) -> Vec<String> {
     told(host).into_iter().map(|(_, text)| text).collect()
 }
 
-/// Messages of this category alone.
+/// Request messages of this category only.
 fn ask_for(host: &Host, category: &CStr) {
     // SAFETY: the component is valid, and the category is a C string.
     assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, [category.as_ptr()].as_ptr()) }, Status::Ok);
@@ -69,13 +69,13 @@ fn bounces_are_told_as_one_series() {
         "{said:?}"
     );
     assert!(said[5].ends_with(&format!("stops at the stop upstop after {count} impacts")), "{said:?}");
-    // The same series over many steps.
+    // The same series of bounces over many steps.
     let host = gear("series cut", &elastic, true, 0.0);
     (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));
     assert_eq!(texts(&host).len(), 6);
 }
 
-/// Impacts without losses but rounding are no series: each is told.
+/// Impacts with a restitution of 1 are no series: each impact is reported.
 #[test]
 fn impacts_without_losses_are_told_each() {
     let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 1, \"flag\": \"retracted\"")];
@@ -112,7 +112,7 @@ fn regimes_of_friction_are_told_for_debugging() {
         "{said:?}"
     );
     assert!(said.iter().any(|(_, text)| text.ends_with("becomes viscous")), "{said:?}");
-    // A host that does not ask for details gets none.
+    // A host that does not request these messages gets none.
     let host = gear("no regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
     assert_eq!(told(&host), []);

@@ -1,4 +1,5 @@
-//! The landing gear with its hydraulic circuit through the C interface: the retraction, states to the bit, refusals.
+//! The landing gear with its hydraulic circuit through the C interface: retraction, bit-identical saved states,
+//! rejected calls.
 
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
@@ -19,7 +20,7 @@ fn gear() -> Host {
     gear
 }
 
-/// From the reference of an independent integration, at 2 s: angle, pressures, force.
+/// Angle, pressures and force at 2 s by an independent integration.
 #[test]
 fn the_retraction_follows_the_reference() {
     let gear = gear();

@@ -1,5 +1,5 @@
-//! The hydraulic actuator through the C interface: life cycle, saved states to the bit, derivatives, warnings,
-//! refusals.
+//! The hydraulic actuator through the C interface: life cycle, bit-identical saved states, derivatives, warnings,
+//! rejected calls.
 
 use linkage_fmu::fmi2::fmi2GetRealOutputDerivatives;
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
@@ -44,7 +44,7 @@ fn all_bits(actuator: &Host) -> Vec<(Status, u64)> {
     bits.collect()
 }
 
-/// Steps `from` to `to` under changing inputs, with the bits of all Reals after each.
+/// Make the steps `from` to `to` under changing inputs. Returns the bits of all Reals after each step.
 fn run(actuator: &Host, from: u32, to: u32, mass: f64) -> Vec<Vec<(Status, u64)>> {
     let h = 1e-3;
     let step = |n: u32| {
@@ -200,7 +200,7 @@ fn hostile_values_change_nothing() {
     assert_eq!(host.step(5e-3, -1.0), Status::Error);
     host.log.take();
     assert!(all_bits(&host) == before);
-    // Values that are legal and absurd end in values or in a refusal, never in NaN without a word.
+    // Absurd but legal values give values or an error, never NaN without a message.
     for (name, value) in [("actuator.speed", 1e300), ("supply.pressure", 1e12), ("actuator.reduced_mass", 1e-300)] {
         let host = started("preview");
         run(&host, 0, 5, 700.0);

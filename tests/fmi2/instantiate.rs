@@ -40,8 +40,8 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
 }
 
-/// Tables of the definition are taken in silence; those of another one are told and computed again, as are damaged
-/// ones.
+/// Tables of the definition are used without a message. Tables of another definition and damaged tables are computed
+/// again, with a warning.
 #[test]
 fn tables_beside_a_definition() {
     let folder = Folder::new("tables beside");
@@ -165,7 +165,7 @@ fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
     }
 }
 
-/// A carriage that leaves what was traced at first: its log says so, once.
+/// A carriage that leaves the first stretch of its curve: the log reports this once.
 #[test]
 fn growth_is_told_once() {
     let folder = Folder::new("growth");

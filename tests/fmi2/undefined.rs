@@ -1,5 +1,5 @@
-//! Outputs that do not exist in a legal state, through the C functions: NaN, fmi2Warning and one line of the log, while
-//! all others are told.
+//! Outputs without a value in a valid state, through the C functions: NaN, fmi2Warning and one line of the log. All
+//! other outputs have values.
 
 use crate::host::{Folder, Gear};
 use linkage_fmu::fmi2::host::{Host, logger};
@@ -12,7 +12,7 @@ const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 /// Longest message [bytes].
 const LONGEST: usize = 1000;
 
-/// The bucket, about to swing through positions in which friction locks it against its cylinder, without loggingOn.
+/// The bucket before it swings through positions in which friction locks it against its cylinder, without loggingOn.
 fn bucket(name: &str) -> (Host, Vec<(String, u32)>) {
     let folder = Folder::new(name);
     let description = folder.described(BUCKET);
@@ -57,14 +57,14 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
             );
             assert!(lacking.iter().all(|name| message.text.contains(name)), "{}", message.text);
             assert!(message.text.contains("the mechanism against the drive cylinder near "), "{}", message.text);
-            // One after the other: the same answers.
+            // Single readings give the same values.
             for (name, value) in lacking.iter().map(|name| (*name, f64::NAN)).chain([("bucket.speed", 0.0)]) {
                 let mut one = [1.0];
                 let status = host.reals(&[host.reference(name)], &mut one);
                 assert_eq!((status == Status::Warning, one[0].is_nan()), (value.is_nan(), value.is_nan()), "{name}");
             }
             assert_eq!(host.log.take().len(), lacking.len());
-            // A wrong call stays an error.
+            // A wrong call still returns an error.
             assert_eq!(host.reals(&[references[0], u32::MAX], &mut [0.0; 2]), Status::Error);
             host.log.take();
             warned += 1;
@@ -74,7 +74,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
     assert!(warned > 2 && told > 10, "{warned} {told}");
 }
 
-/// The derivatives of such outputs likewise.
+/// The derivatives of such outputs are NaN with a warning too.
 #[test]
 fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
     let (host, _) = bucket("derivatives");
@@ -106,7 +106,7 @@ fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
     assert!(warned > 2);
 }
 
-/// A message is one line of a bounded length, whatever the host passes.
+/// A message is one line of limited length, for any arguments of the host.
 #[test]
 fn a_line_of_the_log_is_bounded() {
     let gear = Gear::new();

@@ -1,4 +1,4 @@
-//! What a definition gives reason to warn of, in the log of the FMU.
+//! Warnings about a definition, in the log of the FMU.
 
 use crate::host::Folder;
 use linkage_fmu::fmi2::host::{Host, logger};

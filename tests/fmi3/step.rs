@@ -1,4 +1,4 @@
-//! Steps, derivatives and states against those of FMI 2.0, and what is refused.
+//! Steps, derivatives and states against those of FMI 2.0, and rejected calls.
 use crate::Fmu;
 use crate::fmi2::Gear;
 use linkage_fmu::fmi2::types::Status as Status2;
@@ -24,7 +24,7 @@ fn a_retraction_has_the_bits_of_fmi_2() {
     assert_eq!(gear.terminate(), Status::Ok);
 }
 
-/// y' J x from both sides.
+/// y' J x by adjoint and by directional derivatives.
 #[test]
 fn adjoint_and_directional_derivatives_agree() {
     let gear = Fmu::stepping();

@@ -11,13 +11,13 @@ from fmpy.fmi1 import FMICallException
 UP = -1.3
 """Angle of the crank at the up stop [rad]."""
 WITHOUT_FRICTION = 0.13205985274426
-"""Time at which the crank is there, by quadrature [s]."""
+"""Time at which the crank reaches this angle, by quadrature [s]."""
 WITH_FRICTION = 0.134488353
-"""The same with friction, 1.84 % more, by an independent Lagrange-multiplier code [s]."""
+"""The same time with friction, 1.84 % more, by an independent program with Lagrange multipliers [s]."""
 SPEED = 30.0
-"""Angular speed of the crank there, about [rad/s]."""
+"""Approximate angular speed of the crank at this angle [rad/s]."""
 TIME = 1e-8
-"""What the reference time with friction is good to, with the default tolerance 1e-9 [s]."""
+"""Accuracy of the reference time with friction, with the default tolerance 1e-9 [s]."""
 
 
 def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
@@ -45,7 +45,7 @@ def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: 
 
 
 def test_drag_by_hand(instantiate: Start) -> None:
-    """1/2 rho v2 S c with S = S0 |sin|; the leg points to theta - 2.4, the air flows along 1.13 - pi/2."""
+    """1/2 rho v2 S c with S = S0 |sin|. The leg has the direction theta - 2.4, the air flows along 1.13 - pi/2."""
     facing = abs(math.sin(0.8 - 2.4 - (1.13 - math.pi / 2)))
     instance = instantiate().start(airspeed=70.0)
     leg, wheel = instance.get("leg.drag", "wheel.drag")
@@ -74,7 +74,8 @@ def test_uplock_holds_and_lets_go(instantiate: Start) -> None:
 
 
 def test_downlock_holds_against_the_actuator(instantiate: Start) -> None:
-    """Virtual work: what exceeds the holding force, times the actuator's speed over the wheel's."""
+    """Virtual work: the excess over the holding force times the speed of the actuator, divided by the speed of the
+    wheel."""
     instance = instantiate()
     instance.set("downlock.engage", True)
     instance.start().run(0, 3, 0.1)

@@ -1,4 +1,4 @@
-"""The bound on the work of a step: FMPy ends a discarded step with a message, and the FMU tells how far it got."""
+"""The bound on the work of a step: FMPy ends a discarded step with a message, and the FMU reports the time reached."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2DoStepStatus, fmi2LastSuccessfulTime, fmi2Terminated
 
 SPAN = 0.13
-"""Communication step that takes more integration steps than the bound allows [s]."""
+"""Communication step that needs more integration steps than the bound allows [s]."""
 
 
 def test_a_discarded_step_tells_how_far_it_got(instantiate: Start) -> None:

@@ -1,4 +1,4 @@
-"""Directional derivatives, rates of outputs and inputs that change within a step, as FMPy calls them."""
+"""Directional derivatives, rates of outputs and inputs that change within a step, through FMPy."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def test_directional_derivatives_are_those_of_differences(instantiate: Start) ->
         instance.slave.setReal(knowns, [value + sign * seed for value, seed in zip(values, seeds, strict=True)])
         ends.append(instance.get(*OUTPUTS))
     for name, slope, high, low in zip(OUTPUTS, told, *ends, strict=True):
-        # All but the size of a force are affine in the inputs; its second derivative is small here.
+        # All outputs but the size of a force are affine in the inputs. The second derivative of this size is small
+        # here.
         assert slope == pytest.approx((high - low) / 2.0, rel=1e-3 if name == "joint2.force" else 1e-9, abs=1e-9), name
     assert told[-1] == 0.0
     with pytest.raises(FMICallException):

@@ -1,4 +1,4 @@
-"""FMUs of FMI 3.0: the standard's schema, FMPy as host, and the same bits as FMI 2.0."""
+"""FMUs of FMI 3.0: the standard's schema, FMPy as host, and results bit-identical to FMI 2.0."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_vectors_are_their_elements(folder: Path) -> None:
 
 @pytest.fixture
 def gear(folder: Path) -> Iterator[FMU3Slave]:
-    """An instance of FMI 3.0 in step mode; `references` are those of its variables by name."""
+    """An instance of FMI 3.0 in step mode. `references` contains the references of its variables by name."""
     unpacked = extract(str(folder / f"{NAME}.fmi3.fmu"))
     description = read_model_description(unpacked)
     instance = FMU3Slave(
@@ -160,7 +160,7 @@ def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
 
 
 RETRACTED = 0.1320598527442597
-"""Time at which the crank reaches its up stop, from a quadrature in 34 digits [s]."""
+"""Time at which the crank reaches its up stop, from a quadrature with 34 digits [s]."""
 
 
 def test_steps_return_early_at_the_stop(folder: Path) -> None:
@@ -183,16 +183,16 @@ def test_steps_return_early_at_the_stop(folder: Path) -> None:
 
     whole, early = run(), run(use_event_mode=True, early_return_allowed=True)
     at_stop = early[np.abs(early["time"] - RETRACTED) < 1e-12]
-    # Before the impact, and after it.
+    # Before and after the impact.
     assert list(at_stop["upstop.impact_count"]) == [0, 1]
     assert at_stop["crank.speed"][1] == -0.125 * at_stop["crank.speed"][0]
     assert at_stop["upstop.impact_time"][1] == at_stop["time"][1]
-    # Whether the last of a series is a bounce or comes to rest is a matter of rounding.
+    # Rounding decides whether the mechanism bounces once more or rests at the end of a series.
     assert early["upstop.impact_count"][-1] == pytest.approx(whole["upstop.impact_count"][-1], abs=1)
     assert early["upstop.impact_count"][-1] > 5
     assert early["upstop.impact_time"][-1] == pytest.approx(whole["upstop.impact_time"][-1], abs=1e-10)
     assert early["crank.angle"][-1] == pytest.approx(whole["crank.angle"][-1], abs=1e-11)
-    # Event mode changes nothing where steps do not return early.
+    # Event mode changes nothing if steps do not return early.
     quiet = run(use_event_mode=True)
     for name in whole.dtype.names:
         assert np.array_equal(whole[name], quiet[name]), name
@@ -215,7 +215,7 @@ def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> No
 
     flags: set[tuple] = set()
 
-    # Exceptions would be lost here.
+    # Exceptions in the callback would be lost, so it only records values.
     def update(_environment: object, time: float, *arguments: object) -> None:
         *told_flags, requested, stop = arguments
         flags.add(tuple(told_flags))

@@ -14,8 +14,8 @@ from test_own_mechanism import package
 
 TOLERANCE = 1e-12
 CUSHIONS = 0.321909557380281, 3.635331912853703
-"""Times at which cushion A ends and cushion B begins in the retraction of the reference, gear and hydraulics as one
-system [s]."""
+"""Times at which cushion A ends and cushion B starts in the retraction of the reference, gear and hydraulics as a
+single system [s]."""
 SHARED = (
     "length",
     "speed",
@@ -63,7 +63,7 @@ class Fmu:
         return bool(self.slave.getBoolean([self.references[name]])[0])
 
     def step(self, time: float, size: float) -> tuple[bool, float]:
-        """A step; whether it has led to an event, and the time reached."""
+        """Make a step. Returns whether an event has occurred, and the time reached."""
         event, terminate, early, last = self.slave.doStep(time, size)
         assert not terminate
         assert early == (last < time + size)
@@ -157,7 +157,7 @@ def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
     while time < 3.7:
         size = 1e-3
         saved = [fmu.slave.getFMUState() for fmu in (gear, oil)]
-        # With the size of the step to the event, both FMUs come there.
+        # With the step size to the event, both FMUs reach the event.
         for _ in range(3):
             connect(size)
             gear.set(actuator__force=oil.get("preview.force_mean")[0])
@@ -176,7 +176,7 @@ def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
                 fmu.handle()
         time = reached
     for reference in CUSHIONS:
-        # The coupling with a held mean force errs by some 7e-6 rad, at 0.6 rad/s.
+        # The coupling with a held mean force has an error of some 7e-6 rad, at 0.6 rad/s.
         assert min(abs(event - reference) for event in found) < 2e-5
     gear.close()
     oil.close()

@@ -1,4 +1,4 @@
-"""`cargo fmu info` and `validate`: what FMPy reads, and each way in which an FMU can be spoiled."""
+"""`cargo fmu info` and `validate`: agreement with FMPy, and every kind of damage of an FMU."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Change = Callable[[str, bytes], tuple[str, bytes] | None]
 
 @pytest.fixture
 def command(tmp_path: Path) -> Command:
-    """`cargo fmu` with these arguments, called in a folder of its own."""
+    """`cargo fmu` with these arguments, called in a separate folder."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
         words = [*CARGO, "fmu-build", "--", *map(str, arguments)]
@@ -128,7 +128,7 @@ def cut(part: str, size: int) -> Change:
         (without("binaries"), "contains no library", False),
         (cut("binaries", 5000), ".so", False),
         (without("modelDescription"), "contains no modelDescription.xml", False),
-        # Between two elements, and within a word.
+        # Truncated between two elements, and within a word.
         (cut("modelDescription", 3000), "the text is not XML", False),
         (cut("modelDescription", 2990), "the text is not XML", False),
         (without("mechanism.json"), "contains no resources/mechanism.json", False),

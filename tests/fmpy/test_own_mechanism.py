@@ -1,4 +1,4 @@
-"""A user's own mechanism, anywhere on disk: written, packed by `cargo fmu package`, simulated."""
+"""A user's mechanism in any folder: written, packed by `cargo fmu package`, simulated."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROD = 0.3
 SPEED = 20.0
 """Angular speed of the crank at the start [rad/s]."""
 ROUNDING = 1e-12
-"""Distance [m] between positions and the closed form: tables are resolved to about 1e-13 of the mechanism's size."""
+"""Distance [m] of positions from the closed form. The errors of the tables are about 1e-13 of the mechanism's size."""
 
 
 def mechanism() -> dict[str, Any]:
@@ -103,7 +103,7 @@ def test_slider_follows_the_crank(packed: Path) -> None:
     np.testing.assert_allclose(result["guide.position"], position, rtol=0.0, atol=ROUNDING)
     np.testing.assert_allclose(result["piston.x"], position, rtol=0.0, atol=ROUNDING)
     np.testing.assert_allclose(result["piston.y"], 0.0, rtol=0.0, atol=ROUNDING)
-    # The derivative of the closed form; a speed is a position's rounding times the crank's speed.
+    # The derivative of the closed form. The rounding of a speed is that of a position times the crank's speed.
     along = -sine * (1.0 + CRANK * np.cos(angle) / reach)
     np.testing.assert_allclose(result["guide.speed"], along * speed, rtol=0.0, atol=10.0 * ROUNDING * SPEED)
     kinetic = result["energy.kinetic"][0]
@@ -133,7 +133,7 @@ def test_stands_beside_another_mechanism(packed: Path, extracted: Path, tmp_path
 
 
 def refused(done: subprocess.CompletedProcess[str]) -> str:
-    """The one line of a refusal; Cargo's own lines are indented."""
+    """The one line of an error message. Cargo's own lines are indented."""
     assert done.returncode == 1, done.stdout + done.stderr
     lines = [line for line in done.stderr.splitlines() if not line.startswith(" ")]
     assert len(lines) == 1, done.stderr
@@ -172,7 +172,7 @@ def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
 
 
 def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
-    """A run that records every output goes on where a force of the drive does not exist."""
+    """A run that records every output continues where a force of the drive has no value."""
     fixture = REPOSITORY / "tests" / "fixtures" / "excavator_bucket.json"
     done = package(folder, str(fixture), "--out", "out")
     assert done.returncode == 0, done.stderr
@@ -191,7 +191,7 @@ def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
 
 @pytest.mark.parametrize("version", ["2", "3"])
 def test_a_mechanism_without_masses_has_its_motion_alone(folder: Path, version: str) -> None:
-    """The slider-crank mechanism without masses at constant speed of its crank, more than once round."""
+    """The slider-crank mechanism without masses at constant speed of its crank, over more than a turn."""
     own = mechanism()
     own["name"] = "Massless"
     own["bodies"] = {"ground": {}, "crank": {"length": CRANK}, "rod": {"length": ROD}, "slider": {}}

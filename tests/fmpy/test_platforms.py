@@ -16,7 +16,7 @@ from test_own_mechanism import package as package_in
 from test_own_mechanism import refused
 
 SHIPPED = Path(fmpy.__file__).parent
-"""Where FMPy's own libraries are."""
+"""Folder of FMPy's own libraries."""
 CONTAINER = SHIPPED / "container_fmu" / "binaries"
 """FMPy's own FMUs, with the functions of FMI 2.0."""
 LIBRARIES = {
@@ -44,7 +44,7 @@ def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:
     third = tmp_path / f"{NAME}.fmi3.fmu"
     with zipfile.ZipFile(third) as archive:
         folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
-    # The library for win32 has the functions of FMI 2.0 alone.
+    # The library for win32 has the functions of FMI 2.0 only.
     assert folders == {"x86_64-linux", "x86_64-windows", "aarch64-darwin"}
     assert f"{third}: the library for win32 is left out" in done.stdout
     assert {*LIBRARIES, "linux64"} <= set(fmpy.supported_platforms(str(fmu)))
@@ -137,8 +137,8 @@ def test_wrong_platforms_are_refused(tmp_path: Path, name: str) -> None:
 
 
 def test_an_fmu_does_not_tell_where_it_was_made(tmp_path: Path) -> None:
-    """The same bytes from two folders, and no path of the repository in them: the cheap half of `cargo fmu test
-    --reproducible`, which builds the library twice."""
+    """Packages from two folders are identical, and contain no path of the repository. `cargo fmu test --reproducible`
+    also builds the library twice."""
     contents = []
     for name in ("a", "another folder"):
         folder = tmp_path / name / NAME

@@ -61,7 +61,7 @@ def test_each_quantity_has_its_panel() -> None:
     assert [axes.get_ylabel() for axes in canvas.axes] == ["Angle [deg]", "Force [kN]", ""]
     assert [text.get_text() for text in angle.get_legend().get_texts()] == ["leg.angle", "brace.angle"]
     assert flags.get_xlabel() == "time [s]"
-    # A value that does not exist is a gap.
+    # A missing value is a gap in the line.
     np.testing.assert_array_equal(np.isnan(force.lines[0].get_ydata()), [False, True, False])
     assert [tick.get_text() for tick in flags.get_yticklabels()] == ["false", "true"]
     assert flags.lines[0].get_drawstyle() == "steps-post"

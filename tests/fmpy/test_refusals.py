@@ -1,4 +1,4 @@
-"""What the FMU refuses, and that a refused call changes nothing."""
+"""Calls that the FMU rejects: a rejected call changes nothing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fmpy.fmi1 import FMICallException
 STEP = 1e-3
 """Communication step [s]."""
 BEFORE = 40
-"""Steps before the refused call."""
+"""Steps before the rejected call."""
 ALL = 100
 """Steps of the whole run."""
 NOWHERE = 4_000_000_000
@@ -160,7 +160,7 @@ def test_malformed_mechanism_is_refused_by_name(
 
 
 def test_linkage_that_cannot_close_is_refused(instantiate: Start, edited: Edit) -> None:
-    """At the start, or at the latest when the loops are closed; never a step with it."""
+    """The error occurs at the instantiation or at the initialisation. No step is made."""
     folder = edited(put("bodies", "coupler", "length", value=1e-3))
     messages: list[str] = []
 

@@ -1,4 +1,5 @@
-"""Saved states by FMPy's own methods: what follows a restored state has the bits of what followed the saved one."""
+"""Saved states by FMPy's own methods: after a state is restored, the run is bit-identical to the run after it was
+saved."""
 
 from __future__ import annotations
 
@@ -27,14 +28,15 @@ KINDS: dict[str, dict[str, float | bool | str]] = {
 
 
 def started(instance: Instance, kind: str) -> Instance:
-    """Initialised, with the parameters of its kind."""
+    """Initialised, with the parameters of this kind."""
     for name, value in KINDS[kind].items():
         instance.set(name, value)
     return instance.start()
 
 
 def on(instance: Instance, last: int = ALL) -> list[dict[str, str]]:
-    """Steps from the saved state on under a changing force, with the bits of every output after some."""
+    """Steps from the saved state on under a changing force. Returns the bits of every output after some of the steps.
+    """
     seen = []
     for i in range(SAVED, last):
         instance.set("actuator.force", 30_000.0 + 10.0 * i)

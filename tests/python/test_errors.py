@@ -1,4 +1,4 @@
-"""Bad input: an exception with text and remedy, and no panic."""
+"""Bad input gives an exception with text and remedy, and no panic."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_all_findings_come_with_the_exception() -> None:
 
 
 def test_a_mechanism_without_masses_has_no_dynamics() -> None:
-    """The four-bar linkage without its masses: along its travel, and under a given motion."""
+    """The four-bar linkage without its masses: along its travel, and under a prescribed motion."""
     whole = lf.example("FourBar")
     given = whole.to_dict()
     for body in given["bodies"].values():

@@ -1,4 +1,4 @@
-"""Many runs: each has the values of a simulation of its own."""
+"""Many runs: each run has the values of a separate simulation."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def test_every_name_is_there() -> None:
 
 def test_the_types_are_strict(tmp_path: Path) -> None:
     """The package, and a program of a user."""
-    # In a folder of its own, as mypy takes no files of an environment.
+    # In a separate folder, because mypy ignores files of an environment.
     shutil.copytree(PACKAGE, tmp_path / "linkage_fmu", ignore=shutil.ignore_patterns("*.so", "*.pyd", "__pycache__"))
     user = tmp_path / "user.py"
     user.write_text(

@@ -1,4 +1,4 @@
-"""Runs: the values of `simulate`, and what FMPy takes."""
+"""Runs have the values of `simulate`, and FMPy accepts the results."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def test_threads_run_at_the_same_time(gear: lf.Mechanism) -> None:
 
 
 def test_the_lock_is_free_in_a_run(gear: lf.Mechanism) -> None:
-    """Another thread counts while one run lasts."""
+    """Another thread counts during a run."""
     counts = 0
     done = threading.Event()
 

@@ -118,7 +118,7 @@ def test_derivatives_by_parameters_are_those_of_the_start(gear: lf.Mechanism) ->
 
 
 def test_one_thread_at_a_time(gear: lf.Mechanism) -> None:
-    """Calls from other threads are made, or refused with a remedy; none harms."""
+    """Calls from other threads are made, or rejected with a remedy. None does harm."""
     simulation = gear.simulation({"friction.enabled": True, "solver.tolerance": 1e-12})
     simulation.initialize()
     refused: list[str] = []

@@ -1,4 +1,4 @@
-//! Every function in every phase: the status, the log line, and an unchanged instance after a refused call.
+//! Every function in every phase: the status, the log line, and an unchanged instance after a rejected call.
 
 use super::calls::{self, Call, Target};
 use super::standard::{ALWAYS, PHASES, Phase, TABLE, is_legal};
@@ -12,7 +12,7 @@ const H: f64 = 1e-3;
 /// A force under which no step of the integration meets the tolerance.
 const ABSURD: f64 = 1e300;
 
-/// An instance in a phase, the log emptied.
+/// An instance in a phase, with an empty log.
 fn in_phase(phase: Phase) -> Gear {
     let gear = Gear::new();
     if phase != Phase::Instantiated {
@@ -52,7 +52,7 @@ fn rest_of_life(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
     })
 }
 
-/// Parts of the message of a call that is refused for its arguments.
+/// Parts of the message of a call that is rejected for its arguments.
 fn names(call: &Call, gear: &Gear) -> Vec<String> {
     match call.what {
         "unknown" if call.function.ends_with("tReal") => vec![gear.count().to_string(), " to ".into()],
@@ -64,20 +64,20 @@ fn names(call: &Call, gear: &Gear) -> Vec<String> {
     }
 }
 
-/// Part of the message of a call in a wrong phase, for functions that are legal in another one.
+/// Part of the message of a call in a wrong phase, for functions that are legal in another phase.
 fn phase_of(call: &Call, phase: Phase) -> Vec<String> {
     let word = ["instantiated", "initialization mode", "step mode", "step failed", "terminated"][phase as usize];
     if call.statuses.contains('O') { vec![word.into()] } else { Vec::new() }
 }
 
-/// Call, and check status and log against the standard.
+/// Make the call, and check its status and the log against the standard.
 fn check(call: &Call, phase: Phase, gear: &Gear) -> Status {
     let name = format!("{} ({}) in {phase:?}", call.function, call.what);
     let status = (call.run)(&Target::of(gear));
     assert_eq!(status, call.expected(phase), "{name}: {:?}", gear.log.take());
     let messages = gear.log.take();
     if status == Status::Ok {
-        // Events and warnings only.
+        // The log may contain events and warnings only.
         assert!(messages.iter().all(|m| m.status < Status::Discard as i32), "{name}: {messages:?}");
         return status;
     }
@@ -101,7 +101,7 @@ fn every_function_is_called() {
     assert_eq!(calls::text_functions().map(|f| f().is_null()), [false; 2]);
 }
 
-/// The rows of the calls do not contradict the standard's table.
+/// The table of the calls does not contradict the standard's table.
 #[test]
 fn nothing_is_expected_to_work_out_of_its_phase() {
     for call in calls::all() {
@@ -155,7 +155,7 @@ fn without_an_instance_every_call_is_an_error() {
         for call in calls::all() {
             assert_eq!((call.run)(&target), Status::Error, "{} ({})", call.function, call.what);
         }
-        // SAFETY: NULL, or a word that is none of an instance's.
+        // SAFETY: NULL, or an address that belongs to no instance.
         unsafe { fmi2FreeInstance(c) };
     }
     assert!(gear.log.take().iter().all(|message| message.category == "logEvents"));
