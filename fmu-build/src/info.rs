@@ -1,7 +1,7 @@
-//! `cargo fmu info`: what a model offers to a host.
+//! `cargo fmu info`: the interface of a model.
 //!
-//! In: an FMU of any program, or a definition. Out: the content of its `modelDescription.xml`, of a definition the one
-//! that packing would write, in words or as JSON.
+//! In: an FMU of any program, or a definition. Out: the content of its `modelDescription.xml` (for a definition, the
+//! one that packing would write), as text or as JSON.
 
 use crate::archive::MODEL_DESCRIPTION;
 use crate::binary;
@@ -28,24 +28,24 @@ const CAUSALITIES: [(&str, &str); 5] = [
     ("", "Other variables"),
 ];
 
-/// What is told.
+/// The printed data.
 #[derive(Serialize)]
 struct Told {
     file: String,
-    /// Definition file of the kind of model; none in an FMU of another program.
+    /// Definition file of the kind of model. None in an FMU of another program.
     definition: Option<String>,
     /// Platforms of the libraries in an FMU.
     platforms: Vec<String>,
-    /// What the libraries need of the machine that loads them.
+    /// Requirements of the libraries on the machine that loads them.
     needs: BTreeMap<String, Needs>,
     #[serde(flatten)]
     description: Description,
 }
 
-/// Print what the model offers.
+/// Print the interface of the model.
 ///
 /// # Errors
-/// The path leads to no model, or its description cannot be read.
+/// The path contains no model, or its description cannot be read.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let told = told(workspace, &arguments.path)?;
     match arguments.json {
@@ -55,10 +55,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What the model offers, in words and as JSON.
+/// The interface of the model, as text and as JSON.
 ///
 /// # Errors
-/// As [`run`].
+/// As for [`run`].
 pub fn of(workspace: &Workspace, path: &Path) -> Result<(String, String)> {
     let told = told(workspace, path)?;
     Ok((words(&told), serde_json::to_string(&told)?))
@@ -98,7 +98,8 @@ fn of_fmu(mut fmu: Fmu) -> Result<Told> {
     Ok(Told { file, definition, platforms, needs, description })
 }
 
-/// What the library of a platform needs; none if it needs nothing, or is none: `validate` tells that.
+/// Requirements of the library for a platform. None without requirements, or if the file is no library, which
+/// `validate` reports.
 fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Option<Needs> {
     let path = binary::path(platform, description.interfaces.values().next()?)?;
     let needs = Needs::of(&fmu.read(&path).ok()??).ok()?;
@@ -108,7 +109,7 @@ fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Op
 /// The description in an FMU.
 ///
 /// # Errors
-/// There is none, or it cannot be read.
+/// The FMU has no description, or it cannot be read.
 pub fn description(fmu: &mut Fmu) -> Result<Description> {
     let shown = fmu.shown().to_owned();
     let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: contains no {MODEL_DESCRIPTION}"))?;

@@ -1,7 +1,7 @@
-//! The schemas of definition files, one for each kind of model, which go into every FMU beside its definition. They are
-//! made of the tables of keys.
+//! The schemas of definition files, one per kind of model, built from the tables of keys. Every FMU contains the schema
+//! next to its definition.
 //!
-//! There a schema serves whoever edits the numbers in an unpacked FMU, and a relative path needs no more than its name.
+//! The schema serves users who edit numbers in an unpacked FMU. A relative path needs only its name.
 
 mod generated;
 
@@ -18,8 +18,8 @@ pub fn text(definition_file: &str) -> Vec<u8> {
     generated::schema(definition_file).into_bytes()
 }
 
-/// The text of a definition that was read without fault, with its `"$schema"` leading to the schema `name` beside it; a
-/// text without that key stays as it is.
+/// The text of a definition without faults, with its `"$schema"` set to the schema `name` in the same folder. A text
+/// without this key stays unchanged.
 pub fn led_here(definition: &str, name: &str) -> String {
     let root = parse("definition", definition).ok();
     let schema = root.as_ref().and_then(|root| root.member("$schema")).filter(|member| member.value.text().is_some());
@@ -55,7 +55,7 @@ mod tests {
         }
     }
 
-    /// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
+    /// With LINKAGE_FMU_WRITE set, the committed schemas are rewritten.
     #[test]
     fn the_committed_schemas_are_those_of_the_tables() {
         let workspace = Workspace::locate();

@@ -28,9 +28,9 @@ BLUE, ORANGE, RED, GREY = "#2f6db3", "#d9822b", "#b3392f", "#c4c9cf"
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 SELECTION = "box_select,lasso_select,box_zoom,wheel_zoom,reset"
 MOST = 8
-"""Columns of a scatter matrix."""
+"""Largest number of columns of a scatter matrix."""
 NARROW = 300
-"""Least width of a plot that may take the width of the page [px]: that of a small phone, without its margins."""
+"""Smallest width of a plot that fills the width of the page [px]: that of a small phone without its margins."""
 TEMPLATE = """
 {% block preamble %}
     <meta name="viewport" content="width=device-width, initial-scale=1">

@@ -1,7 +1,7 @@
 //! The schema of a definition from its tables of keys.
 //!
-//! In: the elements of a definition, rules about keys that go together. Out: the text of its schema. It must not know
-//! laws.
+//! In: the elements of a definition, rules about combinations of keys. Out: the text of its schema. The module must not
+//! know laws.
 
 use linkage_fmu::format::{Element, Json, Key, Kind, Names, Node, Range, Short, parse, quoted};
 use linkage_fmu::hydraulics::network::definition as network;
