@@ -1,4 +1,5 @@
-//! `cargo fmu simulate`: constant memory, whatever the number of steps; what a run costs beside its steps.
+//! `cargo fmu simulate`: the memory use is constant for any number of steps; the cost of a run in addition to its
+//! steps.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::workspace::Workspace;
@@ -10,14 +11,14 @@ use std::{env, fs, process};
 
 /// Communication step [s].
 const STEP: f64 = 1e-3;
-/// A four-bar under gravity that turns without a drive.
+/// A four-bar that moves under gravity without a drive.
 const START_VALUES: [&str; 1] = ["drive.torque=0"];
 
 fn four_bar() -> PathBuf {
     Workspace::locate().descriptions().join("FourBar")
 }
 
-/// A folder that is removed with all that is in it.
+/// A folder that is removed with its contents.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -34,7 +35,7 @@ impl Drop for Folder {
     }
 }
 
-/// Largest memory of a run of so many steps that writes a file of this ending, or none [kB].
+/// Largest memory of a run with this number of steps that writes a file with this ending, or none [kB].
 #[cfg(target_os = "linux")]
 fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     use std::process::{Command, Stdio};
@@ -53,7 +54,7 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     let mut child = command.arg("--").arg(four_bar()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let mut most = 0;
     let status = loop {
-        // The kernel keeps the largest value, so that the last look has it but for the last moments.
+        // The kernel stores the largest value, so the last reading misses only the last moments.
         let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
         let peak =
             told.lines().find_map(|line| line.strip_prefix("VmHWM:")).and_then(|line| line.split_whitespace().next());
@@ -72,17 +73,17 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
 fn memory_does_not_grow_with_the_steps() {
     let folder = Folder::new("memory");
     for ending in ["", "csv", "parquet", "png", "gif"] {
-        // The first row group of a Parquet file holds 349 525 rows of a time and two variables.
+        // The first row group of a Parquet file has 349 525 rows with a time and two variables.
         let few = if ending == "parquet" { 400_000 } else { 100_000 };
         let [short, long] = [few, 1_000_000].map(|steps| memory(&folder.0, steps, ending));
         println!("{ending:>8}: {short} kB for {few} steps, {long} kB for 1e6");
-        // Rows of 1e6 steps take 24 MB. Blocks that wait for the writer may be a few more or fewer.
+        // Rows of 1e6 steps need 24 MB. The number of blocks that wait for the writer varies slightly.
         assert!(long < short + 4_000, "{ending}: {short} kB for {few} steps, {long} kB for 1e6");
         assert!(short > 1_000);
     }
 }
 
-/// The fastest of some runs [s].
+/// Time of the fastest of some runs [s].
 fn fastest(mut run: impl FnMut()) -> f64 {
     let time = |run: &mut dyn FnMut()| {
         let start = Instant::now();
@@ -92,7 +93,7 @@ fn fastest(mut run: impl FnMut()) -> f64 {
     (0..5).map(|_| time(&mut run)).fold(f64::INFINITY, f64::min)
 }
 
-/// The same steps by the engine alone.
+/// The same steps by the engine only.
 fn engine(text: &str, steps: u32) {
     let mut model = Component::from_definition("mechanism.json", text).unwrap();
     let torque = model.interface().find("drive.torque").unwrap();
@@ -140,7 +141,7 @@ fn a_run_costs_what_its_steps_cost() {
     assert!(bare < 1.2 * alone, "{bare} s, the engine alone {alone} s");
 }
 
-/// A pendulum under gravity, half a radian above the horizontal at the start: small motions are no oscillation there.
+/// A pendulum under gravity that starts half a radian above the horizontal, where small motions are no oscillation.
 const PENDULUM: &str = r#"{
   "name": "Pendulum", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
   "bodies": { "ground": {}, "rod": { "mass": 1, "inertia": 0.1, "center": [0.5, 0] } },
@@ -161,7 +162,7 @@ fn columns_without_a_value_are_told_with_the_reason() {
         let told = String::from_utf8(output.stderr).unwrap();
         told.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
     };
-    // Past the horizontal the loads drive it back, so that the rows without a value are those before.
+    // Below the horizontal the loads drive it back, so only the first rows have no value.
     let told = run(&["--output-file", table.to_str().unwrap()]);
     let text = fs::read_to_string(&table).unwrap();
     let names: Vec<_> = text.lines().next().unwrap().split(',').map(|name| name.trim_matches('"')).collect();
@@ -171,12 +172,12 @@ fn columns_without_a_value_are_told_with_the_reason() {
     assert!((5..95).contains(&count), "{count}");
     let line = told.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
     assert!(line.contains(&format!("in {count} of 101 rows (first at 0.0 s): the loads do not return")), "{line}");
-    // Each column once, and none that has all values.
+    // Each column is named once, and no column with all values is named.
     for (index, name) in names.iter().enumerate() {
         let lines = told.iter().filter(|line| line.contains(name)).count();
         assert_eq!(lines, usize::from(without(index) > 0), "{name}: {told:?}");
     }
-    // All rows; and of a run without a file, of which the last row alone is read, that one.
+    // All rows; and for a run without a file only the last row, which is the only one that is read.
     let short = ["--stop-time", "0.05", "--output-file", table.to_str().unwrap()];
     for (arguments, said) in [(&short[..], "from 0.0 s on (nan in 6 of 6 rows): "), (&short[..2], "at 0.05 s: ")] {
         let (told, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
@@ -197,7 +198,7 @@ fn start_values_may_have_a_sign() {
         let output = command.args(["rod.start_speed", "-2", "--output-variables", "rod.angle"]).output().unwrap();
         let told = String::from_utf8_lossy(&output.stdout);
         let reached: f64 = told.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
-        // One step of 0.01 s at -2 rad/s; gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
+        // One step of 0.01 s at -2 rad/s. Gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
         assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
     }
 }
@@ -211,8 +212,8 @@ const CART: &str = r#"{
       "step_size": 0.01 }
 }"#;
 
-/// A force that grows to 10 N in 1 s and falls to 0 in another moves 2 kg by F T^2 / m = 5 m, at any interval of the
-/// rows.
+/// A force that increases to 10 N in 1 s and decreases to 0 in another second moves 2 kg by F T^2 / m = 5 m, for any
+/// interval of the rows.
 #[test]
 fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
     let folder = Folder::new("slopes");
@@ -228,7 +229,7 @@ fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
             command.arg(&definition).args(["--output-variables", "rail.position", "push.force"]).output().unwrap();
         let printed = String::from_utf8_lossy(&output.stdout);
         let values: Vec<f64> = printed.lines().map(|line| line.split('\t').nth(1).unwrap().parse().unwrap()).collect();
-        // Cubic polynomials, so that rounding alone is left.
+        // The positions are cubic polynomials, so only rounding remains.
         assert!((values[0] - 5.0).abs() < 1e-12 && values[1].abs() < 1e-12, "every {interval} s: {values:?}");
     }
 }
@@ -252,7 +253,7 @@ fn a_run_without_a_length_has_the_values_at_the_start() {
     assert!(fs::read(&film).unwrap().starts_with(b"GIF89a"));
 }
 
-/// The rows of a run that is killed, or for which the disk has no room, do not take the place of those of one before.
+/// The rows of a killed run, or of a run on a full disk, do not replace the rows of a previous run.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_cannot_be_written_whole_leaves_what_was_there() {
@@ -277,14 +278,14 @@ fn what_cannot_be_written_whole_leaves_what_was_there() {
     killed.kill().unwrap();
     killed.wait().unwrap();
     assert_eq!(fs::read(&table).unwrap(), b"before");
-    // A device is written to as it is; this one is always full.
+    // A device is written directly. This device is always full.
     let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
     let said = String::from_utf8(full.stderr).unwrap();
     let line = "error: /dev/full: cannot be written; free disk space, or give another folder: No space left on device";
     assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
 }
 
-/// A belt that goes slack is told with its time, once; a remark without a time gets that of the step.
+/// The warning about a slack belt contains its time once. A warning without a time gets the time of the step.
 #[test]
 fn the_time_of_a_warning_is_told_once() {
     let folder = Folder::new("slack");

@@ -1,11 +1,12 @@
-//! Errors: of the form, of the meaning, of the geometry, each at its place.
+//! Errors of form, meaning and geometry, each at its place.
 
 use crate::support::{checked, found, slider_crank, with};
 use fmu_build::check;
 use linkage_fmu::inspection::Severity;
 use serde_json::json;
 
-/// Comments, NaN, decimal and trailing commas, a misspelt key, a truth value for a number: each once, at its place.
+/// Comments, NaN, decimal and trailing commas, a misspelt key, a Boolean for a number: each is reported once, at its
+/// place.
 #[test]
 fn every_fault_of_the_form_is_found_at_its_place() {
     let text = "{\n  // none\n  \"name\": \"M\",\n  \"gravity\": { \"acceleration\": 9,81, \"up_angle\": NaN },\n  \
@@ -37,7 +38,7 @@ fn every_fault_of_the_form_is_found_at_its_place() {
     assert!(!all.is_whole);
 }
 
-/// The key that is meant stands at the beginning of the message, in the place of all that may stand there.
+/// The similar key is at the start of the message, instead of a list of all keys.
 #[test]
 fn a_key_that_is_meant_is_named() {
     for (path, value, meant) in [
@@ -50,7 +51,7 @@ fn a_key_that_is_meant_is_named() {
         assert!(all.len() == 1 && all[0].1.contains(meant), "{all:#?}");
         assert!(all[0].1.contains("the keys are") == meant.contains("the keys"), "{all:#?}");
     }
-    // A body that turns with another one has no guess.
+    // A body that turns with another body has no guess.
     let mut text = slider_crank();
     text["bodies"]["weight"] = json!({ "fixed_to": "crank.origin", "angle": 3.0, "length": 0.05, "mass": 1 });
     text["guess"]["weight"] = json!(3.5);
@@ -102,7 +103,7 @@ fn errors_of_the_geometry_have_their_place() {
     }
 }
 
-/// What the parser alone refuses has its place and its remedy, and what can be read besides is read.
+/// Faults that only the parser rejects have a place and a remedy. The rest of the file is read.
 #[test]
 fn what_is_no_json_has_its_place_and_its_remedy() {
     let good = serde_json::to_string_pretty(&slider_crank()).unwrap();
@@ -158,7 +159,7 @@ fn values_are_told_in_the_units_of_the_file() {
     text["stops"] = json!({ "s": { "joint": "guide", "limit": "upper", "position": 0.35 } });
     let all = found(&text.to_string(), Severity::Error);
     assert!(all[0].1.starts_with("stops.s.position = 0.35 mm: the start, at 390 mm") && all[0].2 == "0.35", "{all:#?}");
-    // A remedy has the file's units too, and asks for none that the file has.
+    // A remedy uses the units of the file too, and does not request units that the file has.
     text["units"]["angle"] = json!("deg");
     (text["stops"], text["gravity"]["up_angle"]) = (json!({}), json!(90));
     (text["guess"], text["start"]) =

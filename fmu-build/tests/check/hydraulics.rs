@@ -59,7 +59,7 @@ fn a_fault_of_a_network_stands_at_its_key() {
         let places: Vec<_> = errors.map(|one| (one.finding.path.as_str(), &text[one.span.clone()])).collect();
         assert_eq!(places, [(path, to.split(": ").last().unwrap())], "{}", check::findings(&all));
     }
-    // A fault of JSON is one error, in a file of any name.
+    // A fault of JSON is one error, in a file with any name.
     let text = network.replacen("\"HydraulicSystem\",", "\"HydraulicSystem\"", 1);
     let kind = linkage_fmu::component::Component::kind_of(&text).unwrap();
     let all = check::check("my.json".into(), kind, text).unwrap();

@@ -1,4 +1,4 @@
-//! The JSON that `check` and `info` print is what the committed schemas say, and the page explains each field.
+//! The JSON of `check` and `info` agrees with the committed schemas, and the page explains each field.
 
 use crate::support::{slider_crank, with};
 use fmu_build::archive::{self, Entry};
@@ -15,7 +15,7 @@ fn schema(name: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// What a task prints for paths, as JSON.
+/// The JSON output of a task for paths.
 fn printed(task: &str, paths: &[&Path]) -> Value {
     let out = Command::new(env!("CARGO_BIN_EXE_fmu-build")).arg(task).args(paths).arg("--json").output().unwrap();
     serde_json::from_slice(&out.stdout).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&out.stderr)))

@@ -1,4 +1,4 @@
-//! Warnings: each with its key, the value and the remedy; none without cause.
+//! Warnings: each with its key, the value and the remedy. No warning without a reason.
 
 use crate::support::{checked, found, slider_crank, with};
 use fmu_build::check;
@@ -78,7 +78,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
     }
 }
 
-/// Two hinges of a door are one joint in the plane: they share its reaction, which is no fault.
+/// Two hinges of a door are one joint in the plane. They share its reaction, which is no fault.
 #[test]
 fn a_joint_that_is_given_twice_is_no_fault() {
     let hinge = json!({ "type": "revolute", "first": "rod.origin", "second": "crank.end" });

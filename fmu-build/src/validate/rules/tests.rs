@@ -92,7 +92,7 @@ fn each_rule_is_checked() {
     }
 }
 
-/// The descriptions of FMI 2.0 that are packed keep all rules; so does one of FMI 3.0, of each kind of model.
+/// The packed descriptions of FMI 2.0, and one description of FMI 3.0 for each kind of model, break no rule.
 #[test]
 fn every_description_keeps_the_rules() {
     let workspace = Workspace::locate();

@@ -1,7 +1,7 @@
-//! What the workers of a cluster need to know of a study, as JSON.
+//! The data of a study for the workers of a cluster, as JSON.
 //!
-//! In: what all runs share. Out: variables by reference, steps, responses; texts of messages, so that they are the same
-//! there.
+//! In: the common data of all runs. Out: variables by reference, steps, responses, and texts of messages, so that
+//! messages are equal.
 
 use super::responses::{Measure, Responses};
 use super::run::Task;
@@ -44,7 +44,7 @@ pub fn plan(task: &Task, interface: &Interface) -> Value {
     })
 }
 
-/// What the workers call a kind of variables.
+/// Name of a type of variables in the plan.
 fn word(kind: Kind) -> &'static str {
     match kind {
         Kind::Real => "real",

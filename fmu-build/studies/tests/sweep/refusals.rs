@@ -1,11 +1,11 @@
-//! What is wrong with a study is said in one line.
+//! A fault of a study is reported in one line.
 
 use crate::support::{Folder, sweep};
 use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
 use std::fs;
 
-/// The message of a study that is refused.
+/// The message of a rejected study.
 fn refusal(folder: &Folder, study: Value) -> String {
     println!("{study}");
     let study = folder.study("wrong.json", study);

@@ -1,6 +1,6 @@
-// Sliders of inputs and parameters: values to be tried, which the text does not get.
+// Sliders of inputs and parameters. Their values are not written into the text.
 
-/** Sliders of each kind that are there at first. */
+/** Number of sliders of each kind that are shown at first. */
 const FIRST = 5;
 /** Range of a quantity whose value is 0, by its unit. */
 const RANGES = { N: 1e4, "N.m": 1e3, rad: Math.PI, m: 0.1, "m/s": 1, "rad/s": 1, 1: 1 };
@@ -26,7 +26,7 @@ class Knobs {
     });
   }
 
-  /** The variables that a model has now; sliders of others go. */
+  /** The present variables of the model. Sliders of other variables are removed. */
   update(all) {
     if (!all.length) return;
     const isNew = JSON.stringify(all) !== this.known;

@@ -1,12 +1,12 @@
-// The page and its server: text and values go there, data come back.
+// The page and its server: the page sends text and values, and receives data.
 
 const first = JSON.parse(byId("live-first").textContent);
-/** Time after which the news of the file are asked for again when the server has not answered [ms]. */
+/** Time after which the page repeats its request for a new version when the server has not answered [ms]. */
 const AGAIN = 1000;
-/** The last text that gave a motion: its data, and the text as an object. */
+/** The last text with a motion: its data, and the text as an object. */
 const good = {};
 const file = { version: first.version, text: plain(first.text) };
-/** Runs: whether one is on its way, whether another is wanted, how many were shown. */
+/** Runs: whether one is active, whether another is requested, number of shown runs. */
 const runs = { isOut: false, isWanted: false, shown: 0, last: undefined };
 
 const editor = new Editor(byId("live-text"), first.text, onEdit, save);
@@ -24,7 +24,7 @@ async function ask(path, body, signal) {
   return answer.json();
 }
 
-/** Run the text under the values of the sliders; while one run is out, the newest text waits. */
+/** Run the text with the values of the sliders. During a run, only the newest text waits. */
 async function run() {
   if (runs.isOut) return void (runs.isWanted = true);
   runs.isOut = true;
@@ -42,7 +42,7 @@ async function run() {
     try {
       apply(told.data, told.notes, text);
     } catch {
-      // The last motion is that of a mechanism with other parts.
+      // The last motion belongs to a mechanism with other parts.
       good.data = undefined;
       apply(told.data, told.notes, text);
     }
@@ -73,7 +73,7 @@ function apply(data, notes, text) {
   if (playing) mechanism.clock?.play(true);
   knobs.update(notes.knobs);
   byId("live-knobs-problem").textContent = brief(notes.problems.join("; "));
-  // Of an older text the places are others.
+  // In an older text the places differ.
   if (text === editor.text) editor.mark(notes.marks);
   tellFindings(notes.marks);
   runs.shown += 1;
@@ -124,14 +124,14 @@ async function save() {
   tellState();
 }
 
-/** The file has another version than the page has. */
+/** The version of the file differs from that of the page. */
 function onNews({ version, text, error }) {
   if (version === file.version) return;
   byId("live-conflict").hidden = true;
   file.error = error && new Error(error);
   tellConnection();
   if (error !== undefined) {
-    // There is no file that could have this text.
+    // There is no file with this text.
     Object.assign(file, { version, text: undefined });
     return void tellState();
   }
@@ -139,7 +139,7 @@ function onNews({ version, text, error }) {
   const wasDirty = isDirty();
   const isOwn = other === file.saving || other === file.text;
   file.version = version;
-  // What the file has now; the page may have gone on.
+  // The present text of the file. The text of the page may be newer.
   file.text = other;
   if (!wasDirty) editor.replace(text);
   else if (!isOwn && isDirty()) {
@@ -147,7 +147,7 @@ function onNews({ version, text, error }) {
     byId("live-conflict").hidden = false;
   }
   tellState();
-  // A file of parameters may have changed with the same text.
+  // A file of parameters may have changed without a change of the text.
   if (!wasDirty || isOwn) run();
 }
 
@@ -155,7 +155,7 @@ async function listen() {
   let seen;
   document.addEventListener("visibilitychange", () => seen?.abort());
   for (;;) {
-    // A browser has few connections to one server: a page that nobody sees keeps none.
+    // A browser has few connections to one server: a hidden page uses none.
     while (document.hidden) await new Promise((resolve) => document.addEventListener("visibilitychange", resolve, { once: true }));
     seen = new AbortController();
     try {
@@ -170,7 +170,7 @@ async function listen() {
   }
 }
 
-/** What puts these numbers at the path of a handle, and of those that are held together with it. */
+/** The change that writes these numbers at the path of a handle, and of the handles connected with it. */
 function changesOf(handle, numbers) {
   return [handle, ...(handle.others ?? [])].flatMap(({ path }) => {
     const node = nodeAt(editor.state, path);
@@ -183,14 +183,14 @@ function beginDrag() {
   file.beforeDrag = editor.text;
 }
 
-/** A drag is one step of the history: what was shown on the way is taken back first. */
+/** A drag is one step of the history: intermediate changes are undone first. */
 function endDrag(handle, numbers) {
   editor.replace(file.beforeDrag, false);
   if (numbers) editor.change(changesOf(handle, numbers));
 }
 
 document.body.classList.add("with-text");
-// Below the text, so that text and drawing stay in their places.
+// Below the text, so that text and drawing keep their positions.
 byId("live-text").after(byId("error"));
 byId("live-file").textContent = first.shown.split(/[\\/]/).pop();
 byId("live-file").title = first.shown;
@@ -210,7 +210,7 @@ byId("live-keep-mine").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
   tellState();
 });
-// Keys in the text and on the sliders are not those of the drawing.
+// Keys in the text and on the sliders do not control the drawing.
 byId("live").addEventListener("keydown", (event) => event.stopPropagation());
 addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
 file.error = first.error && new Error(first.error);
