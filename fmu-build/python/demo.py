@@ -55,8 +55,7 @@ COLUMNS = (
 
 @dataclass
 class Retraction:
-    """One run: time and outputs at every communication point; the time at which the gear was up, and the outputs then.
-    """
+    """One run: time and outputs at every communication point, and time and outputs when the gear was up."""
 
     rows: list[list[float]]
     up: list[float]

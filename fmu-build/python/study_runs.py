@@ -140,8 +140,7 @@ class Instance:
         return {item.name: int(item.value) for item in self.enumerations[reference].declaredType.items}
 
     def refuse(self, reference: int, word: str) -> int:
-        """Status for a text that is no item of an Enumeration. The log contains the reason, as the FMU would write it.
-        """
+        """Status for a text that is no item of an Enumeration. The log contains the reason in the words of the FMU."""
         allowed = " or ".join(f'"{item}"' for item in self.items(reference))
         self.log.append(f'fmi2SetInteger: {self.enumerations[reference].name} = "{word}": must be {allowed}')
         return ERROR

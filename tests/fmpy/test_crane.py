@@ -1,5 +1,4 @@
-"""Another multibody program with a HydraulicSystem FMU: errors of the crane's angles against both as a single system.
-"""
+"""A multibody program with a HydraulicSystem FMU: errors of the crane's angles against both as one system."""
 
 from __future__ import annotations
 

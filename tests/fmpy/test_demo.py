@@ -1,5 +1,4 @@
-"""The demo of gear and hydraulic actuator: every scheme has its measured accuracy, and the demo writes table and plot.
-"""
+"""The demo of gear and hydraulic actuator: each scheme has its measured accuracy; the demo writes table and plot."""
 
 from __future__ import annotations
 

@@ -1,5 +1,4 @@
-"""The packed HydraulicActuator through FMPy: description, defaults, the reference run H0, saved states, rejected calls.
-"""
+"""The packed HydraulicActuator in FMPy: description, defaults, reference run H0, saved states, rejected calls."""
 
 from __future__ import annotations
 

@@ -35,8 +35,7 @@ def started(instance: Instance, kind: str) -> Instance:
 
 
 def on(instance: Instance, last: int = ALL) -> list[dict[str, str]]:
-    """Steps from the saved state on under a changing force. Returns the bits of every output after some of the steps.
-    """
+    """Steps from the saved state on under a changing force. Returns the bits of each output after some of the steps."""
     seen = []
     for i in range(SAVED, last):
         instance.set("actuator.force", 30_000.0 + 10.0 * i)

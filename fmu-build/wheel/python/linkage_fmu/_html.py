@@ -29,8 +29,7 @@ def table(caption: str, rows: Iterable[Iterable[str]], head: Iterable[str] = ())
 
 
 def variables(caption: str, columns: Iterable[tuple[str, str, np.ndarray[Any, Any]]], remedy: str) -> str:
-    """A table of variables with their names, units and values, one row each. `remedy` states how to show all of them.
-    """
+    """A table of variables with names, units and values, one row each. `remedy` states how to show all of them."""
     shown = list(columns)
     if len(shown) > MOST_ROWS:
         caption += f" ({MOST_ROWS} of {len(shown)} variables; {remedy})"
