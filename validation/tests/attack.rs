@@ -1,8 +1,8 @@
-//! The standing attack in short: some cases of each part, always the same.
+//! The randomised tests in short: a fixed set of cases of each part.
 
 use validation::attack::{Asked, all};
 
-/// Cases of each part.
+/// Number of cases of each part.
 const CASES: [(&str, u64); 12] = [
     ("histories", 1000),
     ("coupled", 100),

@@ -1,5 +1,5 @@
 //! Twins of a coupling: a landing gear and an actuator with random options exchange motion and force in steps; one of
-//! both pairs is besides read, saved and restored between any two calls of the exchange.
+//! the two pairs is also read, saved and restored between any two calls of the exchange.
 use super::histories::{difference, outputs, written};
 use super::mechanism::{Definition, Prepared};
 use super::probe::Probe;
@@ -11,25 +11,25 @@ use linkage_fmu::variables::{Causality, Reference};
 use serde_json::Value;
 
 const GEAR: &str = example!("LandingGearRetraction");
-/// Most steps of a coupling.
+/// Greatest number of steps of a coupling.
 const STEPS: usize = 24;
-/// What the actuator foresees.
+/// Outputs of the actuator's preview.
 const FORESEEN: [&str; 5] =
     ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
-/// Share of the couplings with a network instead of an actuator alone.
+/// Share of the couplings that have a network instead of a single actuator.
 const NETWORKS: f64 = 0.4;
 
 /// How force and motion are exchanged.
 #[derive(Clone, Copy, Debug)]
 enum Exchange {
-    /// The mean force, or the line; the actuator keeps its motion.
+    /// The mean force or the line; the actuator keeps its predicted motion.
     Held,
     Line,
-    /// The gear first, then the actuator by the gear's motion.
+    /// The gear steps first, then the actuator with the gear's motion.
     TwoPasses,
-    /// The force told in the step before.
+    /// The force of the step before.
     Late,
-    /// Force and motion as they are.
+    /// Present force and motion.
     Plain,
 }
 
@@ -39,11 +39,11 @@ struct Pair {
     actuator: Component,
 }
 
-/// Both sides at their start, with references.
+/// Both sides at their start, with value references.
 struct Start {
     gear: Prepared,
     actuator: Prepared,
-    /// What the gear tells and the actuator takes: length, speed, and so on.
+    /// Pairs of an output of the gear and an input of the actuator: length, speed, and so on.
     told: Vec<[Reference; 2]>,
     foreseen: [Reference; FORESEEN.len()],
     force: [Reference; 2],
@@ -76,7 +76,7 @@ impl Start {
     }
 }
 
-/// What a twin does besides, between two calls.
+/// Additional calls of one twin between two calls of the exchange.
 fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
     for (component, prepared) in [(&mut pair.gear, &start.gear), (&mut pair.actuator, &start.actuator)] {
         if random.chance(0.2) {
@@ -99,7 +99,7 @@ fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), Str
     Ok(())
 }
 
-/// One step of a coupling; `between` acts between its calls. Tells how both sides stepped.
+/// One step of a coupling; `between` acts between its calls. Returns how both sides stepped.
 fn exchange(
     pair: &mut Pair,
     start: &Start,
@@ -116,7 +116,7 @@ fn exchange(
     let told = reals(&mut pair.gear, &of_gear)?;
     between(pair)?;
     for (&[_, to], &value) in start.told.iter().zip(&told) {
-        // Near a toggle of the drive the gear tells no finite mass; then the old one stays in both twins.
+        // Near a toggle of the drive the gear has no finite mass; both twins then keep the previous one.
         let _ = pair.actuator.set_real(to, value);
     }
     pair.actuator.set_real(start.horizon, h).map_err(words)?;
@@ -155,7 +155,7 @@ fn exchange(
     Ok([gear, actuator])
 }
 
-/// A part's case: one coupling.
+/// The case of this part: one coupling.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let start = probe.timed("instantiation", || Start::new(&mut random))?;
