@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn content_comes_back() {
+    fn extracted_content_is_the_packed_content() {
         let mut zip = ZipArchive::new(Cursor::new(bytes(entries()))).unwrap();
         for expected in entries() {
             let mut content = Vec::new();
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_given_twice_is_refused() {
+    fn a_duplicate_name_is_rejected() {
         let error = zipped(vec![entry("a", "1"), entry("a", "2")]).unwrap_err();
         assert!(error.to_string().starts_with("a would be packed twice"), "{error}");
     }

@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         for content in
             [&b""[..], b"MZ", b"#!/bin/sh\n", &[0x7f, b'E', b'L', b'F'], &[0xca, 0xfe, 0xba, 0xbe, 0, 0, 0, 9]]
         {

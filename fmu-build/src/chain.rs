@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_too_long_is_refused_with_the_limit() {
+    fn a_chain_that_is_too_long_is_rejected_with_the_limit() {
         #[derive(clap::Parser)]
         struct Line {
             #[command(flatten)]

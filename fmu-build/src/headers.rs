@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_that_differ_and_names_that_stand_twice_are_found() {
+    fn different_headers_and_duplicate_names_are_found() {
         assert_eq!(faults(&zip()), Vec::<String>::new());
         let [own, listed] = places(&zip(), b"entry2")[..] else { panic!("two headers") };
         for (at, what) in

@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_that_lead_out_are_refused() {
+    fn paths_out_of_the_folder_are_rejected() {
         for path in ["extra/../a", "../../a", "/etc/a", ".."] {
             let message = check(path).unwrap_err().to_string();
             assert!(message.contains("leads out of the folder") && !message.contains("Windows"), "{message}");
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_windows_refuses_are_refused() {
+    fn names_that_windows_does_not_allow_are_rejected() {
         for (path, words) in [
             ("documentation/CON", "CON is the name of a device"),
             ("documentation/nul.txt", "NUL is the name of a device"),
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn long_paths_are_refused() {
+    fn long_paths_are_rejected() {
         let path = |n: usize| format!("extra/{}", "abcdefghi/".repeat(30))[..n].replace("i/a", "iba");
         check(&path(LONGEST)).unwrap();
         let message = check(&path(LONGEST + 1)).unwrap_err().to_string();
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_differ_by_case_are_refused() {
+    fn names_that_differ_by_case_are_rejected() {
         for paths in [["extra/a", "extra/A"], ["extra/Ä", "extra/ä"], ["extra/x/1", "extra/X/2"]] {
             let message = check_case(paths.into_iter()).unwrap_err().to_string();
             assert!(message.contains("differ by case only"), "{message}");

@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         assert!(Needs::of(b"").is_err() && Needs::of(&[0x7f, b'E', b'L', b'F', 2, 1]).is_err());
     }
 }

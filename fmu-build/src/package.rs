@@ -390,7 +390,7 @@ mod tests {
     /// FMI 2.0.5, 2.2.8, and FMI 3.0.2, 2.4.7: an unknown may depend only on knowns. Knowns are inputs; for present
     /// values also continuous states; for initial values also variables with an exact start.
     #[test]
-    fn unknowns_depend_on_what_is_known() {
+    fn dependencies_are_known_variables() {
         let workspace = Workspace::locate();
         for folder in workspace.description_folders().unwrap() {
             let component = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().unwrap().component;
@@ -432,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_without_a_definition_is_refused_with_the_remedy() {
+    fn a_path_without_a_definition_is_rejected_with_the_remedy() {
         let workspace = Workspace::locate();
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
         assert!(message("nowhere").ends_with(

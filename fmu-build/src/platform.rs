@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn a_library_that_needs_more_than_was_asked_for_is_refused() {
+    fn a_library_that_needs_a_newer_platform_than_requested_is_rejected() {
         let needs = Needs { glibc: Some("2.35".into()), functions: vec!["hypot".into()], ..Needs::default() };
         let message = suffices(&needs, Some("2.17")).unwrap_err().to_string();
         assert!(message.contains("glibc 2.35 (for hypot), but --glibc 2.17 was given"), "{message}");
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn an_old_glibc_for_windows_alone_is_refused() {
+    fn an_old_glibc_for_windows_alone_is_rejected() {
         let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
         let message = build(&Workspace::locate(), &arguments, &[&served::MECHANISMS]).unwrap_err().to_string();
         assert!(message.contains("--glibc 2.17 applies to libraries for Linux"), "{message}");
@@ -350,14 +350,14 @@ mod tests {
 
     /// The folder `linux64` cannot contain the libraries of two processors.
     #[test]
-    fn two_libraries_in_one_folder_are_refused() {
+    fn two_libraries_in_one_folder_are_rejected() {
         let refused = |platforms: &[Platform]| folders(&asking(platforms, true)).unwrap_err().to_string();
         assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("build two FMUs"));
         assert!(refused(&[Platform::X86Windows]).contains("add aarch64-linux to --platforms"));
     }
 
     #[test]
-    fn what_is_missing_is_named_with_the_remedy() {
+    fn a_missing_toolchain_is_an_error_with_the_remedy() {
         let named = ("no-such-linker", "gcc-aarch64-linux-gnu");
         let toolchain = Toolchain { tuple: "no", triple: "no-such-machine", linker: Some(named), ..ARM };
         let message = target(&Workspace::locate(), &toolchain, None).unwrap_err().to_string();

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_without_an_element_is_told() {
+    fn a_page_without_an_element_is_an_error() {
         let faults = [("mechanism/joints.md", "<!-- keys: joint -->"), ("hydraulics/index.md", " coupling -->")];
         for (page, removed) in faults {
             let mut pages = committed();

@@ -40,7 +40,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn the_key_leads_to_the_schema_beside_it() {
+    fn the_schema_key_becomes_the_path_to_the_schema() {
         for (text, expected) in [
             (r#"{ "$schema": "C:\\a \"b\"/x.json", "n": 1 }"#, r#"{ "$schema": "mechanism.schema.json", "n": 1 }"#),
             ("{\n\"$schema\"\n:\t\"é\"}", "{\n\"$schema\"\n:\t\"mechanism.schema.json\"}"),

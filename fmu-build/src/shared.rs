@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn the_contents_take_the_place_of_the_path() {
+    fn the_contents_replace_the_path() {
         let folder =
             folder("whole", "{\n  \"parameters\": {\n    \"load\": { \"value\": 1.5, \"unit\": \"kg\" } }\n}\n");
         let text = completed(&folder.join("block/mechanism.json"), BLOCK.to_owned()).unwrap();

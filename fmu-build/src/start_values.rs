@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_start_value_is_refused_by_name() {
+    fn wrong_start_values_are_rejected_with_their_name() {
         for (words, said) in [
             (&["crank.start_angle"][..], "crank.start_angle has no value"),
             (&["crank.start_angel=1"], "most similar names are crank.start_angle"),

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_has_its_folder_and_what_cannot_be_built_is_refused() {
+    fn a_target_has_its_folder_and_an_unsupported_one_is_rejected() {
         let library = |triple: &str, parts: [&str; 3]| StaticLibrary {
             library: &MECHANISMS,
             triple: triple.to_owned(),

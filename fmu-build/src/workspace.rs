@@ -176,7 +176,7 @@ mod tests {
     use fmu_cli::Cli;
 
     #[test]
-    fn an_installation_without_its_files_is_refused() {
+    fn an_installation_without_its_files_is_rejected() {
         let message = Workspace::installed(Path::new("/nowhere/linkage_fmu")).err().unwrap().to_string();
         assert!(
             message.starts_with("/nowhere/linkage_fmu: ") && message.contains("install the wheel again"),
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn an_installation_refuses_what_needs_the_source() {
+    fn an_installation_rejects_commands_that_need_the_source() {
         let installation = Workspace { root: PathBuf::from("/nowhere"), is_installed: true };
         let serves = |workspace: &Workspace, words: &[&str]| {
             let line = ["linkage-fmu"].iter().chain(words);

@@ -128,7 +128,7 @@ const HOSTILE_READ: &str = "&lt;/script&gt;&lt;/svg&gt;&lt;/style&gt;&lt;img src
 
 /// Texts that HTML, XML and templates could interpret.
 #[test]
-fn hostile_texts_stay_texts() {
+fn markup_in_texts_stays_text() {
     let text = gear_with("/description", json!(HOSTILE));
     let readme = format!(
         "# {HOSTILE}\n\n{HOSTILE}\n\n<script>alert(2)</script>\n\n[x](javascript:alert(3)) ![y](https://z/y.png)\n"
@@ -152,7 +152,7 @@ fn hostile_texts_stay_texts() {
 
 /// The format allows only names of letters, digits and underscores. The drawing does not rely on this.
 #[test]
-fn hostile_names_in_a_scene_stay_texts() {
+fn markup_in_names_of_a_scene_stays_text() {
     let text = definition("LandingGearRetraction");
     let component = Component::from_definition(MECHANISM, &text).unwrap();
     let Picture::Mechanism { name, mut scene, start, typical, stops } = Picture::new(&component, &text).unwrap() else {
@@ -198,7 +198,7 @@ fn the_page_loads_nothing_and_links_to_what_is_there() {
 }
 
 #[test]
-fn what_is_not_wanted_is_left_out_and_not_linked() {
+fn excluded_documents_are_omitted_and_not_linked() {
     let made = made(MECHANISM, &definition("SliderCrank"), Extent { animation: false, results: false });
     let page = entry(&made, PAGE);
     assert!(!page.contains("animation.html") && !page.contains("fmi-ls-ref"));
@@ -294,7 +294,7 @@ fn the_icon_of_a_flat_start_shows_another_position() {
 }
 
 #[test]
-fn a_folder_may_hold_any_text_about_the_model() {
+fn a_folder_may_contain_any_text_about_the_model() {
     let folder = std::env::temp_dir().join(format!("fmu-build-documentation-{}", std::process::id()));
     fs::create_dir_all(folder.join("resources")).unwrap();
     fs::write(folder.join("resources").join(MECHANISM), definition("FourBar")).unwrap();

@@ -82,7 +82,7 @@ fn assert_refused(folder: &Folder, path: &str, words: &str) {
 }
 
 #[test]
-fn everything_is_packed_or_said_to_be_left_out() {
+fn every_file_is_packed_or_reported_as_omitted() {
     let folder = model("all");
     for name in ["extra/.git", "extra/vendor/.hidden", "notes.txt", "resources/table.csv", "README.md"] {
         fs::write(folder.0.join(name), "").unwrap();
@@ -97,7 +97,7 @@ fn everything_is_packed_or_said_to_be_left_out() {
 
 /// A link may lead to any file of the system, to a parent folder, or nowhere.
 #[test]
-fn symbolic_links_are_refused_by_name() {
+fn symbolic_links_are_rejected_with_their_name() {
     for (k, target) in ["/etc/passwd", "/", "..", "data.csv", "nowhere"].into_iter().enumerate() {
         let folder = model(&format!("link{k}"));
         symlink(target, folder.0.join("extra/vendor/link")).unwrap();
@@ -108,7 +108,7 @@ fn symbolic_links_are_refused_by_name() {
 }
 
 #[test]
-fn links_in_the_place_of_a_whole_folder_or_file_are_refused() {
+fn links_instead_of_a_folder_or_file_are_rejected() {
     for name in ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"] {
         let folder = model(&format!("whole-{name}"));
         let _ = fs::remove_dir_all(folder.0.join(name));
@@ -131,7 +131,7 @@ fn make_pipe(path: &Path) {
 }
 
 #[test]
-fn pipes_and_sockets_are_refused_by_name() {
+fn pipes_and_sockets_are_rejected_with_their_name() {
     let folder = model("pipe");
     make_pipe(&folder.0.join("documentation/pipe"));
     assert_refused(&folder, "documentation/pipe: ", "this is a pipe");
@@ -158,7 +158,7 @@ fn a_definition_is_a_regular_file() {
 }
 
 #[test]
-fn names_that_windows_cannot_unpack_are_refused() {
+fn names_that_windows_cannot_unpack_are_rejected() {
     for name in ["CON", "nul.txt", "a:b", "a?", "trailing.", "trailing ", "line\nbreak", "back\\slash"] {
         let folder = model("windows");
         fs::write(folder.0.join("extra").join(name), "").unwrap();
@@ -187,7 +187,7 @@ fn entries(seed: u64) -> Vec<Entry> {
 }
 
 #[test]
-fn names_that_differ_by_case_are_refused_before_anything_is_written() {
+fn names_that_differ_by_case_are_rejected_before_anything_is_written() {
     let folder = Folder::new("case");
     let path = folder.0.join("A.fmu");
     let error = archive::write(&path, vec![entry("extra/a", vec![]), entry("extra/A", vec![])]).unwrap_err();
@@ -259,7 +259,7 @@ fn programs_write_one_fmu_at_the_same_time_and_some_are_killed() {
 
 /// With a limit on file sizes, writing fails halfway like on a full disk: one message, and the old file remains.
 #[test]
-fn a_write_that_fails_halfway_leaves_what_stood_there() {
+fn a_failed_write_keeps_the_previous_file() {
     let folder = Folder::new("bound");
     let path = folder.0.join("A.fmu");
     archive::write(&path, entries(1)).unwrap();

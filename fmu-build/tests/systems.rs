@@ -186,7 +186,7 @@ fn values_of_a_system_are_in_the_units_of_the_variables_and_read_back() {
 /// The demanded acceleration of the second cart is the acceleration of the first, and the force on the first cart is
 /// the required force of the second.
 #[test]
-fn loops_and_lonely_fmus_are_warned_of() {
+fn algebraic_loops_and_unconnected_fmus_give_warnings() {
     let folder = Folder::new("warnings");
     let cart = folder.write(
         "cart.json",

@@ -244,7 +244,7 @@ fn an_open_loop_is_shown_at_the_guess_with_its_gap() {
 }
 
 #[test]
-fn what_assembles_but_does_not_run_is_shown_assembled() {
+fn a_mechanism_that_does_not_run_is_shown_assembled() {
     let data = data(&gear_with("/start/angle", json!(1.5)), &[]);
     assert_eq!(data.status, Status::Still);
     assert!(data.still.as_ref().unwrap().is_assembled());
@@ -252,7 +252,7 @@ fn what_assembles_but_does_not_run_is_shown_assembled() {
 }
 
 #[test]
-fn what_cannot_be_read_is_a_page_with_the_error() {
+fn an_unreadable_definition_gives_a_page_with_the_error() {
     for text in ["{", "[]", &gear_with("/joints/joint1/first", json!("ground.nowhere"))] {
         let data = data(text, &[]);
         assert_eq!(data.status, Status::Nothing);
@@ -262,7 +262,7 @@ fn what_cannot_be_read_is_a_page_with_the_error() {
 }
 
 #[test]
-fn start_values_change_the_motion_and_are_refused_by_name() {
+fn start_values_change_the_motion_and_wrong_ones_are_rejected_with_their_name() {
     let crank = |data: &Data| serde_json::to_value(data).unwrap()["motion"]["poses"][1][0]["d"][0].as_i64().unwrap();
     let (plain, turned) = (data(&definition("LandingGearRetraction"), &[]), {
         data(&definition("LandingGearRetraction"), &["crank.start_angle", "30deg", "friction.enabled", "true"])
@@ -298,7 +298,7 @@ const HOSTILE: &str =
     "</script><img src=x onerror=alert(1)><!--\" ' & \u{202e}reversed\u{202c} \u{200f}\u{2028}\u{2029} ]]> {{ 7*7 }}";
 
 #[test]
-fn hostile_texts_stay_texts() {
+fn markup_in_texts_stays_text() {
     let text = gear_with("/description", json!(HOSTILE.replace(['\u{2028}', '\u{2029}'], "")));
     let data = data(&text, &[]);
     let html = view::html(&data).unwrap();
@@ -340,7 +340,7 @@ fn every_mechanism_has_a_page_that_loads_nothing() {
 }
 
 #[test]
-fn a_page_is_written_and_hydraulics_are_refused() {
+fn a_page_is_written_and_hydraulics_are_rejected() {
     let workspace = Workspace::locate();
     let folder = std::env::temp_dir().join(format!("fmu-build-view-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();

@@ -212,7 +212,7 @@ fn a_state_costs_no_evaluation_and_few_bytes() {
 /// A step allocates memory only for a new stretch of an open curve. Each stretch is eight times as long as the previous
 /// one.
 #[test]
-fn growth_alone_allocates() {
+fn only_growth_allocates() {
     let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
       "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
       "start": { "joint": "rail", "position": 0, "speed": 100 }, "guess": { "rail": 0 } }"#;

@@ -61,7 +61,7 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
     assert all(b - a <= 1 for a, b in itertools.pairwise(headings))
 
 
-def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
+def test_markup_in_texts_has_no_effect(tmp_path: Path, show: Show) -> None:
     """A description and a README that contain scripts, pictures and closing tags."""
     hostile = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
     mechanism = definition("FourBar")
@@ -160,7 +160,7 @@ def test_names_in_the_drawing_stand_apart(unpacked: Unpack, show: Show) -> None:
                 assert wide <= 0 or high <= 5, name
 
 
-def test_the_links_lead_to_the_animation_and_the_results(unpacked: Unpack, show: Show) -> None:
+def test_the_links_open_the_animation_and_the_results(unpacked: Unpack, show: Show) -> None:
     folder = unpacked(GEAR)
     page = opened(show, folder).page
     links = page.locator("ul.links a").all()

@@ -262,7 +262,7 @@ def test_two_pages_share_the_file(serve: Serve) -> None:
     assert text_of(other) == GEAR == text_of(one)
 
 
-def test_a_deleted_file_is_said_and_written_again(serve: Serve) -> None:
+def test_a_deleted_file_is_reported_and_can_be_written_again(serve: Serve) -> None:
     live = serve(GEAR)
     shown = live.open()
     live.file.unlink()
@@ -282,7 +282,7 @@ def test_numbers_in_messages_have_few_digits(serve: Serve) -> None:
     assert re.search(r"-0\.00333333\b", shown.page.locator("#findings").inner_text())
 
 
-def test_hostile_texts_are_texts(serve: Serve) -> None:
+def test_markup_in_texts_stays_text(serve: Serve) -> None:
     evil = "</script><img src=x onerror=alert(1)>"
     live = serve(GEAR.replace("Retraction mechanism of", evil), "a&lt;b'\"<i>.json")
     shown = live.open()

@@ -258,7 +258,7 @@ def test_names_do_not_collide_and_all_have_room(make: Make, show: Show) -> None:
         assert page.locator("#drawing .name:visible").count() >= 20
 
 
-def test_the_drawing_zooms_moves_and_comes_back(make: Make, show: Show) -> None:
+def test_the_drawing_can_be_zoomed_moved_and_reset(make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     page = shown.page
     before = shown.center("[data-joint=joint3]")
@@ -315,7 +315,7 @@ def test_plots_over_a_variable_and_over_the_travel(make: Make, show: Show) -> No
     assert change[0] / change[1] == pytest.approx(ratio, rel=0.03)
 
 
-def test_key_results_lead_to_their_places(make: Make, show: Show) -> None:
+def test_key_results_lead_to_their_positions(make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     rows = dict(row.split("\t")[:2] for row in shown.page.locator("#results table").inner_text().splitlines())
     assert rows["Stroke of actuator"].startswith("0.3182")
@@ -364,7 +364,7 @@ def test_two_runs_are_compared(make: Make, show: Show) -> None:
     assert [number(cell.rstrip("N")) for cell in row[1:3]] == [3e4, 2e4]
 
 
-def test_hostile_texts_are_shown_as_they_are(make: Make, show: Show) -> None:
+def test_markup_in_texts_is_shown_as_text(make: Make, show: Show) -> None:
     mechanism = deepcopy(GEAR)
     hostile = "</script><img src=x onerror=alert(1)> \"quotes\" '&amp;' \u202ereversed\u202c {{ 7*7 }}"
     mechanism["description"] = hostile

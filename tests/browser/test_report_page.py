@@ -55,6 +55,6 @@ def test_the_gear_moves(report: Shown) -> None:
 
 @pytest.mark.parametrize("width", [390, 1400])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_sticks_out(width: int, scheme: str, show: Show) -> None:
+def test_no_element_exceeds_the_width(width: int, scheme: str, show: Show) -> None:
     page = show(REPORT, width=width, scheme=scheme).page
     assert page.evaluate("document.documentElement.scrollWidth") <= width

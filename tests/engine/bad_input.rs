@@ -115,7 +115,7 @@ fn numbers_out_of_range() {
 }
 
 #[test]
-fn names_that_nothing_carries() {
+fn names_of_missing_elements() {
     for (from, to, fragments) in [
         ("crank.end", "crunk.end", &["joints.joint2.first", r#""crunk.end""#, "bodies are ground, crank"][..]),
         ("crank.end", "crank.tip", &["joints.joint2.first", r#""crank.tip""#, "origin, end, actuator"]),
@@ -389,7 +389,7 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
 
 /// Two bars and the ground are a rigid triangle. A third bar rotates freely.
 #[test]
-fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
+fn a_rigid_loop_is_reported_with_its_bodies_and_those_that_still_move() {
     let text = |start: &str| {
         json!({
             "name": "Triangle",
@@ -432,7 +432,7 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
 }
 
 #[test]
-fn a_guess_of_what_gives_no_coordinate_says_why() {
+fn a_guess_of_an_element_without_a_coordinate_is_rejected_with_the_reason() {
     let text = |guess: Value| {
         json!({
             "name": "Carriage",
@@ -469,7 +469,7 @@ fn names_have_a_length_that_files_can_have() {
 
 /// Restoring a state of another mechanism or another kind of model is an error and changes nothing.
 #[test]
-fn a_state_of_another_model_is_refused() {
+fn a_state_of_another_model_is_rejected() {
     const FOUR_BAR: &str = include_str!("../../modelDescription/FourBar/resources/mechanism.json");
     const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
     let model = |file: &str, text: &str| {

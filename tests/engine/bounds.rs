@@ -35,7 +35,7 @@ fn interrupted(run: &mut Run, h: f64, max_steps: u64) -> (f64, String) {
 }
 
 #[test]
-fn a_mechanism_that_spins_ever_faster_meets_the_bound() {
+fn a_mechanism_that_spins_ever_faster_reaches_the_bound_of_steps() {
     let mut crank = Run::new(SLIDER_CRANK).started();
     let (time, why) = interrupted(&mut crank, 1e4, MAX_STEPS);
     assert_says(why, &["turns at", "revolutions"]);
@@ -182,7 +182,7 @@ fn a_long_swing_costs_what_a_short_one_does() {
 
 /// A balanced crank rotates uniformly without end.
 #[test]
-fn an_even_rotation_is_told_to_the_last_turn() {
+fn a_uniform_rotation_is_exact_to_the_last_turn() {
     let turning = json!({ "start": { "angle": 0.25, "speed": 100 }, "guess": { "wheel": 0.25 } });
     let mut wheel = Run::new(wheel(0.5).with(turning)).started();
     wheel.step(1e6);
@@ -209,7 +209,7 @@ fn an_even_rotation_is_told_to_the_last_turn() {
 
 /// Refused before the step begins: nothing has changed, to the bit.
 #[test]
-fn inputs_that_overflow_are_refused_before_the_step() {
+fn inputs_that_overflow_are_rejected_before_the_step() {
     for (name, order, value) in [
         ("load_factor", 0, 1e308),
         ("airspeed", 0, 1e200),

@@ -52,7 +52,7 @@ fn the_radius_of_curvature_is_that_of_the_profile() {
 }
 
 #[test]
-fn profiles_that_no_disc_has_are_warned_of() {
+fn impossible_cam_profiles_give_a_warning() {
     let told = |text: &str| {
         let all = Run::new(text).started().warnings();
         all.into_iter().filter(|line| line.contains("couplings")).collect::<Vec<_>>()
@@ -98,7 +98,7 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
 }
 
 #[test]
-fn losses_of_couplings_are_refused_by_name() {
+fn faulty_losses_of_couplings_are_rejected_with_their_key() {
     let text =
         changed(elliptic(json!({ "eccentricity": 0.3 })), |m| m["couplings"]["mesh"]["efficiency"] = json!(0.97));
     assert_says(refusal(text), &["couplings.mesh.efficiency", "drive", "friction"]);

@@ -23,7 +23,7 @@ pub fn gas() -> Value {
 }
 
 #[test]
-fn a_carriage_on_a_gas_moves_as_its_law_says() {
+fn a_carriage_on_a_gas_spring_follows_the_gas_law() {
     let law = |s: f64| {
         let volume = 9e-5 + 3e-4 * (s - 0.5);
         (1e5 - 8e5 * (9e-5_f64 / volume).powf(1.3)) * 3e-4
@@ -114,7 +114,7 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
 }
 
 #[test]
-fn what_is_no_curve_and_no_gas_is_refused() {
+fn wrong_curves_and_gases_are_rejected() {
     for (spring, pieces) in [
         (
             json!({ "joint": "slide", "points": [[0, 1]] }),
@@ -146,7 +146,7 @@ fn changed_gas(change: impl FnOnce(&mut Value)) -> Value {
 }
 
 #[test]
-fn a_gas_without_volume_is_refused() {
+fn a_gas_without_volume_is_rejected() {
     // The gas has no volume if the strut is shorter than 0.2 m. A stop at 0.25 m prevents this.
     let stops = |least: f64| {
         changed(carriage(gas(), 0.4), |m| {
@@ -179,7 +179,7 @@ fn a_narrow_detent_is_seen_in_long_steps() {
 }
 
 #[test]
-fn the_position_is_told_where_a_gas_has_no_volume_left() {
+fn the_error_names_the_position_where_a_gas_has_no_volume_left() {
     // The rod angle at which the strut from (0.5, 0) is 0.3 m long: cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3). The strut
     // shortens further beyond it. At 0.3 m, 0.2 m below its free length, its gas has no volume.
     let text = arm(0.3, 1.0, 1.0).with(json!({
@@ -194,7 +194,7 @@ fn the_position_is_told_where_a_gas_has_no_volume_left() {
 /// A barrier between parts without force, which long steps could skip: as a function of a position, and of an angle
 /// over several turns.
 #[test]
-fn a_barrier_between_parts_without_force_is_met() {
+fn a_barrier_between_regions_without_force_reverses_the_motion() {
     let barrier = |joint: &str, points: Value| json!({ "barrier": { "joint": joint, "points": points } });
     let slide = block(1.0).with(json!({
         "springs": barrier("slide", json!([[0, 0], [1, 0], [1.1, 8], [1.2, 0], [6, 0]])), "start": { "speed": 1 },

@@ -83,7 +83,7 @@ fn a_follower_that_lifts_off_at_the_start() {
 }
 
 #[test]
-fn a_belt_that_goes_slack_in_a_run_is_told_once() {
+fn a_belt_that_goes_slack_in_a_run_gives_one_warning() {
     let mut run = Run::new(belt(json!({ "pretension": 80 }))).started();
     let mut told = Vec::new();
     for (k, torque) in [3.0, 3.0, 60.0, 60.0].into_iter().enumerate() {

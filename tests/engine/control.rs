@@ -34,7 +34,7 @@ fn free([k, c, f]: [f64; 3], [x, v]: [f64; 2], t: f64) -> [f64; 2] {
 }
 
 #[test]
-fn a_position_drive_moves_as_its_second_order_response() {
+fn a_position_drive_follows_its_second_order_response() {
     let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN, "command": 0.4, "command_speed": 0.1 });
     for count in [1, 7, 40] {
         let mut run = Run::new(carriage(control.clone())).with(&[("motor.force", 6.0)]).started();
@@ -236,7 +236,7 @@ fn a_rising_command_breaks_static_friction_at_the_instant() {
 
 /// With an efficiency eta the mechanism receives eta times the controller's force.
 #[test]
-fn an_efficiency_takes_its_part_of_the_controller() {
+fn an_efficiency_applies_to_the_controllers_force() {
     let text = carriage(json!({ "position_gain": GAIN, "command": 0.5 }))
         .with(json!({ "actuators": { "motor": { "efficiency": 0.8 } }, "start": { "speed": 0.1 } }));
     let mut run = Run::new(text).with(&[("motor.force", 20.0)]).started();
@@ -326,7 +326,7 @@ fn gains_and_limits_are_tunable() {
 }
 
 #[test]
-fn what_is_no_controller_is_refused() {
+fn wrong_controllers_are_rejected() {
     for (control, pieces) in [
         (json!({}), &["actuators.motor.control", "needs a gain"][..]),
         (json!({ "speed_gain": 1, "command": 2 }), &["control.command", "add position_gain"]),

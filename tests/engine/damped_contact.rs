@@ -169,7 +169,7 @@ impl Numbers {
 
 /// Steps far longer than the decay report every impact, rest and contact, and no other.
 #[test]
-fn damped_motions_leave_and_reach_what_holds_them() {
+fn damped_motions_leave_and_reach_stops_and_locks() {
     let count = cases().unwrap_or(4);
     let mut wrong = Vec::new();
     for kind in KINDS {
@@ -195,7 +195,7 @@ fn damped_motions_leave_and_reach_what_holds_them() {
 
 /// A tailgate with a strong damper leaves its latch: one step at a loose tolerance against a tight tolerance.
 #[test]
-fn a_damped_tailgate_leaves_its_latch() {
+fn a_damped_tailgate_moves_away_from_its_latch() {
     let angle = |damping: f64, tolerance: f64| {
         let mut run = Run::replaced(TAILGATE, &[]);
         run.set("struts.damping", damping);

@@ -273,7 +273,7 @@ fn rates_of_positions_and_speeds_are_speeds_and_accelerations() {
 }
 
 #[test]
-fn what_has_no_derivative_is_refused_by_name() {
+fn variables_without_a_derivative_are_rejected_with_their_name() {
     let mut model = Run::gear().started();
     let find = |name: &str| model.0.reference(name).unwrap();
     let (force, length, angle) = (find("actuator.force"), find("crank.length"), find("crank.angle"));

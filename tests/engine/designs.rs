@@ -121,7 +121,7 @@ fn check(text: &str, settings: &[Setting], h: f64, ops: &[Op]) -> Result<(), Tes
 }
 
 #[test]
-fn what_is_kept_has_the_bits_of_a_new_model() {
+fn a_cached_model_is_bit_identical_to_a_new_one() {
     for (text, settings, h) in [(GEAR, &OF_GEAR[..], 0.004), (ARM, &OF_ARM, 0.02)] {
         let result = runner(12).run(&prop::collection::vec(op(), 2..12), |ops| check(text, settings, h, &ops));
         result.unwrap_or_else(|error| panic!("{error}"));

@@ -72,7 +72,7 @@ fn near(a: f64, b: f64, of: f64) -> Result<(), TestCaseError> {
 
 /// PHYSICS: 1/2 rho v^2 S c with S = S0 |sin| at the start, gear down.
 #[test]
-fn drag_at_the_start_by_hand() {
+fn drag_at_the_start_has_its_closed_form() {
     let mut gear = at(gear(false), (0.8, 0.0));
     assert_eq!((gear.get("leg.drag"), gear.get("wheel.drag")), (0.0, 0.0));
     gear.set("airspeed", 70.0);
@@ -128,7 +128,7 @@ proptest! {
 /// The energy gained since the start is the work of the actuator plus the work of the drag: by Simpson's rule over the
 /// power of the drag, and by `energy.drift`.
 #[test]
-fn drag_takes_its_power() {
+fn the_power_of_drag_is_lost() {
     const STEPS: usize = 2600;
     let (stop, airspeed, force) = (0.13, 70.0, 30_000.0);
     for relative in [false, true] {

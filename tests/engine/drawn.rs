@@ -187,7 +187,7 @@ fn lengths_points_and_guess_follow_from_the_drawing() {
 }
 
 #[test]
-fn what_the_drawing_contradicts_is_refused() {
+fn contradictions_to_the_drawing_are_rejected() {
     for (path, value, fragments) in [
         ("/bodies/crank/length", json!(50.1), vec!["bodies.crank.length = 0.0501", "drawn 0.05 m apart"]),
         ("/bodies/crank/drawn/angle", json!(1), vec!["bodies.crank.drawn.angle", "origin and end already define"]),

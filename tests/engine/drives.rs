@@ -107,7 +107,7 @@ fn of((name, is_rotary): Drive, quantity: &str) -> String {
 /// The one-element outputs of the servo, with a second drive (ram) of efficiency 0.5, at rest at 0.9 rad. S is the
 /// force of the ram, theta the angle of the crank and phi that of the rod.
 #[test]
-fn a_drive_with_losses_beside_another_has_its_closed_form() {
+fn two_drives_one_with_losses_follow_the_closed_form() {
     let (forces, efficiencies) = ([3.0, 50.0, 0.0], [None, Some(0.5), None]);
     let case = Case { mechanism: 0, friction: false, angle: 0.9, speed: 0.0, forces, efficiencies, demand: 0.0 };
     let (mut run, _) = started(&case);

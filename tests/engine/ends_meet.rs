@@ -70,7 +70,7 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 }
 
 #[test]
-fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
+fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
     let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
     let pulled = Run::new(arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
@@ -120,7 +120,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
 }
 
 #[test]
-fn stops_keep_the_motion_away() {
+fn stops_prevent_the_motion_to_coinciding_ends() {
     for rigid in [true, false] {
         let mut stops = json!({
             "low": { "body": "arm", "angle": 0.5, "limit": "lower", "restitution": 1 },
@@ -169,7 +169,7 @@ fn the_start_decides_between_which_meetings_the_motion_is() {
 
 /// A carriage on a rail with a spring to the origin of the rail, beyond the first stretch of the curve.
 #[test]
-fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
+fn coinciding_ends_on_a_stretch_end_the_motion_there_and_not_before() {
     let carriage = block(2.0).with(json!({
         "bodies": { "ground": { "points": { "far": [60, 0] } }, "block": { "length": 0.02 } },
         "springs": { "spring": { "first": "ground.far", "second": "block.origin", "stiffness": 0, "preload": 4 } },
@@ -197,7 +197,7 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
 }
 
 #[test]
-fn the_check_tells_where_the_motion_ends() {
+fn the_check_reports_the_position_where_the_motion_ends() {
     let inspection = inspect(&arm(&json!({})));
     // A motion that reaches the position ends its run: one warning for each side.
     assert_eq!(inspection.findings.len(), 2, "{:?}", inspection.findings);

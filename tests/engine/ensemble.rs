@@ -25,7 +25,7 @@ fn alone(row: &[f64], stop_time: f64) -> Vec<u64> {
 }
 
 #[test]
-fn each_run_has_the_bits_of_a_simulation_of_its_own() {
+fn each_run_is_bit_identical_to_a_separate_simulation() {
     let mut gear = Simulation::open(GEAR).unwrap();
     gear.set("friction.enabled", true).unwrap();
     let rows = rows();
@@ -75,7 +75,7 @@ fn outputs_at_the_start_need_no_step() {
 }
 
 #[test]
-fn what_cannot_be_varied_is_refused_at_once() {
+fn impossible_variations_are_rejected_immediately() {
     let gear = Simulation::open(GEAR).unwrap();
     let run = |inputs: &[&str], rows: &[f64], stop| gear.run_many(inputs, rows, stop, &["crank.angle"], 1).unwrap_err();
     assert!(matches!(run(&["crank.angle"], &[1.0], 0.1), SimulationError::Refused(why) if why.contains("crank.angle")));

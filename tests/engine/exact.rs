@@ -26,7 +26,7 @@ fn agree(text: &str, flags: &[&str], values: &[(&str, f64)], span: f64, outputs:
 }
 
 #[test]
-fn the_gear_moves_alike() {
+fn the_gear_has_the_same_motion_with_and_without_tables() {
     agree(GEAR, &[], &[], 0.13, &["crank.angle", "crank.speed", "joint2.force"], 1e-11);
     // The results differ in the last digits, as the computation is another.
     let mut both = [true, false].map(|tables| start(GEAR, tables, &[], &[]));
@@ -39,7 +39,7 @@ fn the_gear_moves_alike() {
 }
 
 #[test]
-fn the_gear_moves_alike_with_friction_wind_and_stops() {
+fn the_gear_has_the_same_motion_with_friction_wind_and_stops() {
     let flags = ["friction.enabled", "air.relative_wind"];
     agree(GEAR, &flags, &[("airspeed", 70.0)], 0.13, &["crank.angle", "crank.speed", "joint2.force"], 1e-9);
     // To the up stop and back. Static friction is stiff at V_S = 1e-5 m/s.
@@ -48,7 +48,7 @@ fn the_gear_moves_alike_with_friction_wind_and_stops() {
 }
 
 #[test]
-fn other_mechanisms_move_alike() {
+fn other_mechanisms_have_equal_motions() {
     let outputs = ["energy.kinetic"];
     agree(ANDREWS, &[], &[], 0.03, &outputs, 1e-7);
     agree(SL_CRANK, &[], &[], 1.0, &outputs, 1e-9);
@@ -59,7 +59,7 @@ fn other_mechanisms_move_alike() {
 }
 
 #[test]
-fn changing_inputs_and_saved_states_act_alike() {
+fn changing_inputs_and_saved_states_have_equal_effects() {
     let run = |tables: bool| {
         let mut gear = start(GEAR, tables, &[], &[("solver.tolerance", 1e-12)]);
         gear.set_derivative("actuator.force", 1, -1e5);

@@ -99,7 +99,7 @@ fn the_period_grows_with_the_root_of_the_size() {
 }
 
 #[test]
-fn what_follows_is_a_calculated_parameter() {
+fn numbers_by_expressions_are_calculated_parameters() {
     let model = Model::from_json(FAMILY).unwrap();
     let variables = model.variables();
     let named = |references: &[Reference]| -> Vec<&str> {
@@ -172,7 +172,7 @@ fn values_of_one_call_count_together() {
 }
 
 #[test]
-fn saved_states_and_tables_hold_what_follows() {
+fn saved_states_and_tables_contain_calculated_parameters() {
     let mut run = Run::new(FAMILY).with(&[("size", 0.55)]).started();
     run.step(0.1);
     let (mut bytes, mut other) = (run.saved(), Run::new(FAMILY));
@@ -207,7 +207,7 @@ fn saved_states_and_tables_hold_what_follows() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_key() {
+fn wrong_expressions_are_errors_with_their_key() {
     let with = |change: &dyn Fn(&mut Value)| changed(FAMILY, change);
     let length = |text: &str| with(&|m| m["bodies"]["crank"]["length"] = json!(text));
     let cases: [(String, &[&str]); 16] = [
@@ -313,7 +313,7 @@ fn an_expression_of_a_number_that_is_read_once_is_in_si_units_too() {
 
 /// In a file in millimetres and degrees an expression gets a warning unless its terms have SI units.
 #[test]
-fn an_expression_whose_unit_is_unclear_is_warned_of() {
+fn an_expression_with_an_unclear_unit_gives_a_warning() {
     let warned = |key: &str, text: &str| {
         let mut file = json!({
             "name": "Arm", "units": { "length": "mm", "angle": "deg" },
@@ -365,7 +365,7 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
 }
 
 #[test]
-fn a_drawing_beside_expressions_keeps_their_places() {
+fn a_drawing_does_not_shift_the_places_of_expressions() {
     let text = json!({
         "name": "Drawn",
         "units": { "length": "mm", "angle": "deg" },

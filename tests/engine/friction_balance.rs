@@ -346,7 +346,7 @@ fn all_losses_together_are_booked() {
 
 /// Pins so large that friction locks the mechanism: an error with a message. The state stays unchanged.
 #[test]
-fn self_locking_is_refused() {
+fn self_locking_is_rejected() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|j| format!("{j}.pin_radius"));
     let radii: Vec<(&str, f64)> = radii.iter().map(|n| (n.as_str(), 1.5)).collect();
     let more = [("friction.kinetic_coefficient", 0.19), ("crank.start_speed", -10.0)];

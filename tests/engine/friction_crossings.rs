@@ -379,7 +379,7 @@ fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
 
 /// Arcs of the travel in which friction locks are reported before the first step.
 #[test]
-fn arcs_in_which_friction_locks_are_told_beforehand() {
+fn arcs_with_locking_friction_are_reported_at_the_start() {
     let inspect = |text: &str| Component::inspect("mechanism.json", text).unwrap();
     let text = four_bar([1.0, 0.4, 1.0, 0.4], 1.0, 8.0, 1.0);
     let mut run = Run::new(&text).started();

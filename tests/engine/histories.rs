@@ -236,7 +236,7 @@ fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn rollback_leaves_no_trace_whatever_the_inputs_do() {
+fn a_rollback_is_exact_for_any_inputs() {
     for scene in scenes() {
         let result = runner(40).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
         result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
@@ -289,7 +289,7 @@ fn away_and_back(
 }
 
 #[test]
-fn values_that_are_set_away_and_back_leave_no_trace() {
+fn values_that_are_changed_and_restored_have_no_effect() {
     let mut scenes = scenes();
     scenes.push(Scene { name: "a smooth motion", start: Run::new(SMOOTH).started(), h: 2e-2, loads: 1.0 });
     // Short steps, which are read from a step ahead, and all tolerances that hosts pass.

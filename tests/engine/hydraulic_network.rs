@@ -27,7 +27,7 @@ fn variable(name: &str, value: f64) -> Option<(String, f64)> {
 }
 
 #[test]
-fn mechanism_and_network_meet_an_independent_integration() {
+fn mechanism_and_network_agree_with_an_independent_integration() {
     for step in [1e-3, 1e-2] {
         let (mut arm, mut steps, mut largest) = (lifting(1e-12), 0, 0.0_f64);
         for line in EXPECTED.lines() {
@@ -163,7 +163,7 @@ fn the_ends_of_the_cylinders_hold_the_mechanism() {
 }
 
 #[test]
-fn faulty_networks_are_refused_by_name() {
+fn faulty_networks_are_rejected_with_their_key() {
     let error = |change: &dyn Fn(&mut Value)| refusal(changed(ARM, |arm| change(arm)));
     let cylinders = |arm: &mut Value| arm["hydraulics"]["cylinders"].take();
     assert_says(

@@ -157,7 +157,7 @@ fn error(second: bool, scheme: Scheme, h: f64, with_slope: bool) -> f64 {
 }
 
 #[test]
-fn the_pair_meets_the_reference_by_every_scheme() {
+fn the_pair_agrees_with_the_reference_in_every_scheme() {
     use Scheme::{Line, Mean, TwoPasses};
     // Goals at 1 ms: with two passes 5e-9 and 1e-10, with a held force 1e-5 and 1e-6. At 20 ms with two passes 2e-5.
     for (second, scheme, h, with_slope, most) in [
@@ -253,7 +253,7 @@ fn friction_and_drag_of_the_gear_are_corrected() {
 }
 
 #[test]
-fn after_a_contact_the_pair_goes_on() {
+fn after_a_contact_the_pair_continues() {
     let (mut gear, mut actuator) = pair(false, Scheme::Line, 1e-10, false);
     for _ in 0..4200 {
         exchange(&mut gear, &mut actuator, Scheme::Line, 1e-3, true);

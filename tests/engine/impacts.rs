@@ -108,7 +108,7 @@ fn the_impulse_of_the_gear_fits_to_the_energy_lost() {
 
 /// The recorded impulse of a bumper is the momentum at first contact: reduced mass times speed.
 #[test]
-fn a_bumper_tells_the_momentum_that_comes() {
+fn a_bumper_records_the_incoming_momentum() {
     let bumper = json!({ "pad": { "joint": "slide", "position": 0.5, "limit": "lower", "rigid": false,
         "stiffness": 4e4, "damping": 100.0 } });
     let mut run = falling(above(bumper));

@@ -131,7 +131,7 @@ fn derivatives_hold_for_one_step_and_the_input_stays_where_it_came_to() {
 }
 
 #[test]
-fn a_ramp_lets_go_of_the_down_stop_in_time() {
+fn a_ramp_releases_the_gear_from_the_down_stop_at_the_exact_time() {
     for flags in [&[][..], &["friction.enabled"]] {
         let mut gear = gear(&[("actuator.force", 0.0), TIGHT], flags);
         let holding = gear.get("actuator.holding_force");
@@ -186,7 +186,7 @@ fn a_ramp_that_turns_brings_the_gear_back_to_its_stop() {
 }
 
 #[test]
-fn a_derivative_out_of_range_is_refused() {
+fn an_input_derivative_out_of_range_is_rejected() {
     let mut gear = gear(&[], &[]);
     let (force, angle) = (0, gear.0.reference("crank.angle").unwrap());
     for (reference, order, value) in

@@ -88,7 +88,7 @@ fn the_force_of_a_motion_by_points_tends_to_that_of_its_law() {
 }
 
 #[test]
-fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
+fn a_table_is_flat_between_equal_points_and_monotone_on_request() {
     let points = json!([[0, 0], [0.2, 0], [0.3, 1], [0.5, 1], [0.9, 1], [1.0, 0.4], [1.6, 0.2]]);
     let mut run = servo(&json!({ "profile": "table", "points": points }));
     let mut least = f64::INFINITY;
@@ -114,7 +114,7 @@ fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
 }
 
 #[test]
-fn a_curve_without_points_is_refused() {
+fn a_curve_without_points_is_rejected() {
     let text =
         changed(translating("cycloidal", parsed(ROLLER)), |m| m["couplings"]["cam"]["interpolation"] = json!("spline"));
     assert_says(refusal(&text), &["couplings.cam.interpolation", "this cam has no points"]);

@@ -215,7 +215,7 @@ fn friction_of_reactions_counts_those_to_constant_friction() {
 }
 
 #[test]
-fn what_is_no_rotor_and_no_friction_is_refused() {
+fn wrong_rotors_and_frictions_are_rejected() {
     for (joint, pieces) in [
         (json!({ "armature": -1 }), &["joints.hub.armature", "-1", ">= 0"][..]),
         (json!({ "frictionloss": -1 }), &["joints.hub.frictionloss", "-1", ">= 0"]),

@@ -137,7 +137,7 @@ fn a_carriage_rests_where_spring_and_force_balance() {
 }
 
 #[test]
-fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
+fn positions_without_an_equilibrium_are_rejected_with_the_reason() {
     let neutral = carriage(0.0, 0.0);
     assert_says(refusal(&neutral), &["start.equilibrium", "no load acts", "give a start position"]);
     let mut pressed = carriage(0.0, 0.0);
@@ -164,7 +164,7 @@ fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
 
 /// The key `equilibrium` alone searches from the guess, and adds no parameters of the start.
 #[test]
-fn the_word_alone_seeks_from_the_guess() {
+fn equilibrium_true_searches_from_the_guess() {
     let mut definition = pendulum();
     definition["start"] = json!("equilibrium");
     let mut run = Run::new(&definition).started();
@@ -202,7 +202,7 @@ fn slider_crank(angle: f64, damping: f64) -> Value {
 }
 
 #[test]
-fn a_slider_crank_with_a_spring_swings_as_by_hand() {
+fn a_slider_crank_with_a_spring_has_the_eigenfrequency_of_the_closed_form() {
     for (angle, damping) in [(0.9, 0.0), (1.7, 4.0), (2.4, 1.0)] {
         let definition = slider_crank(angle, damping);
         let mut run = Run::new(&definition).started();

@@ -85,7 +85,7 @@ fn a_change_takes_effect_at_once() {
 }
 
 #[test]
-fn a_stop_is_met_when_its_time_has_come_and_never_passed() {
+fn a_stop_is_reached_at_its_time_and_never_passed() {
     let mut run = gear(&[("upstop.restitution", 0.5)]);
     let mut before = (0.0, false);
     let mut bounces = 0;

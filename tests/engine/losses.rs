@@ -43,7 +43,7 @@ fn accelerates(motor: f64, load: f64, direction: f64) -> f64 {
 }
 
 #[test]
-fn two_shafts_accelerate_by_the_power_that_arrives() {
+fn two_shafts_accelerate_by_the_power_less_losses() {
     for (motor, load, speed) in
         [(3.0, -1.0, 0.0), (0.1, -5.0, 0.0), (3.0, -1.0, -80.0), (-2.0, 4.0, 300.0), (0.0, 1.0, 60.0), (-3.0, 0.0, 0.0)]
     {
@@ -81,7 +81,7 @@ fn two_shafts_accelerate_by_the_power_that_arrives() {
 }
 
 #[test]
-fn gears_hold_what_neither_side_overcomes() {
+fn self_locking_gears_hold_a_load_that_neither_side_overcomes() {
     // The shafts start forward above M eta = -i L, and backward below M = -i L eta.
     for (part, moves) in [(0.75, 1.0), (0.82, 0.0), (1.0, 0.0), (1.2, 0.0), (1.3, -1.0)] {
         let load = -3.0 * part / I;
@@ -171,7 +171,7 @@ fn a_train_has_the_product_of_its_efficiencies() {
 }
 
 #[test]
-fn an_efficiency_is_a_parameter_and_refused_where_it_is_none() {
+fn an_efficiency_is_a_parameter_and_rejected_out_of_range() {
     let mut run = Run::new(shafts(3.0, -1.0));
     run.set("mesh.efficiency", 1.0);
     let mut run = run.started();

@@ -160,7 +160,7 @@ fn the_same_mechanism_with_masses_moves_the_same() {
 }
 
 #[test]
-fn what_needs_masses_is_no_variable_and_is_named() {
+fn variables_that_need_masses_do_not_exist_and_the_error_states_why() {
     let loaded = massless(four_bar()).with(json!({
         "gravity": weight(), "forces": { "push": { "at": "coupler.end" } }, "torques": { "turn": { "on": "rocker" } },
         "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 }, "linearisation": true,
@@ -301,7 +301,7 @@ fn motion_by_inputs_has_exact_derivatives_and_saved_states() {
 
 /// The force of a spring follows from its length and speed without masses.
 #[test]
-fn springs_keep_their_laws() {
+fn springs_without_masses_follow_their_laws() {
     let mut light = block(1.0).with(json!({
         "springs": { "s": { "joint": "slide", "stiffness": 100, "damping": 5, "free_length": 0.1 } },
         "actuators": { "ram": { "joint": "slide",
@@ -342,7 +342,7 @@ fn any_mechanism_without_masses_can_be_checked() {
 }
 
 #[test]
-fn what_cannot_be_without_masses_asks_for_them() {
+fn elements_that_need_masses_are_rejected_without_them() {
     let base = massless(four_bar());
     for (more, says) in [
         (

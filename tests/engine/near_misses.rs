@@ -63,7 +63,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
 }
 
 #[test]
-fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
+fn larger_misses_give_a_warning_with_the_required_snap() {
     for change in [3e-6, -3e-6, 1e-4, 1e-3] {
         let text = parallelogram(change, json!({}));
         let run = Run::new(&text);
@@ -100,7 +100,7 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
 }
 
 #[test]
-fn without_snap_misses_are_refused_with_their_size() {
+fn without_snap_misses_are_rejected_with_their_size() {
     for change in [1e-8, 1e-10] {
         let error = refusal(parallelogram(change, json!({ "snap": 0 })));
         assert_says(error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
@@ -112,7 +112,7 @@ fn without_snap_misses_are_refused_with_their_size() {
 }
 
 #[test]
-fn a_miss_out_of_travel_is_not_told() {
+fn a_miss_outside_the_travel_gives_no_warning() {
     let stops = |rigid: bool| {
         let stop = |limit: &str, angle: f64| match rigid {
             true => json!({ "body": "crank", "limit": limit, "angle": angle }),

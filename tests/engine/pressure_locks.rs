@@ -203,7 +203,7 @@ fn derivatives_and_reactions_are_those_of_either_side_of_the_release() {
 /// A host releases the lock by its input: the arm rises as soon as the oil force is sufficient, below the pressure of
 /// the lock.
 #[test]
-fn a_lock_that_is_released_by_hand_does_not_hold() {
+fn a_manually_released_lock_does_not_hold() {
     let mut angles = [true, false].map(|engage| {
         let mut arm = arm(9e6, 1e-9);
         arm.set("latch.engage", engage);

@@ -81,7 +81,7 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
 /// A guess of three angles that does not close contradicts the redundant loop. The closed position is found near the
 /// guess, not at the singular position with the bars in line.
 #[test]
-fn what_closes_a_redundant_loop_is_next_to_the_guess() {
+fn redundant_loops_close_near_the_guess() {
     for case in 0..60 {
         let off = |k: u32| 5e-3 * f64::from(case * 7 + k).sin();
         let mut definition = three_bars(1.0);
@@ -100,7 +100,7 @@ fn what_closes_a_redundant_loop_is_next_to_the_guess() {
 }
 
 #[test]
-fn a_third_bar_that_does_not_fit_is_refused() {
+fn a_third_bar_that_does_not_fit_is_rejected() {
     // 1 mm too long: near the guess the bar fits only at a position in which the linkage is rigid.
     let error = refusal(three_bars(1.001));
     let named =

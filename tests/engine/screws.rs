@@ -114,7 +114,7 @@ fn without_inertia_a_screw_is_a_force() {
 }
 
 #[test]
-fn what_is_no_screw_is_refused() {
+fn wrong_screws_are_rejected() {
     let refused = |change: fn(&mut Value), pieces: &[&str]| {
         let text = changed(carriage(), change);
         assert_says(refusal(text), pieces);

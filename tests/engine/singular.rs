@@ -113,7 +113,7 @@ fn a_start_exactly_at_a_toggle_works() {
 }
 
 #[test]
-fn a_start_beyond_the_toggle_is_refused_with_the_range() {
+fn a_start_beyond_the_toggle_is_rejected_with_the_range() {
     let error = Run::new(without_stops()).with(&[("crank.start_angle", 1.4)]).refusal();
     assert_says(error, &["crank.start_angle = 1.4", "-1.32", "1.32"]);
 }
@@ -163,7 +163,7 @@ fn the_antiparallelogram_stays_one() {
 /// connected by bends whose width is the root of the error. Down to 1e-5 the motion through the bends is exact. From
 /// 1e-13 on they may count as a crossing. In between rounding would select the branch, and the model is rejected.
 #[test]
-fn branches_that_almost_cross_are_told_apart_or_refused() {
+fn branches_that_almost_cross_are_distinguished_or_rejected() {
     let speed = 5.0;
     for (which, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0), (3, 1.0), (3, -1.0)] {
         for power in 1..=17 {
@@ -260,7 +260,7 @@ fn crossings_are_tabulated_whatever_the_masses() {
 }
 
 #[test]
-fn a_guess_at_a_crossing_must_say_which_branch() {
+fn a_guess_at_a_crossing_must_determine_the_branch() {
     let flat = four_bar([2.0, 1.0, 2.0, 1.0], 0.0, 1.0, [0.0, 0.0, 0.0], 0.0);
     assert_says(refusal(flat), &["branches", "away from the crossing"]);
 }

@@ -104,7 +104,7 @@ fn every_output_tends_to_that_of_rigid_links() {
 }
 
 #[test]
-fn outputs_follow_an_input_at_once() {
+fn outputs_follow_an_input_immediately() {
     let mut elastic = gear(1e5, 1e-4);
     let mut rigid = elastic.clone();
     rigid.set("solver.method", "reduced");
@@ -154,7 +154,7 @@ fn a_whole_turn_is_counted_and_sigma_found() {
 }
 
 #[test]
-fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
+fn laws_without_finite_elements_are_rejected_at_the_start() {
     for flag in ["friction.enabled", "air.relative_wind"] {
         let mut model = gear(1.0, 1e-5).with(&[(flag, true)]);
         let message = model.refusal();
@@ -189,7 +189,7 @@ fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
 }
 
 #[test]
-fn laws_that_begin_to_act_later_are_refused_in_that_step() {
+fn laws_that_become_active_later_are_rejected_in_that_step() {
     // The up stop is reached at 0.1320598 s with rigid links.
     let mut model = gear(1.0, 1e-5).started();
     model.step(0.13);

@@ -292,7 +292,7 @@ fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
 
 /// A static coefficient below the kinetic coefficient is rejected if the friction law sticks.
 #[test]
-fn static_below_kinetic_friction_is_refused() {
+fn static_below_kinetic_friction_is_rejected() {
     let mut definition = block(0.0, 0.0);
     definition["friction"]["static_coefficient"] = json!(0.1);
     assert_says(refusal(definition), &["friction.static_coefficient", "0.1", "0.2", "stick"]);

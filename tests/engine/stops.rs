@@ -38,7 +38,7 @@ fn the_gear_is_up_and_stays_there() {
 
 /// Virtual work at rest: the torque of the stop balances the excess of the actuator force over the holding force.
 #[test]
-fn a_stop_takes_what_the_actuator_gives_too_much() {
+fn a_stop_carries_the_excess_force_of_the_actuator() {
     let mut gear = gear(&[]);
     gear.step(0.2);
     let (force, holding) = (30_000.0, gear.get("actuator.holding_force"));
@@ -173,7 +173,7 @@ fn a_bumper_holds_by_its_spring() {
 
 /// A lock catches at a bumper too, at the undeformed position of the bumper.
 #[test]
-fn a_lock_catches_what_comes_to_a_bumper() {
+fn a_lock_engages_at_a_bumper() {
     for damping in [0.0, 3e3] {
         let values = [("upstop.angle", -1.1), ("upstop.stiffness", 1e5), ("upstop.damping", damping)];
         for steps in [1, 20, 400] {
@@ -247,7 +247,7 @@ fn a_flight_within_rounding_is_rest() {
 }
 
 #[test]
-fn contradicting_settings_are_refused() {
+fn contradictory_settings_are_rejected() {
     for (values, fragments) in [
         (&[("crank.start_angle", 0.9)][..], &["downstop.angle = 0.8", "0.9", "enabled"][..]),
         (&[("upstop.angle", 0.85)], &["upstop.angle = 0.85", "0.8"]),
@@ -318,7 +318,7 @@ proptest! {
 
 /// A rotating crank has no end of travel at a stop that no number of revolutions reaches. The search for the stop ends.
 #[test]
-fn a_stop_beyond_all_numbers_is_never_met() {
+fn a_stop_beyond_all_numbers_is_never_reached() {
     for angle in [1e17, 1e100] {
         let mut crank = Run::new(changed(SLIDER_CRANK, |m| {
             m["stops"] = json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });

@@ -65,7 +65,7 @@ fn kept_tables_change_no_bit() {
 
 /// An instance with stored tables traces no curve and computes no table.
 #[test]
-fn an_instance_with_tables_takes_them() {
+fn an_instance_with_stored_tables_uses_them() {
     let made = Model::from_json(GEAR).unwrap();
     let mut all = made.sections();
     // The stored table is modified. If the instance computed the table again, the modification would disappear.
@@ -79,7 +79,7 @@ fn an_instance_with_tables_takes_them() {
 }
 
 #[test]
-fn tables_of_another_text_are_refused() {
+fn tables_of_another_text_are_rejected() {
     let made = Component::from_definition(FILE, GEAR).unwrap();
     let edited = GEAR.replacen("0.", "0.0", 1);
     assert_ne!(edited, GEAR);

@@ -248,7 +248,7 @@ fn a_four_bar_turns_away_from_its_one_stop() {
 
 /// A rigid stop far beyond the first stretch of the curve.
 #[test]
-fn a_far_stop_is_met() {
+fn a_far_stop_is_reached() {
     let elastic = json!({ "joint": "slide", "restitution": 1 });
     let stop = |limit: &str, at: f64| elastic.clone().with(json!({ "limit": limit, "position": at }));
     for is_between in [false, true] {
@@ -287,7 +287,7 @@ fn bits(run: &mut Run) -> Vec<u64> {
 }
 
 #[test]
-fn twins_agree_to_the_bit_whatever_they_have_traced() {
+fn models_with_different_traced_parts_are_bit_identical() {
     let spring = json!({
         "springs": { "spring": { "joint": "rail", "stiffness": 0.004, "damping": 0.001 } },
         "friction": { "enabled": true, "static_coefficient": 0.02, "kinetic_coefficient": 0.01 },
@@ -332,7 +332,7 @@ fn twins_agree_to_the_bit_whatever_they_have_traced() {
 }
 
 #[test]
-fn an_absurd_state_is_refused() {
+fn an_absurd_state_is_rejected() {
     let mut run = Run::new(arm(json!({}))).started();
     run.step(0.1);
     let sigma = run.saved();

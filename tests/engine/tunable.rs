@@ -76,7 +76,7 @@ fn a_change_within_a_run_leaves_the_motion_and_changes_the_laws() {
 
 /// If the stiffness of a compressed bumper increases, the additional stored energy counts as external work.
 #[test]
-fn the_balance_of_energy_goes_on_when_a_pressed_bumper_changes() {
+fn the_balance_of_energy_continues_when_a_compressed_bumper_changes() {
     let mut gear = Run::gear();
     gear.set("downstop.rigid", false);
     gear.set_all(&[("downstop.stiffness", 1e5), ("actuator.force", -30_000.0), ("solver.tolerance", 1e-12)]);
@@ -115,7 +115,7 @@ fn a_restitution_acts_at_the_next_impact() {
 
 /// Values out of range and values that contradict each other change nothing: the results stay bit-identical.
 #[test]
-fn a_refused_change_leaves_no_trace() {
+fn a_rejected_change_has_no_effect() {
     let stick = GEAR.replacen("\"friction\": {", "\"friction\": { \"law\": \"stick\",", 1);
     assert_ne!(stick, GEAR);
     let mut both = [&stick, &stick].map(|text| {
@@ -140,7 +140,7 @@ fn a_refused_change_leaves_no_trace() {
 
 /// A state saved after a change continues with the changed laws, also in a new model.
 #[test]
-fn a_kept_state_has_the_values() {
+fn a_saved_state_contains_the_values() {
     let mut tuned = gear(&[]);
     run(&mut tuned, 50);
     for (name, value) in [("friction.kinetic_coefficient", 0.02), ("solver.tolerance", 1e-10)] {

@@ -234,7 +234,7 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
 /// A parallelogram that starts in the flat position, where branches cross and reactions are unbounded: every output is
 /// finite or NaN with a reason. Motion and energies have values. Each rate is finite or NaN with a reason.
 #[test]
-fn at_a_crossing_every_output_is_told_or_has_a_reason() {
+fn at_a_crossing_every_output_has_a_value_or_a_reason() {
     let definition = json!({
         "name": "Parallelogram",
         "bodies": {
@@ -279,7 +279,7 @@ fn at_a_crossing_every_output_is_told_or_has_a_reason() {
 
 /// A reference with a wrong type is rejected with the variable's name.
 #[test]
-fn a_reference_of_another_kind_is_refused_by_name() {
+fn a_reference_of_another_type_is_rejected_with_its_name() {
     let mut run = Run::new(GEAR);
     let [angle, flag] = ["crank.angle", "friction.enabled"].map(|name| run.0.reference(name).unwrap());
     let refusals = [

@@ -33,7 +33,7 @@ fn the_tolerance_of_the_experiment_wins_over_the_parameter() {
 
 /// Some importers pass the tolerance 0 if the user has stated none.
 #[test]
-fn a_tolerance_of_0_is_none_and_a_warning_says_so() {
+fn a_tolerance_of_0_is_ignored_with_a_warning() {
     let gear = Gear::new();
     assert_eq!(gear.set("solver.tolerance", 1e-3), Status::Ok);
     gear.log.take();
@@ -106,7 +106,7 @@ fn time_starts_at_any_sign_and_is_reported() {
 }
 
 #[test]
-fn impossible_parameters_are_refused_and_can_be_corrected() {
+fn impossible_parameters_are_rejected_and_can_be_corrected() {
     let gear = Gear::new();
     let length = gear.get("crank.length").unwrap();
     assert_eq!(gear.set("crank.length", 100.0), Status::Ok);

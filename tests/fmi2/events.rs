@@ -39,7 +39,7 @@ fn ask_for(host: &Host, category: &CStr) {
 }
 
 #[test]
-fn an_impact_is_told_with_time_speed_and_impulse() {
+fn an_impact_is_logged_with_time_speed_and_impulse() {
     let host = gear("impact", &[], true, 5.0);
     assert_eq!(host.step(5.0, 0.1), Status::Ok);
     assert_eq!(texts(&host), [""; 0]);
@@ -56,7 +56,7 @@ fn an_impact_is_told_with_time_speed_and_impulse() {
 }
 
 #[test]
-fn bounces_are_told_as_one_series() {
+fn bounces_are_logged_as_one_series() {
     let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 0.9, \"flag\": \"retracted\"")];
     let host = gear("series", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 3.0), Status::Ok);
@@ -77,7 +77,7 @@ fn bounces_are_told_as_one_series() {
 
 /// Impacts with a restitution of 1 are no series: each impact is reported.
 #[test]
-fn impacts_without_losses_are_told_each() {
+fn each_impact_without_losses_is_logged() {
     let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 1, \"flag\": \"retracted\"")];
     let host = gear("lossless", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 2.0), Status::Ok);
@@ -87,7 +87,7 @@ fn impacts_without_losses_are_told_each() {
 }
 
 #[test]
-fn locks_are_told() {
+fn locks_are_logged() {
     let host = gear("locks", &[], true, 0.0);
     host.set_boolean("uplock.engage", true);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
@@ -102,7 +102,7 @@ fn locks_are_told() {
 }
 
 #[test]
-fn regimes_of_friction_are_told_for_debugging() {
+fn regimes_of_friction_are_logged_for_debugging() {
     let host = gear("regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     ask_for(&host, c"logDebug");
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
@@ -121,7 +121,7 @@ fn regimes_of_friction_are_told_for_debugging() {
 }
 
 #[test]
-fn nothing_is_told_without_logging_nor_of_a_step_that_is_refused() {
+fn neither_disabled_logging_nor_a_rejected_step_logs_events() {
     let host = gear("silent", &[], false, 0.0);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
     assert_eq!(texts(&host), [""; 0]);

@@ -40,7 +40,7 @@ fn the_retraction_follows_the_reference() {
 }
 
 #[test]
-fn a_state_through_bytes_goes_on_to_the_bit() {
+fn a_serialised_state_continues_bit_identically() {
     let names = ["crank.angle", "crank.speed", "chamber_a.pressure", "valve.speed", "energy.supplied", "energy.drift"];
     let bits = |gear: &Host| names.map(|name| gear.get(name).unwrap().to_bits());
     // In motion, and at rest at the up stop.

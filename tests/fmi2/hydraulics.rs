@@ -67,7 +67,7 @@ fn run(actuator: &Host, from: u32, to: u32, mass: f64) -> Vec<Vec<(Status, u64)>
 }
 
 #[test]
-fn what_follows_a_saved_state_has_the_same_bits() {
+fn steps_after_a_saved_state_are_bit_identical() {
     for (mode, mass) in [("follow", 0.0), ("follow", 700.0), ("preview", 700.0)] {
         for at in [0, 7, 23] {
             let first = started(mode);
@@ -90,7 +90,7 @@ fn what_follows_a_saved_state_has_the_same_bits() {
 }
 
 #[test]
-fn spoiled_bytes_are_refused_and_change_nothing() {
+fn corrupted_states_are_rejected_and_change_nothing() {
     let host = started("preview");
     run(&host, 0, 11, 700.0);
     let mut state = State::NONE;
@@ -180,7 +180,7 @@ fn a_warning_is_a_status_with_a_line_of_the_log() {
 }
 
 #[test]
-fn hostile_values_change_nothing() {
+fn rejected_values_change_nothing() {
     let host = started("preview");
     run(&host, 0, 5, 700.0);
     let before = all_bits(&host);
@@ -214,7 +214,7 @@ fn hostile_values_change_nothing() {
 }
 
 #[test]
-fn a_travel_beyond_the_cylinder_is_refused_with_both_lengths() {
+fn a_travel_beyond_the_cylinder_is_rejected_with_both_lengths() {
     let host = actuator();
     assert_eq!(host.set("actuator.length", 0.8), Status::Ok);
     assert_eq!(host.enter(), Status::Ok);

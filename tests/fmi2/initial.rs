@@ -51,7 +51,7 @@ fn initial_values_have_derivatives_along_parameters() {
 }
 
 #[test]
-fn what_does_not_change_a_little_has_the_derivative_0() {
+fn discrete_outputs_have_the_derivative_0() {
     let gear = initializing();
     for (unknown, known) in [
         ("retracted", "actuator.force"),

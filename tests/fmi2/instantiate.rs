@@ -43,7 +43,7 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
 /// Tables of the definition are used without a message. Tables of another definition and damaged tables are computed
 /// again, with a warning.
 #[test]
-fn tables_beside_a_definition() {
+fn stored_tables_in_the_folder_of_a_definition() {
     let folder = Folder::new("tables beside");
     let resources = folder.0.join("resources");
     std::fs::create_dir_all(&resources).unwrap();
@@ -167,7 +167,7 @@ fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
 
 /// A carriage that leaves the first stretch of its curve: the log reports this once.
 #[test]
-fn growth_is_told_once() {
+fn growth_gives_one_warning() {
     let folder = Folder::new("growth");
     let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
       "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },

@@ -135,7 +135,7 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
 /// If an input, or the load of an input, overflows at the end of a step, the step is rejected at its start. The
 /// instance continues as without this call.
 #[test]
-fn a_step_refused_before_it_begins_leaves_the_phase() {
+fn a_step_rejected_before_its_start_does_not_change_the_phase() {
     for (name, order, value, h) in [
         ("actuator.force", 1, 1e308, 100.0),
         ("airspeed", 2, -1e308, 100.0),

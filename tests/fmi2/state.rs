@@ -146,7 +146,7 @@ fn deserialize(gear: &Gear, bytes: &[u8]) -> Result<State, String> {
 }
 
 #[test]
-fn what_follows_has_the_same_bits() {
+fn steps_after_a_restored_state_are_bit_identical() {
     for scenario in &SCENARIOS {
         let gear = started(scenario);
         let mut reused = State::NONE;
@@ -195,7 +195,7 @@ fn what_follows_has_the_same_bits() {
 
 /// Only the values at a step count, not the calls that set them, nor readings and saved states in between.
 #[test]
-fn values_set_away_and_back_leave_no_trace() {
+fn values_that_are_changed_and_restored_have_no_effect() {
     let names =
         ["actuator.force", "airspeed", "friction.kinetic_coefficient", "upstop.restitution", "solver.tolerance"];
     for scenario in &SCENARIOS {
@@ -314,7 +314,7 @@ fn replaced(bytes: &[u8], old: f64, new: f64) -> Vec<u8> {
 }
 
 #[test]
-fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
+fn a_text_that_is_no_state_is_rejected_and_changes_nothing() {
     let scenario = &SCENARIOS[0];
     let gear = started(scenario);
     assert_eq!(gear.set("actuator.force", 12_345.678), Status::Ok);
@@ -363,7 +363,7 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
 
 /// Forged numbers in a state never give the status fmi2Fatal.
 #[test]
-fn forged_numbers_are_refused_or_harmless() {
+fn forged_numbers_are_rejected_or_harmless() {
     let scenario = &SCENARIOS[0];
     let gear = started(scenario);
     assert_eq!(gear.set("actuator.force", 12_345.678), Status::Ok);
@@ -399,7 +399,7 @@ fn instantiate(folder: &Path) -> Host {
 
 /// The calls of `hostile` include other pointers and wrong sizes.
 #[test]
-fn a_state_of_another_fmu_is_refused() {
+fn a_state_of_another_fmu_is_rejected() {
     let gear = Gear::new();
     let other = instantiate(&Path::new(FOLDER).with_file_name("FourBar"));
     let (state, mut foreign) = (gear.save(), State::NONE);

@@ -154,7 +154,7 @@ fn steps_are_whole_unless_both_are_used() {
 }
 
 #[test]
-fn states_of_every_phase_go_on() {
+fn saved_states_of_every_phase_continue() {
     let names = ["crank.angle", "crank.speed", "upstop.impact_count", "time"];
     let (gear, plain) = (with_events(&[("upstop.restitution", 0.4)]), started(Wishes::default(), &[]));
     let mut last = gear.step(0.0, 0.2).1.last;

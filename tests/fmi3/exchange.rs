@@ -254,7 +254,7 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
 /// A follower that loses contact gives a warning at the first completed step in which it does, with the flags of this
 /// step.
 #[test]
-fn a_lift_off_is_told_at_a_completed_step() {
+fn a_lift_off_is_reported_at_a_completed_step() {
     let text = include_str!("../../modelDescription/ValveTrain/resources/mechanism.json");
     let fmu = started(&text.replace("\"speed\": -40", "\"speed\": -130"));
     let (h, mut warnings) = (1e-4, 0);
@@ -272,7 +272,7 @@ fn a_lift_off_is_told_at_a_completed_step() {
 }
 
 #[test]
-fn a_saved_state_goes_on_to_the_bit() {
+fn a_saved_state_continues_bit_identically() {
     let fmu = gear();
     integrate(&fmu, 0.05, 1e-3);
     let (y, mut saved) = (states(&fmu), fmu.save());
@@ -290,7 +290,7 @@ fn a_saved_state_goes_on_to_the_bit() {
 }
 
 #[test]
-fn what_is_not_of_this_phase_or_kind_is_refused_and_changes_nothing() {
+fn calls_of_another_phase_or_interface_type_are_rejected_and_change_nothing() {
     use Status::{Discard, Error, Ok, Warning};
     let (fmu, other) = (gear(), Fmu::stepping());
     let (y, mut f, c) = (states(&fmu), [0.0; 3], fmu.instance());

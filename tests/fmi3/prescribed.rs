@@ -169,7 +169,7 @@ fn a_motion_by_inputs_lets_go_and_grips() {
 /// A position that the motion cannot reach gives a discarded call, and an earlier time has values again. A bumper acts
 /// on contact.
 #[test]
-fn what_cannot_be_reached_is_discarded() {
+fn a_step_to_an_unreachable_position_is_discarded() {
     let far = lift(&json!({ "profile": "cycloidal", "distance": 3, "duration": 1 }));
     let (fmu, _) = started(&far, 0.0);
     let (mut f, mut value) = ([0.0; 2], [0.0]);
@@ -193,7 +193,7 @@ fn what_cannot_be_reached_is_discarded() {
 }
 
 #[test]
-fn a_saved_state_goes_on_to_the_bit_and_both_versions_agree() {
+fn a_saved_state_continues_bit_identically_and_both_versions_agree() {
     let names = ["winch.position", "winch.acting_force"];
     let (fmu, next) = started(&trapezoid(), 0.0);
     assert_eq!((fmu.set_time(0.1), fmu.complete_step(), fmu.enter_event_mode()), (Ok, (Ok, false), Ok));

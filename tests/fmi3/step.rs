@@ -51,7 +51,7 @@ fn adjoint_and_directional_derivatives_agree() {
 }
 
 #[test]
-fn a_state_goes_on_with_the_same_bits() {
+fn a_state_continues_bit_identically() {
     let names = ["crank.angle", "crank.speed", "time"];
     let gear = Fmu::stepping();
     gear.whole_step(0.0, 0.01);
@@ -69,7 +69,7 @@ fn a_state_goes_on_with_the_same_bits() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_and_changes_nothing() {
+fn wrong_calls_are_rejected_and_change_nothing() {
     let gear = Fmu::stepping();
     let [angle, force, time] = gear.vrs(["crank.angle", "actuator.force", "time"]);
     let before = gear.read(&[angle, time]);

@@ -26,7 +26,7 @@ const SCALARS: [&str; 8] = [
 ];
 
 #[test]
-fn elements_are_read_in_order_beside_scalars() {
+fn elements_are_read_in_order_together_with_scalars() {
     let gear = moving();
     let whole = gear.vrs(NAMES);
     let mut values = [f64::NAN; 8];
@@ -122,7 +122,7 @@ fn dependencies(gear: &Fmu, reference: ValueReference) -> Vec<(usize, ValueRefer
 }
 
 #[test]
-fn dependencies_are_told_for_each_element() {
+fn dependencies_are_given_for_each_element() {
     let gear = Fmu::gear(Default::default());
     let names = ["joint2.reaction", "crank.angle", "joint2.force", "actuator.force", "crank.start_angle"];
     let [reaction, angle, magnitude, force, start] = gear.vrs(names);
@@ -148,7 +148,7 @@ fn dependencies_are_told_for_each_element() {
 
 /// A marker may have the name of a prismatic joint, which has a variable `position` too.
 #[test]
-fn a_vector_whose_name_a_scalar_has_is_left_out() {
+fn a_vector_with_the_name_of_a_scalar_is_omitted() {
     let text = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
     let mut definition: serde_json::Value = serde_json::from_str(text).unwrap();
     definition["markers"]["cylinder"] = serde_json::json!({ "at": "piston.origin" });

@@ -34,7 +34,7 @@ def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
 
 
 @pytest.mark.parametrize(("friction", "time"), [(False, WITHOUT_FRICTION), (True, WITH_FRICTION)])
-def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: bool, time: float) -> None:
+def test_a_retraction_with_friction_has_the_reference_time(instantiate: Start, friction: bool, time: float) -> None:
     instance = instantiate()
     instance.set("upstop.enabled", False)
     instance.set("friction.enabled", friction)
@@ -44,7 +44,7 @@ def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: 
     assert abs(speed) == pytest.approx(SPEED, rel=0.05)
 
 
-def test_drag_by_hand(instantiate: Start) -> None:
+def test_drag_has_its_closed_form(instantiate: Start) -> None:
     """1/2 rho v2 S c with S = S0 |sin|. The leg has the direction theta - 2.4, the air flows along 1.13 - pi/2."""
     facing = abs(math.sin(0.8 - 2.4 - (1.13 - math.pi / 2)))
     instance = instantiate().start(airspeed=70.0)
@@ -57,7 +57,7 @@ def test_drag_by_hand(instantiate: Start) -> None:
     assert instance.get("crank.angle")[0] > still.get("crank.angle")[0] + 0.01
 
 
-def test_uplock_holds_and_lets_go(instantiate: Start) -> None:
+def test_uplock_holds_and_releases(instantiate: Start) -> None:
     instance = instantiate().start()
     instance.set("uplock.engage", True)
     instance.run(0, 2, 0.1)
@@ -115,7 +115,7 @@ def test_dropped_gear_comes_to_rest(instantiate: Start) -> None:
         ("leg.width", -0.1),
     ],
 )
-def test_value_out_of_range_is_refused_by_name(instantiate: Start, name: str, value: float) -> None:
+def test_value_out_of_range_is_rejected_with_its_name(instantiate: Start, name: str, value: float) -> None:
     instance = instantiate()
     with pytest.raises(FMICallException):
         instance.set(name, value)
@@ -130,7 +130,7 @@ def test_value_out_of_range_is_refused_by_name(instantiate: Start, name: str, va
         ({"crank__start_angle": -1.31}, "upstop.angle = -1.3"),
     ],
 )
-def test_contradiction_is_refused_by_name(instantiate: Start, values: dict[str, float], fragment: str) -> None:
+def test_contradiction_is_rejected_with_its_name(instantiate: Start, values: dict[str, float], fragment: str) -> None:
     instance = instantiate()
     with pytest.raises(FMICallException):
         instance.start(**values)

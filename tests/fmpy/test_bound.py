@@ -14,7 +14,7 @@ SPAN = 0.13
 """Communication step that needs more integration steps than the bound allows [s]."""
 
 
-def test_a_discarded_step_tells_how_far_it_got(instantiate: Start) -> None:
+def test_a_discarded_step_returns_the_time_reached(instantiate: Start) -> None:
     instance = instantiate().start(solver__max_steps=5.0)
     with pytest.raises(FMICallException) as refused:
         instance.slave.doStep(0.0, SPAN)

@@ -49,7 +49,7 @@ def test_the_loop_retracts_the_gear(capsys: pytest.CaptureFixture[str]) -> None:
     assert float(printed[1]) == pytest.approx(RETRACTION_TIME, abs=1e-5)
 
 
-def test_a_step_of_20_ms_works_as_the_text_says() -> None:
+def test_a_step_of_20_ms_has_the_accuracy_stated_on_the_page() -> None:
     code = loop()
     assert "STEP, UP = 1e-3," in code
     left = run(code.replace("STEP, UP = 1e-3,", "STEP, UP = 20e-3,"))

@@ -35,7 +35,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
 
 
 @pytest.mark.parametrize("scheme", ERRORS)
-def test_each_preview_meets_its_figures(made: tuple[str, Path], scheme: str) -> None:
+def test_each_preview_has_its_stated_accuracy(made: tuple[str, Path], scheme: str) -> None:
     number = r"(\S+)"
     line = (
         rf"{scheme} +up after {number} s +largest errors {number} rad, \S+ N, energy created by the coupling {number} J"

@@ -16,7 +16,7 @@ LONGEST_PACKAGING = 900.0
 """Time limit for packing, including a cold build [s]."""
 
 
-def test_validation_reports_nothing(fmu: Path) -> None:
+def test_validation_reports_no_fault(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
 
 

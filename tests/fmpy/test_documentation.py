@@ -106,7 +106,7 @@ def test_pictures_are_pictures(tmp_path: Path) -> None:
         assert root.get("viewBox") == "0 0 256 256"
 
 
-def test_own_files_win_and_what_is_not_wanted_stays_out(tmp_path: Path) -> None:
+def test_own_files_replace_generated_ones_and_excluded_files_are_omitted(tmp_path: Path) -> None:
     folder = tmp_path / "FourBar"
     shutil.copytree(REPOSITORY / "modelDescription" / "FourBar", folder)
     (folder / "documentation").mkdir()

@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_both_versions_are_valid_and_alike(folder: Path, name: str) -> None:
+def test_both_versions_are_valid_and_equal(folder: Path, name: str) -> None:
     second, third = folder / f"{name}.fmu", folder / f"{name}.fmi3.fmu"
     assert validate_fmu(str(second)) == []
     assert validate_fmu(str(third)) == []
@@ -147,7 +147,7 @@ def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
 
 
 @pytest.mark.parametrize(("version", "extension"), [("2", "fmu"), ("3", "fmi3.fmu")])
-def test_one_version_alone_can_be_asked_for(tmp_path: Path, version: str, extension: str) -> None:
+def test_one_version_can_be_packed_alone(tmp_path: Path, version: str, extension: str) -> None:
     path = REPOSITORY / "modelDescription" / "SliderCrank"
     done = package(Path(), str(path), "--fmi", version, "--out", str(tmp_path), "--no-animation", "--no-results")
     assert done.returncode == 0, done.stderr

@@ -93,7 +93,7 @@ def test_adjoint_and_directional_derivatives_are_one_matrix(make: Make) -> None:
         assert np.all(np.abs(forward - matrix @ v) <= ROUNDING * (np.abs(matrix) @ np.abs(v)) + 1e-300)
 
 
-def test_intermediate_updates_tell_every_internal_step(make: Make) -> None:
+def test_intermediate_updates_report_every_internal_step(make: Make) -> None:
     told: list[tuple[float, float]] = []
     lines: list[str] = []
 
@@ -180,7 +180,7 @@ def test_bounds_sizes_and_rates_are_declared() -> None:
         assert float(variables["along_curve.position"].nominal) > 0.0
 
 
-def test_licences_are_told_and_packed() -> None:
+def test_licences_are_listed_and_packed() -> None:
     for extension in ("fmu", "fmi3.fmu"):
         with zipfile.ZipFile(FMU_FOLDER / f"{NAME}.{extension}") as archive:
             names = archive.namelist()

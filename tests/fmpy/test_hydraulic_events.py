@@ -138,7 +138,7 @@ def test_a_lock_releases_in_event_mode_alone(system: Fmu) -> None:
     assert pressure == pytest.approx(6e6, rel=1e-6)
 
 
-def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
+def test_gear_and_actuator_reach_the_cushions_together(folder: Path) -> None:
     """The pair repeats the step up to an event with both FMUs."""
     gear = Fmu(folder / "LandingGearRetraction.fmi3.fmu")
     oil = Fmu(folder / "HydraulicActuator.fmi3.fmu")

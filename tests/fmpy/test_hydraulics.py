@@ -166,7 +166,7 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
 
 
 @pytest.mark.parametrize("length", [0.40, 0.75])
-def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: float) -> None:
+def test_a_length_beyond_the_cylinder_is_rejected(actuator: Instance, length: float) -> None:
     actuator.start()
     actuator.slave.doStep(0.0, 1e-3)
     before, valid = actuator.outputs(), actuator.get("actuator.length")[0]
@@ -182,7 +182,7 @@ def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: flo
     actuator.slave.doStep(1e-3, 1e-3)
 
 
-def test_a_step_that_leaves_the_cylinder_is_refused(actuator: Instance) -> None:
+def test_a_step_that_leaves_the_cylinder_is_rejected(actuator: Instance) -> None:
     actuator.set("actuator.length", 0.7415)
     actuator.set("actuator.speed", 1.0)
     actuator.start()

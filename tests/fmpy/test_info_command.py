@@ -31,7 +31,7 @@ def command(tmp_path: Path) -> Command:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="glibc is Linux's")
-def test_the_needed_glibc_is_told(command: Command, extracted: Path) -> None:
+def test_the_required_glibc_is_reported(command: Command, extracted: Path) -> None:
     library = extracted / "binaries" / "linux64" / f"{NAME}.so"
     asked = {version.decode() for version in re.findall(rb"GLIBC_(2\.\d+(?:\.\d+)?)\0", library.read_bytes())}
     newest = max(asked, key=lambda version: [int(part) for part in version.split(".")])
@@ -46,7 +46,7 @@ def test_the_needed_glibc_is_told(command: Command, extracted: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [NAME, "HydraulicActuator"])
-def test_info_tells_what_fmpy_reads(command: Command, name: str) -> None:
+def test_info_agrees_with_fmpy(command: Command, name: str) -> None:
     fmu = FMU_FOLDER / f"{name}.fmu"
     done = command("info", fmu, "--json")
     assert done.returncode == 0, done.stderr
@@ -139,7 +139,7 @@ def cut(part: str, size: int) -> Change:
         ),
     ],
 )
-def test_what_is_spoiled_is_told(
+def test_corrupted_files_are_reported(
     command: Command, fmu: Path, tmp_path: Path, change: Change, said: str, is_valid: bool
 ) -> None:
     spoiled = tmp_path / "spoiled gear.fmu"
@@ -154,7 +154,7 @@ def test_what_is_spoiled_is_told(
     assert done.stdout.splitlines()[-1].startswith(f"spoiled gear.fmu: {'valid' if is_valid else 'not valid'}: ")
 
 
-def test_damaged_bytes_are_told(command: Command, fmu: Path, tmp_path: Path) -> None:
+def test_damaged_bytes_are_reported(command: Command, fmu: Path, tmp_path: Path) -> None:
     whole = fmu.read_bytes()
     for name, content in [
         ("half.fmu", whole[: len(whole) // 2]),

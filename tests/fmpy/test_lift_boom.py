@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_the_boom_weighs_what_the_publication_says(folder: Path) -> None:
+def test_the_boom_has_the_published_weight(folder: Path) -> None:
     assert lift_boom.holding_force(folder) == pytest.approx(HOLDING_FORCE, abs=0.005)
 
 
@@ -55,7 +55,7 @@ def test_pressures_at_constant_speed_are_those_of_the_published_law(folder: Path
 
 
 @pytest.mark.parametrize(("step", "angle", "pressure"), [(1e-3, 2e-6, 10.0), (5e-3, 5e-5, 1e3)])
-def test_the_coupling_meets_one_system(folder: Path, step: float, angle: float, pressure: float) -> None:
+def test_the_coupling_agrees_with_one_system(folder: Path, step: float, angle: float, pressure: float) -> None:
     errors = lift_boom.errors(lift_boom.couple(folder, step))
     assert errors[0] < angle
     assert max(errors[1:]) < pressure

@@ -46,7 +46,7 @@ def test_the_door_opens_before_the_gear_moves() -> None:
     assert np.abs(result["energy.balance"]).max() < 1e-7 * result["energy.throttling"][-1]
 
 
-def test_a_saved_state_continues_alike(folder: Path) -> None:
+def test_a_saved_state_continues_bit_identically(folder: Path) -> None:
     instance = Instance(folder).start().run(0, 300, STEP)
     state = instance.slave.getFMUState()
     saved = instance.slave.serializeFMUState(state)

@@ -82,7 +82,7 @@ def test_is_valid(packed: Path) -> None:
     assert validate_fmu(str(packed)) == []
 
 
-def test_schema_lies_beside_the_mechanism(packed: Path) -> None:
+def test_the_schema_is_in_the_folder_of_the_mechanism(packed: Path) -> None:
     with zipfile.ZipFile(packed) as fmu:
         inside = json.loads(fmu.read("resources/mechanism.json"))
         schema = json.loads(fmu.read(f"resources/{inside['$schema']}"))
@@ -111,7 +111,7 @@ def test_slider_follows_the_crank(packed: Path) -> None:
     assert np.max(np.abs(result["energy.drift"])) <= 1e-9 * kinetic
 
 
-def test_stands_beside_another_mechanism(packed: Path, extracted: Path, tmp_path: Path) -> None:
+def test_two_mechanisms_run_in_one_process(packed: Path, extracted: Path, tmp_path: Path) -> None:
     """One library under two names in one process: each instance has its own mechanism."""
     folders = [extracted, Path(extract(packed, str(tmp_path / "own")))]
 
@@ -150,7 +150,7 @@ BAD_FILES: dict[str, tuple[str, list[str]]] = {
 
 
 @pytest.mark.parametrize("name", BAD_FILES)
-def test_bad_file_is_refused_with_its_faults(tmp_path: Path, name: str) -> None:
+def test_bad_file_is_rejected_with_its_faults(tmp_path: Path, name: str) -> None:
     text, fragments = BAD_FILES[name]
     (tmp_path / "bad.json").write_text(text, encoding="utf-8")
     done = package(tmp_path, "bad.json", "--out", "out")
@@ -160,7 +160,7 @@ def test_bad_file_is_refused_with_its_faults(tmp_path: Path, name: str) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_bad_path_is_rejected_in_one_line(tmp_path: Path) -> None:
     assert "no such file or folder" in refused(package(tmp_path, "nowhere.json"))
     assert "/dev/null: this is not a regular file" in refused(package(tmp_path, "/dev/null"))
     assert "contains no mechanism.json or hydraulics.json" in refused(package(tmp_path, "."))
@@ -190,7 +190,7 @@ def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("version", ["2", "3"])
-def test_a_mechanism_without_masses_has_its_motion_alone(folder: Path, version: str) -> None:
+def test_a_mechanism_without_masses_has_only_its_motion(folder: Path, version: str) -> None:
     """The slider-crank mechanism without masses at constant speed of its crank, over more than a turn."""
     own = mechanism()
     own["name"] = "Massless"

@@ -58,7 +58,7 @@ def test_loads_superpose_and_friction_costs_force(found: dict[str, Section]) -> 
     assert values["round_trip"] < ROUNDING
 
 
-def test_extension_ends_when_the_energy_says(found: dict[str, Section]) -> None:
+def test_extension_ends_at_the_time_of_the_energy_integral(found: dict[str, Section]) -> None:
     values = found["[HF08] extension"].values
     assert abs(values["time"] - EXTENSION_TIME) < 1e-9
     assert abs(values["time"] - values["interpolated"]) < 1e-9
@@ -76,7 +76,7 @@ def test_appendix_needs_its_corrections(found: dict[str, Section]) -> None:
     assert abs(values["printed"] - REFERENCE_TIME) > 0.01
 
 
-def test_literal_finite_elements_come_near_rigid_links(found: dict[str, Section]) -> None:
+def test_finite_elements_as_printed_approach_rigid_links(found: dict[str, Section]) -> None:
     values = found["[HF08] finite elements"].values
     # Newmark's method is of second order: a step four times as long has an error about 16 times as large.
     assert abs(values["finer"]) < abs(values["literal"]) < abs(values["coarse"]) < 5e-5

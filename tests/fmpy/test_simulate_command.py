@@ -180,7 +180,7 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--input-file", "wrong.csv", "--output-file", "wrong.csv"], "this is --input-file"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(
+def test_wrong_arguments_are_reported_in_one_line(
     simulate: Command, fmu: Path, tmp_path: Path, arguments: list[str], said: str
 ) -> None:
     (tmp_path / "wrong.csv").write_text("time,actuator.force\n1,0\n0,0\n")
@@ -190,7 +190,7 @@ def test_what_is_wrong_is_said_in_one_line(
     assert said in done.stderr
 
 
-def test_a_run_that_ends_early_leaves_its_rows(simulate: Command, fmu: Path, tmp_path: Path) -> None:
+def test_a_run_that_ends_early_writes_its_rows(simulate: Command, fmu: Path, tmp_path: Path) -> None:
     done = simulate(
         fmu,
         "--start-values",

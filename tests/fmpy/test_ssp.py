@@ -61,7 +61,7 @@ def test_the_connections_are_those_of_the_pair() -> None:
     assert sorted(connections()) == sorted([*motion, force])
 
 
-def test_the_package_holds_the_packed_fmus() -> None:
+def test_the_package_contains_the_packed_fmus() -> None:
     system = read_ssd(str(SSP)).system
     assert {element.name: element.source for element in system.elements} == {
         name: f"resources/{file}" for name, file in FMUS.items()
@@ -84,7 +84,7 @@ def test_connectors_are_those_of_the_fmus(document: etree._Element) -> None:
             assert kind.get("unit") is None or kind.get("unit") in units, variable.name
 
 
-def test_sets_of_values_hold_the_units_that_they_name(document: etree._Element) -> None:
+def test_parameter_sets_define_the_units_they_use(document: etree._Element) -> None:
     """SSP 1.0.1, section 6: a unit that a set of values uses is defined in the set."""
     named = 0
     for values in document.iterfind(".//ssv:ParameterSet", NAMESPACES):
@@ -126,7 +126,7 @@ def pair(document: etree._Element, tmp_path: Path) -> Iterator[dict[str, Instanc
         instance.slave.freeInstance()
 
 
-def test_a_master_that_knows_the_package_alone_retracts_the_gear(pair: dict[str, Instance]) -> None:
+def test_a_master_with_only_the_package_retracts_the_gear(pair: dict[str, Instance]) -> None:
     inner = connections()
 
     def exchange(start: str) -> None:

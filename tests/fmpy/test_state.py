@@ -82,7 +82,7 @@ print(json.dumps(on(instance, int(sys.argv[4]))))
 
 @pytest.mark.parametrize("other", ["instantiated", "no loss"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_another_process_goes_on(instantiate: Start, extracted: Path, tmp_path: Path, kind: str, other: str) -> None:
+def test_another_process_continues(instantiate: Start, extracted: Path, tmp_path: Path, kind: str, other: str) -> None:
     last = 100 if kind == "rigid_fem" else ALL
     instance = started(instantiate(), kind).run(0, SAVED, STEP)
     state = instance.slave.getFMUstate()
@@ -95,7 +95,7 @@ def test_another_process_goes_on(instantiate: Start, extracted: Path, tmp_path: 
     assert json.loads(process.stdout.splitlines()[-1]) == on(instance, last)
 
 
-def test_a_damaged_string_is_refused(instantiate: Start) -> None:
+def test_a_damaged_state_is_rejected(instantiate: Start) -> None:
     instance = instantiate().start().run(0, SAVED, STEP)
     state = instance.slave.getFMUstate()
     text = instance.slave.serializeFMUstate(state)

@@ -166,9 +166,7 @@ def changed(study: Path, name: str, **sections: Any) -> Path:  # noqa: ANN401
     return path
 
 
-def test_studies_share_a_scheduler_and_leave_nothing_on_its_workers(
-    study: Path, scheduler: str, tmp_path: Path
-) -> None:
+def test_studies_share_a_scheduler_and_clean_up_its_workers(study: Path, scheduler: str, tmp_path: Path) -> None:
     one = changed(study, "one.json", sampling={"method": "sobol", "count": 16})
     other = changed(
         study,
@@ -277,7 +275,7 @@ def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path
     assert max(taken[-3:]) - taken[0] < 8e6, taken
 
 
-def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, tmp_path: Path) -> None:
+def test_a_scheduler_that_does_not_answer_is_an_error_in_one_sentence(study: Path, tmp_path: Path) -> None:
     """Without a traceback, and with a remedy: a port without a listener, and an invalid address."""
     addresses = ["tcp://127.0.0.1:1", "nowhere"]
     waiting = [start(study, tmp_path / str(index), "--scheduler", address) for index, address in enumerate(addresses)]

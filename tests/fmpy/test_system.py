@@ -89,7 +89,7 @@ def test_times_do_not_depend_on_the_step(runs: dict[float, demo_system.Run], ste
             assert abs(long[words] - time) < LATE[step], words
 
 
-def test_nothing_is_lost(runs: dict[float, demo_system.Run]) -> None:
+def test_volume_and_energy_balances_are_closed(runs: dict[float, demo_system.Run]) -> None:
     for found in runs.values():
         moved = max(found.column("hydraulics", "volume.from_reservoirs"))
         assert max(map(abs, found.column("hydraulics", "volume.balance"))) < 1e-9 * moved

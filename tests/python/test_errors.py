@@ -160,7 +160,7 @@ def test_types_are_checked(gear: lf.Mechanism) -> None:
             lf.Mechanism(5)  # type: ignore[arg-type]
 
 
-def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
+def test_a_closed_simulation_raises_an_error(gear: lf.Mechanism) -> None:
     with gear.simulation() as simulation:
         simulation.initialize()
     with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):

@@ -67,7 +67,7 @@ def test_a_result_is_one_of_fmpy(gear: lf.Mechanism, tmp_path: Path) -> None:
     assert len(create_plotly_figure(result).data) == len(OUTPUTS)
 
 
-def test_a_result_goes_on(gear: lf.Mechanism) -> None:
+def test_a_result_converts_to_other_formats(gear: lf.Mechanism) -> None:
     result = gear.simulate(stop_time=0.13, output=OUTPUTS)
     frame = result.to_pandas()
     assert list(frame.columns) == OUTPUTS

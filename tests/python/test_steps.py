@@ -144,5 +144,5 @@ def test_one_thread_at_a_time(gear: lf.Mechanism) -> None:
     assert np.isfinite(simulation["crank.angle"])
 
 
-def test_what_has_no_value_has_a_reason(simulation: lf.Simulation) -> None:
+def test_a_missing_value_has_a_reason(simulation: lf.Simulation) -> None:
     assert simulation.undefined("crank.angle") is None

@@ -50,7 +50,7 @@ fn the_tables_have_few_panels() {
 
 /// Names and descriptions are built once, for the table of variables: two texts per variable, and few others.
 #[test]
-fn texts_are_made_once() {
+fn texts_are_created_once() {
     let mechanism = Mechanism::from_json(GEAR).unwrap();
     let (variables, count) = allocations(|| interface::variables(&mechanism).unwrap());
     let most = 10 * variables.list().len();
@@ -111,14 +111,14 @@ fn check_renewal(text: &str) {
 }
 
 #[test]
-fn a_renewed_model_is_the_same_to_the_bit() {
+fn a_reset_model_is_bit_identical_to_a_new_one() {
     check_renewal(GEAR);
     check_renewal(CRANE);
 }
 
 /// Parameters of the friction law change neither the curve nor the tables.
 #[test]
-fn a_law_leaves_curve_and_tables() {
+fn a_changed_law_does_not_rebuild_curve_and_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
     mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
@@ -130,7 +130,7 @@ fn a_law_leaves_curve_and_tables() {
 
 /// Nor do they change the table of the state loads: pins and coefficients only scale its values.
 #[test]
-fn a_law_leaves_the_table_of_friction() {
+fn a_changed_law_does_not_rebuild_the_table_of_friction() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
     let reduced = Reduced::new(&mechanism).unwrap();
@@ -160,7 +160,7 @@ fn a_law_leaves_the_table_of_friction() {
 
 /// Another gravity changes only the sum of existing tables.
 #[test]
-fn gravity_leaves_curve_and_most_tables() {
+fn changed_gravity_rebuilds_neither_curve_nor_most_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
     mechanism.gravity.as_mut().unwrap().acceleration *= 0.5;

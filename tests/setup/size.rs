@@ -124,7 +124,7 @@ fn model(text: &str) {
 }
 
 #[test]
-fn the_interface_takes_time_in_proportion_to_the_definition() {
+fn the_time_for_the_interface_is_proportional_to_the_definition() {
     in_proportion("a chain of fixed bodies", 2000, |n| chain(n, false), variables);
     in_proportion("a chain of fixed bodies, outermost first", 2000, |n| chain(n, true), variables);
     in_proportion("springs", 4000, |n| with("springs", n, spring), variables);
@@ -138,7 +138,7 @@ fn the_interface_takes_time_in_proportion_to_the_definition() {
 }
 
 #[test]
-fn the_model_takes_time_in_proportion_to_the_definition() {
+fn the_time_for_the_model_is_proportional_to_the_definition() {
     in_proportion("a chain of fixed bodies", 500, |n| chain(n, false), model);
     in_proportion("springs", 750, |n| with("springs", n, spring), model);
     in_proportion("stops", 250, |n| with("stops", n, stop), model);
@@ -149,7 +149,7 @@ fn the_model_takes_time_in_proportion_to_the_definition() {
 /// The time to set each of n parameters is proportional to n, not n^2: the values are written into the definition
 /// together.
 #[test]
-fn setting_every_parameter_takes_time_in_proportion() {
+fn the_time_of_setting_parameters_is_proportional_to_their_number() {
     let set_all = |text: &str| {
         let mut model = Model::from_json(text).unwrap();
         let list = model.variables().list().iter().zip(0..);
@@ -173,7 +173,7 @@ fn setting_every_parameter_takes_time_in_proportion() {
 
 /// A text that is far too large is rejected by its length before it is read.
 #[test]
-fn a_text_of_300_megabytes_is_refused_by_its_length() {
+fn a_text_of_300_megabytes_is_rejected_because_of_its_length() {
     let text =
         SLIDER_CRANK.replacen("\"description\": \"", &format!("\"description\": \"{}", "x".repeat(300_000_000)), 1);
     let mut said = String::new();
@@ -223,7 +223,7 @@ fn frames_along_a_chain_are_the_sum_of_its_links() {
 /// Every acceleration depends on every drive. A table that is too large is rejected with its size before the memory is
 /// exhausted.
 #[test]
-fn too_many_dependencies_are_refused_with_limit_and_remedy() {
+fn too_many_dependencies_are_rejected_with_limit_and_remedy() {
     let drive = |_| json!({ "first": "ground.origin", "second": "crank.end", "force": 0 });
     let mechanism = Mechanism::from_json(&with("actuators", 5000, drive)).unwrap();
     let message = interface::variables(&mechanism).err().unwrap().to_string();
@@ -232,14 +232,14 @@ fn too_many_dependencies_are_refused_with_limit_and_remedy() {
 
 /// The length of a body affects every marker on the body.
 #[test]
-fn initial_dependencies_of_few_parameters_take_time_in_proportion() {
+fn the_time_for_initial_dependencies_is_proportional_to_the_definition() {
     in_proportion("markers", 4000, |n| with("markers", n, marker), initial_dependencies);
 }
 
 /// If the comparisons would take minutes, or the list would need 1 MB, the list of initial dependencies is omitted. A
 /// small definition has the list.
 #[test]
-fn initial_dependencies_of_a_large_definition_are_left_out() {
+fn initial_dependencies_of_a_large_definition_are_omitted() {
     let of = |text: &str| interface::initial_dependencies(&Mechanism::from_json(text).unwrap()).unwrap();
     let is_listed = |text: &str| of(text).is_some_and(|all| all.iter().any(|one| !one.is_empty()));
     assert!(is_listed(&with("springs", 50, spring)) && is_listed(&with("markers", 50, marker)));

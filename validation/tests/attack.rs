@@ -32,7 +32,7 @@ fn some_cases_of_each_part_hold() {
 }
 
 #[test]
-fn words_that_are_none_are_refused() {
+fn unknown_arguments_are_rejected() {
     for words in [
         &["--minutes"][..],
         &["--minutes", "0"],

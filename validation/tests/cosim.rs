@@ -131,7 +131,7 @@ fn jacobi_is_stable_below_twice_the_damping_ratio_over_the_frequency() {
 
 /// A polynomial of degree 4 is reproduced.
 #[test]
-fn the_interpolated_speed_meets_both_ends() {
+fn the_interpolated_speed_matches_both_ends() {
     let (v, h) = ([0.3, -1.2, 4.0, 50.0, -700.0], 0.07);
     let at = |t: f64| Motion {
         length: 0.5 + t * (v[0] + t / 2.0 * (v[1] + t / 3.0 * (v[2] + t / 4.0 * (v[3] + t / 5.0 * v[4])))),

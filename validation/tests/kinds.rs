@@ -10,7 +10,7 @@ const RATES: f64 = 1e-9;
 const MOST: f64 = 100.0;
 
 #[test]
-fn every_kind_is_its_closed_form() {
+fn every_kind_follows_its_closed_form() {
     let mut worst = Off::default();
     let mut faults = Vec::new();
     for (place, kind) in kinds::all().iter().enumerate() {

@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn help_speaks_of_what_an_installation_has() {
+    fn help_lists_the_commands_of_an_installation() {
         let mut command = command();
         command.build();
         let mut helps = vec![command.render_long_help().to_string()];

@@ -149,7 +149,7 @@ mod tests {
     const PINNED: &str = "# complete\n# extra plot: FMPy numpy\n# size: 230 MB\nFMPy==0.3.32\nnumpy==2.4.6\n";
 
     #[test]
-    fn requirements_tell_their_extra_and_size() {
+    fn requirements_contain_their_extra_and_size() {
         assert_eq!(extra(PINNED), Some(("plot", vec!["FMPy", "numpy"])));
         assert_eq!(extra("numpy==2.4.6\n"), None);
         let text = announcement(Path::new("venv"), PINNED);
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn an_interpreter_is_asked_for_packages() {
+    fn packages_are_looked_up_in_the_interpreter() {
         let python = Path::new("python3");
         assert!(has(python, &[]));
         assert!(!has(python, &["no-package-of-this-name"]));

@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         for part in [&b""[..], b"\x7fELF and more", &[0xcf, 0xfa, 0xed]] {
             assert!(super::file(&[part]).is_err());
         }

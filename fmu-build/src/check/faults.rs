@@ -144,7 +144,7 @@ mod tests {
 
     /// The path refers to the file of the parameters. A value that uses a faulty parameter has no fault itself.
     #[test]
-    fn a_fault_of_a_shared_parameter_is_told_once_by_its_own_file() {
+    fn a_fault_of_a_shared_parameter_is_reported_once_in_its_own_file() {
         let with = |parameters: &str| {
             told_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
         };
@@ -171,7 +171,7 @@ mod tests {
 
     /// An expression that uses a faulty parameter has no fault itself.
     #[test]
-    fn a_circle_is_told_once() {
+    fn a_circle_of_expressions_is_reported_once() {
         let text = r#"{ "name": "A", "parameters": { "a": "b", "b": "a + c", "c": 2, "d": "f" },
             "bodies": { "ground": {}, "rod": { "length": "a", "mass": "b" } },
             "joints": { "j": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },

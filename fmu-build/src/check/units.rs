@@ -145,7 +145,7 @@ mod tests {
     use linkage_fmu::format::parse;
 
     #[test]
-    fn facts_are_told_as_the_file_states_them() {
+    fn facts_are_in_the_units_of_the_file() {
         let [own, si] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
             .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
         let text = "up at leg = 0.500000 rad, rod = 0.123456 m: held";
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_and_angles_are_told_as_the_file_states_them() {
+    fn lengths_and_angles_are_in_the_units_of_the_file() {
         let [text, none] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
             .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
         for (message, told) in [

@@ -252,7 +252,7 @@ mod tests {
     /// A wheel with a program that needs a newer glibc than its name states.
     #[test]
     #[cfg(all(target_os = "linux", target_env = "gnu", target_pointer_width = "64"))]
-    fn a_broken_promise_is_told() {
+    fn a_library_with_a_newer_glibc_than_declared_is_rejected() {
         use crate::archive::{self, Entry};
         let content = fs::read(std::env::current_exe().unwrap()).unwrap();
         let needed = Needs::of(&content).unwrap().glibc.unwrap();

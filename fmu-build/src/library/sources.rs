@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_library_does_not_tell_who_built_it() {
+    fn a_library_does_not_reveal_who_built_it() {
         let mut content =
             b"\x7fELF at /home/a/.cargo/registry/src/index/b.rs and /home/a/.cargo/registry/src/c".to_vec();
         leave_out(&mut content, Path::new("/home/a/.cargo/registry/src"));

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_come_back_to_six_digits_of_their_range() {
+    fn stored_samples_have_six_digits_of_their_range() {
         for (scale, offset) in [(1.0, 0.0), (3e4, 1e4), (2e-9, 1e-8), (7e12, -1.0), (1e-3, 1e3)] {
             let samples: Vec<f64> = (0..300).map(|k| offset + scale * (f64::from(k) / 40.0).sin()).collect();
             assert!(error(&samples) <= 1e-6 * 2.0 * scale, "{scale} {offset}: {}", error(&samples));
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_constant_or_missing_is_one_value() {
+    fn a_constant_or_missing_series_is_one_value() {
         assert_eq!(Series::new(&[9.81; 5]), Series::Constant(Some(9.81)));
         assert_eq!(Series::new(&[0.0; 5]), Series::Constant(Some(0.0)));
         assert_eq!(Series::new(&[f64::NAN; 5]), Series::Constant(None));

@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_description_is_refused() {
+    fn a_text_that_is_no_description_is_rejected() {
         for text in ["", "{}", "<html/>", "<fmiModelDescription fmiVersion=\"2.0\"", "<a></b>", "<a b='1' b='2'/>"] {
             assert!(Description::parse(text).is_err(), "{text}");
         }
@@ -228,7 +228,7 @@ mod tests {
 
     /// 2 MB of nested elements, and of attributes of one element.
     #[test]
-    fn reading_takes_time_in_proportion_to_the_text() {
+    fn the_time_of_reading_is_proportional_to_the_length_of_the_text() {
         let nested = "<a>".repeat(300_000) + &"</a>".repeat(300_000);
         let many: String = (0..200_000).map(|k| format!(" a{k}='1'")).collect();
         let text = format!("<fmiModelDescription fmiVersion=\"2.0\"><b{many}/>{nested}</fmiModelDescription>");

@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn dependencies_count_from_one_and_an_empty_list_stands() {
+    fn dependencies_count_from_one_and_an_empty_list_is_written() {
         let mut first = variable("y", Causality::Output, None);
         first.dependencies = vec![1];
         let xml = xml_of(&[
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_are_refused() {
+    fn control_characters_are_rejected() {
         let mut bad = variable("y", Causality::Output, None);
         bad.description = "two\nlines".to_owned();
         let message = xml_of(&[bad]).unwrap_err().to_string();

@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named_with_its_remedy() {
+    fn unsuitable_values_are_errors_with_a_remedy() {
         for (parameters, said) in [
             (parameter("crank.lenght", "Real value=\"1\""), "the most similar names are crank.length"),
             (

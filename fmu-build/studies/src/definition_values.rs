@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_nowhere_is_named() {
+    fn variables_without_a_number_in_the_definition_are_errors() {
         let error = with_values("mechanism.json", GEAR, &[("solver.max_steps", 7.0)]).unwrap_err().to_string();
         assert!(error.contains("no single number of the definition sets solver.max_steps alone"), "{error}");
     }

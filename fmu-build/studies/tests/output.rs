@@ -65,7 +65,7 @@ fn a_file_is_written_to_standard_output_by_its_name() {
 }
 
 #[test]
-fn what_is_printed_into_a_closed_pipe_or_onto_a_full_disk_ends_in_no_panic() {
+fn output_to_a_closed_pipe_or_a_full_disk_does_not_panic() {
     let folder = env::temp_dir().join(format!("fmu-build-output-{}", process::id()));
     fs::create_dir_all(&folder).unwrap();
     let closed = || {

@@ -151,7 +151,7 @@ const PENDULUM: &str = r#"{
 }"#;
 
 #[test]
-fn columns_without_a_value_are_told_with_the_reason() {
+fn columns_without_a_value_are_reported_with_the_reason() {
     let folder = Folder::new("missing");
     let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
     fs::write(&definition, PENDULUM).unwrap();
@@ -256,7 +256,7 @@ fn a_run_without_a_length_has_the_values_at_the_start() {
 /// The rows of a killed run, or of a run on a full disk, do not replace the rows of a previous run.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_cannot_be_written_whole_leaves_what_was_there() {
+fn a_failed_write_keeps_the_previous_results() {
     let folder = Folder::new("whole");
     let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
     fs::write(&definition, PENDULUM).unwrap();
@@ -287,7 +287,7 @@ fn what_cannot_be_written_whole_leaves_what_was_there() {
 
 /// The warning about a slack belt contains its time once. A warning without a time gets the time of the step.
 #[test]
-fn the_time_of_a_warning_is_told_once() {
+fn the_time_of_a_warning_is_printed_once() {
     let folder = Folder::new("slack");
     let path = folder.0.join("belt.json");
     let text = r#"{ "name": "Shafts",

@@ -39,7 +39,7 @@ fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
 
 /// Angles, lengths and forces within rounding are printed as 0, and no large number represents infinity.
 #[test]
-fn what_is_rounding_is_told_as_zero() {
+fn rounding_errors_are_reported_as_zero() {
     let mut text = slider_crank();
     text["bodies"]["twin"] = json!({ "length": 0.1, "points": { "eye": [0.05, 0] } });
     for (name, first, at) in [("axis", "ground.origin", "origin"), ("twins", "crank.end", "end")] {
@@ -133,7 +133,7 @@ fn the_joints_that_end_a_motion_are_named() {
 }
 
 #[test]
-fn redundant_joints_and_crossings_are_told() {
+fn redundant_joints_and_crossings_are_reported() {
     let text = json!({
         "name": "P",
         "bodies": {
@@ -165,7 +165,7 @@ fn redundant_joints_and_crossings_are_told() {
 
 /// A carriage of 0.2 m between stops far beyond the first stretch of its rail.
 #[test]
-fn a_long_travel_is_told_to_its_stops() {
+fn a_long_travel_is_reported_up_to_its_stops() {
     let stop = |limit: &str, position: f64| json!({ "joint": "rail", "limit": limit, "position": position });
     let gantry = json!({
         "name": "Gantry",

@@ -40,7 +40,7 @@ fn every_fault_of_the_form_is_found_at_its_place() {
 
 /// The similar key is at the start of the message, instead of a list of all keys.
 #[test]
-fn a_key_that_is_meant_is_named() {
+fn a_similar_key_is_suggested() {
     for (path, value, meant) in [
         ("/actuatros", json!({}), "no key `actuatros` here; did you mean `actuators`?"),
         ("/bodies/crank/weight", json!(1), "no key `weight` here; did you mean `mass`?"),
@@ -105,7 +105,7 @@ fn errors_of_the_geometry_have_their_place() {
 
 /// Faults that only the parser rejects have a place and a remedy. The rest of the file is read.
 #[test]
-fn what_is_no_json_has_its_place_and_its_remedy() {
+fn invalid_json_is_reported_with_place_and_remedy() {
     let good = serde_json::to_string_pretty(&slider_crank()).unwrap();
     for (from, to, shown, said) in [
         ("\"name\": \"M\"", "'name': 'M'", "'name'", "double quotes"),
@@ -138,7 +138,7 @@ fn what_is_no_json_has_its_place_and_its_remedy() {
 }
 
 #[test]
-fn all_that_an_empty_definition_lacks_is_told() {
+fn everything_missing_in_an_empty_definition_is_reported() {
     let messages: Vec<_> = checked("{}").findings.into_iter().map(|located| located.finding.message).collect();
     for key in ["name", "bodies", "joints", "start"] {
         assert!(messages.iter().any(|message| message.contains(&format!("`{key}`"))), "{key}: {messages:#?}");
@@ -146,7 +146,7 @@ fn all_that_an_empty_definition_lacks_is_told() {
 }
 
 #[test]
-fn values_are_told_in_the_units_of_the_file() {
+fn values_in_messages_are_in_the_units_of_the_file() {
     let mut text = slider_crank();
     text["units"] = json!({ "length": "mm" });
     for (body, length) in [("crank", 100), ("rod", 300)] {
@@ -181,7 +181,7 @@ fn values_are_told_in_the_units_of_the_file() {
 }
 
 #[test]
-fn names_and_guesses_at_fault_are_told_together() {
+fn faulty_names_and_guesses_are_reported_together() {
     let mut text = slider_crank();
     text["guess"] = json!({ "crank": 0.5 });
     let all = found(&text.to_string(), Severity::Error);
@@ -208,7 +208,7 @@ fn names_and_guesses_at_fault_are_told_together() {
 }
 
 #[test]
-fn of_many_names_the_nearest_are_told() {
+fn of_many_names_the_most_similar_are_suggested() {
     let mut text = slider_crank();
     let points: serde_json::Map<_, _> = (0..20_000).map(|k| (format!("p{k}"), json!([0.0, 0.1]))).collect();
     text["bodies"]["rod"]["points"] = points.into();

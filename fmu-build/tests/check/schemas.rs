@@ -55,7 +55,7 @@ fn the_page_explains_each_field() {
 }
 
 #[test]
-fn what_check_prints_fits_its_schema() {
+fn output_of_check_conforms_to_its_schema() {
     let folder = std::env::temp_dir().join(format!("fmu-build-schemas-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("warned.json"), with("/gravity/up_angle", json!(90))).unwrap();
@@ -83,7 +83,7 @@ fn what_check_prints_fits_its_schema() {
 }
 
 #[test]
-fn what_info_prints_fits_its_schema() {
+fn output_of_info_conforms_to_its_schema() {
     let folder = std::env::temp_dir().join(format!("fmu-build-schemas-info-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("M.json"), slider_crank().to_string()).unwrap();

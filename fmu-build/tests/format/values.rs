@@ -126,7 +126,7 @@ fn defaults_agree() {
 /// Wrong values with their paths in the full mechanism. Both reject them, or only the engine if the schema cannot know
 /// them.
 #[test]
-fn both_refuse_what_is_wrong() {
+fn both_reject_wrong_input() {
     let validator = validator();
     let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
     let mut taken = Vec::new();

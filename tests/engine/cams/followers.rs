@@ -160,7 +160,7 @@ fn an_oscillating_follower_balances_with_its_cam() {
 }
 
 #[test]
-fn a_follower_that_lifts_off_is_told_once() {
+fn a_follower_that_lifts_off_gives_one_warning() {
     let run = |change: &dyn Fn(&mut Value)| {
         let text = changed(translating("polynomial_345", parsed(ROLLER)), |m| {
             m["solver"]["tolerance"] = json!(1e-9);

@@ -4,7 +4,7 @@ use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 
 #[test]
-fn what_is_no_cam_is_refused() {
+fn wrong_cams_are_rejected() {
     let refused = |base: &str, key: &str, value: Value, pieces: &[&str]| {
         let text = changed(base, |m| match value {
             Value::Null => drop(m["couplings"]["cam"].as_object_mut().unwrap().remove(key)),
@@ -51,7 +51,7 @@ fn what_is_no_cam_is_refused() {
 /// A cam may have the name of its disc. Gears with the name of a joint are rejected: both would have outputs of one
 /// name.
 #[test]
-fn a_coupling_is_refused_only_where_variables_have_one_name() {
+fn a_coupling_is_rejected_only_for_equal_variable_names() {
     let renamed = |text: &str, name: &str| {
         changed(text, |m| {
             let couplings = m["couplings"].as_object().unwrap().values().cloned();

@@ -41,7 +41,7 @@ fn a_load_at_rest_on_an_end_is_that_of_one_system() {
 /// The piston reaches the end and leaves it when the command reverses. The error is as small as in a free motion, with
 /// and without a cushion, and after a rebound.
 #[test]
-fn an_end_is_met_and_left_as_in_one_system() {
+fn an_end_is_reached_and_left_as_in_one_system() {
     for (cushion, restitution) in [(0.03, 0.0), (0.0, 0.0), (0.0, 0.5)] {
         let mut scene = extension();
         scene.start.push(Set::Circuit("cushion_b.length", cushion));

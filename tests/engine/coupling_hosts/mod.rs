@@ -257,7 +257,7 @@ fn a_load_on_a_lock_is_that_of_one_system() {
 
 /// The command reverses and moves the gear off the up stop within a step. The error is as small as in a free motion.
 #[test]
-fn a_release_from_a_stop_errs_as_a_free_motion() {
+fn the_error_after_a_release_from_a_stop_is_that_of_a_free_motion() {
     let later = vec![(5.0, Set::Circuit("valve.command", -1.3))];
     let scene = Scene { later, end: 5.6, sample: 0.2, ..retraction() };
     let of_one = one_system(&scene);
@@ -279,7 +279,7 @@ fn a_release_from_a_stop_errs_as_a_free_motion() {
 
 /// The down lock releases the gear under full pressure. The error is as small as in a free motion.
 #[test]
-fn a_release_from_a_lock_errs_as_a_free_motion() {
+fn the_error_after_a_release_from_a_lock_is_that_of_a_free_motion() {
     let scene = Scene { later: vec![(0.4, Set::Switch("downlock.engage", false))], sample: 0.2, ..locked() };
     let of_one = one_system(&scene);
     for (host, h, most) in [
@@ -356,7 +356,7 @@ fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
 
 /// In a host with delay a jump of the load moves the gear for two steps before the force reacts.
 #[test]
-fn a_jump_of_the_load_in_a_late_host_is_met() {
+fn a_jump_of_the_load_in_a_late_host_is_followed() {
     let scene =
         Scene { later: vec![(1.0, Set::Gear("wheel.force_x", 1000.0))], end: 1.5, sample: 0.02, ..retraction() };
     let of_one = one_system(&scene);
@@ -369,7 +369,7 @@ fn a_jump_of_the_load_in_a_late_host_is_met() {
 
 /// Some hosts, such as FMPy's `simulate_ssp`, set every connected input to 0 before the first step.
 #[test]
-fn a_host_that_begins_with_zeros_is_followed() {
+fn a_host_that_starts_with_zeros_is_followed() {
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
     oil.0.initialize().unwrap();
     let start = oil.get("actuator.length");
@@ -381,7 +381,7 @@ fn a_host_that_begins_with_zeros_is_followed() {
 
 /// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad in steps of up to 20 ms.
 #[test]
-fn a_bumper_is_met_in_long_steps() {
+fn a_bumper_is_reached_in_long_steps() {
     let bumper = r#""angle": -1.28, "rigid": false, "stiffness": 3e5, "damping": 1000, "flag""#;
     let [gear, one] = [GEAR, ONE].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
     let scene = Scene { gear, one, end: 5.0, ..retraction() };

@@ -4,7 +4,7 @@ use crate::support::{Run, assert_says, changed, refusal, replaced};
 use serde_json::json;
 
 #[test]
-fn what_cannot_be_coupled_is_refused() {
+fn impossible_couplings_are_rejected() {
     let refused = |coupling: &str, pieces: &[&str]| {
         assert_says(refusal(shafts(coupling)), pieces);
     };
@@ -52,7 +52,7 @@ fn the_other_formulation_names_the_coupling() {
 
 /// A planet of 24 teeth fits between a sun of 24 and a ring of 72. With a ring of 100 it would need two pitch circles.
 #[test]
-fn a_wheel_with_two_pitch_circles_is_warned_of() {
+fn a_wheel_with_two_pitch_circles_gives_a_warning() {
     let train = |ring: u32, second: u32| {
         json!({
             "name": "Planetary",

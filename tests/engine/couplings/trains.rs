@@ -145,7 +145,7 @@ fn a_train_passes_on_the_product_of_its_ratios() {
 }
 
 #[test]
-fn a_ratio_that_never_returns_goes_on_for_ever() {
+fn a_train_with_an_irrational_ratio_turns_without_end() {
     // Ratio 1 : sqrt(2): no number of revolutions returns both wheels to their start angles.
     let irrational = GEARS.replace("17", "1").replace("43", &2f64.sqrt().to_string());
     let definition = shafts(&irrational);

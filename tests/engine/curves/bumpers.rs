@@ -9,7 +9,7 @@ use serde_json::json;
 const BUFFER: [[f64; 2]; 5] = [[0.0, 0.0], [0.02, 15.0], [0.05, 90.0], [0.06, 90.0], [0.1, 800.0]];
 
 #[test]
-fn a_progressive_bumper_gives_back_what_it_takes() {
+fn a_progressive_bumper_returns_the_energy_it_absorbs() {
     let law = monotone(&BUFFER).unwrap();
     for (is_rotary, limit, sign) in [(false, "upper", 1.0), (false, "lower", -1.0), (true, "upper", 1.0)] {
         for speed in [0.4, 1.7, 4.0] {

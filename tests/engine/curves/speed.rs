@@ -27,7 +27,7 @@ fn points_of_a_damper_on_a_line_are_its_damping() {
 }
 
 #[test]
-fn a_damper_with_a_curve_moves_and_dissipates_as_its_law_says() {
+fn motion_and_dissipation_with_a_damper_curve_follow_its_law() {
     let law = monotone(&DAMPER).unwrap();
     let rate = |_: f64, [x, v, _]: [f64; 3]| {
         let force = law.at(v)[0];
@@ -142,7 +142,7 @@ fn a_drive_at_rest_and_its_required_force_know_the_curve() {
 /// The derivative of the holding torque along the drive against finite differences. The other drive's curve at rest
 /// counts.
 #[test]
-fn the_derivative_of_what_holds_is_that_of_differences() {
+fn the_derivative_of_the_holding_force_is_that_of_differences() {
     let at = |angle: f64| {
         let mut run = Run::new(CURVES).with(&[("crank.start_angle", angle)]).started();
         [run.get("motor.holding_torque"), run.get("motor.holding_torque_derivative")]

@@ -80,7 +80,7 @@ fn air_holds_pressures_above_absolute_zero_at_any_tolerance() {
 
 /// A command beyond its range is clipped with one warning. After a rollback the repeated step gives the same warning.
 #[test]
-fn a_clipped_command_is_told_once() {
+fn a_clipped_command_gives_one_warning() {
     let mut gear = retraction(1e-6);
     gear.step(0.01);
     assert_eq!(gear.take_warning(), None);

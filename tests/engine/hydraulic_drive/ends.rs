@@ -43,7 +43,7 @@ fn the_piston_rests_on_the_end_of_its_cylinder() {
 
 /// Communication steps from 1 ms to 5 s give the same rest position.
 #[test]
-fn the_end_is_met_at_any_step() {
+fn the_end_is_reached_with_any_step() {
     let angle = |steps: u32| {
         let mut gear = extension(0.3);
         gear.steps(steps, 5.0);
@@ -67,7 +67,7 @@ fn the_first_of_stop_and_end_acts() {
 
 /// If the piston never reaches an end, the ends of the cylinder do not change the results: bit-identical.
 #[test]
-fn an_end_that_is_not_met_changes_nothing() {
+fn an_end_that_is_not_reached_changes_nothing() {
     let run = |stroke: f64| {
         let mut gear = vibration(1e-9).with(&[("cylinder.stroke", stroke)]);
         // Equal chamber volumes: the dead volume decreases by the additional volume of the longer stroke.

@@ -4,7 +4,7 @@ use linkage_fmu::mechanism::Model;
 use std::f64::consts::PI;
 
 #[test]
-fn faulty_circuits_are_refused_by_name() {
+fn faulty_circuits_are_rejected_with_their_key() {
     let error = |change: &dyn Fn(&mut serde_json::Value)| {
         let text = changed(HYDRAULIC_GEAR, |gear| change(gear));
         linkage_fmu::mechanism::Model::from_json(&text).unwrap_err().to_string()
@@ -85,7 +85,7 @@ fn a_change_of_a_port_takes_effect_at_once() {
 /// With a circuit the start `equilibrium` is rejected. Start pressures whose force is the holding force give an
 /// equilibrium.
 #[test]
-fn an_equilibrium_is_refused_and_the_remedy_is_one() {
+fn an_equilibrium_with_a_circuit_is_rejected_and_its_remedy_works() {
     let text = changed(HYDRAULIC_GEAR, |gear| gear["start"]["equilibrium"] = json!(true));
     let words = ["start.equilibrium", "start_pressure of chamber_a", "actuator.holding_force", "cargo fmu check"];
     assert_says(Model::from_json(&text).unwrap_err(), &words);
@@ -107,7 +107,7 @@ fn an_equilibrium_is_refused_and_the_remedy_is_one() {
 
 /// Implicit steps keep a Jacobian across communication steps. A saved and restored state keeps it too.
 #[test]
-fn steps_share_a_jacobian_and_a_saved_state_keeps_it() {
+fn steps_share_a_jacobian_that_a_saved_state_contains() {
     let mut gear = retraction(1e-3);
     let mut other = retraction(1e-3);
     for step in 0..200 {

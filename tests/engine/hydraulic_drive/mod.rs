@@ -82,7 +82,7 @@ fn energies_balance_at_a_common_tolerance_whatever_the_steps() {
 }
 
 #[test]
-fn what_the_piston_does_is_what_the_gear_gains() {
+fn the_work_of_the_piston_is_the_energy_gained_by_the_gear() {
     let mut gear = retraction(1e-12);
     let before = gear.get("energy.kinetic") + gear.get("energy.potential");
     gear.steps(40, 4.0);
@@ -93,7 +93,7 @@ fn what_the_piston_does_is_what_the_gear_gains() {
 
 /// At the stop the mechanism rests while the pressures continue to change. The opposite command moves it off the stop.
 #[test]
-fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
+fn the_circuit_continues_while_a_stop_holds_the_gear() {
     for restitution in [0.0, 0.4] {
         let mut gear = retraction(1e-10);
         gear.set("upstop.restitution", restitution);
@@ -125,7 +125,7 @@ fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
 
 /// The gear starts to move from rest at the time at which the forces balance, for any communication step and tolerance.
 #[test]
-fn the_gear_sets_off_when_the_pressures_say_so() {
+fn the_gear_moves_off_when_the_pressures_exceed_the_load() {
     let angle = |tolerance: f64, steps: u32| {
         let mut gear = retraction(tolerance);
         gear.steps(5, 5.0);
@@ -208,7 +208,7 @@ fn a_ramp_may_be_an_input_derivative_and_is_clipped_at_one() {
 }
 
 #[test]
-fn every_output_is_told() {
+fn every_output_has_a_value() {
     let mut gear = retraction(1e-13);
     gear.set("friction.enabled", true);
     gear.initialize();

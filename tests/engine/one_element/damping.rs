@@ -123,7 +123,7 @@ fn a_crank_winds_up_a_spring_and_comes_back() {
 /// A damper between bearing and piston: the dissipated energy is the integral of damping x length_dot^2, by Simpson's
 /// rule.
 #[test]
-fn a_damper_loses_the_power_that_it_takes() {
+fn the_power_of_a_damper_is_the_loss_of_energy() {
     let damping = 8.0;
     let mut run = sprung_crank(json!({
         "first": "ground.origin", "second": "piston.origin", "stiffness": 500, "free_length": 0.18, "damping": damping

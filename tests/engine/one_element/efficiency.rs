@@ -64,7 +64,7 @@ fn lift(force: f64, speed: f64, steps: usize) -> (f64, f64) {
 }
 
 #[test]
-fn the_mechanism_gains_what_arrives_of_the_work() {
+fn the_mechanism_gains_the_work_less_losses() {
     // Driven up, and lowered against the push.
     let (work, gain) = lift(80_000.0, 0.01, 40);
     assert!(work > 1e3 && (gain - ETA * work).abs() < 1e-11 * work, "{work} {gain}");
@@ -74,7 +74,7 @@ fn the_mechanism_gains_what_arrives_of_the_work() {
 
 /// The same for a rotary drive over several turns: K = K0 + eta T (theta - theta0) - work of the piston's weight.
 #[test]
-fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
+fn a_crank_gains_the_work_of_its_torque_less_losses_over_several_turns() {
     for (torque, part) in [(12.0, ETA), (-4.0, 1.0 / ETA)] {
         let mut run = with_efficiency(SLIDER_CRANK, ETA);
         run.set("solver.tolerance", 1e-13);
@@ -206,7 +206,7 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
 
 /// Swings larger than the tolerance end between the two centres, also in one long step.
 #[test]
-fn one_long_step_meets_each_reversal() {
+fn one_long_step_locates_each_reversal() {
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9, 1e-12] {
         for (eta, start) in [(0.9, 0.5), (0.9, 1.5), (0.999, 0.41), (0.999, 0.401), (0.99999, 0.4001)] {
             let mut run = Slider { eta: Some(eta), stiffness: 50.0, ..Slider::default() }.run(tolerance);

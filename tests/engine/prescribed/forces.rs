@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 #[test]
-fn a_mass_lifted_by_a_cycloid_takes_m_times_g_plus_a() {
+fn a_mass_lifted_by_a_cycloid_needs_the_force_m_times_g_plus_a() {
     let (distance, duration) = (1.7, 0.8_f64);
     let motion = json!({ "profile": "cycloidal", "start_time": 0.1, "duration": duration, "distance": distance });
     for h in [0.003, 0.05, 0.3] {

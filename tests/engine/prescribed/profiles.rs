@@ -71,7 +71,7 @@ fn a_short_profile_in_a_long_step_keeps_the_energy() {
 
 /// At a late start, time has few digits within a step. The motion within the profile stays exact.
 #[test]
-fn a_profile_that_begins_late_is_followed() {
+fn a_profile_with_a_late_start_is_followed() {
     let profile = json!({ "profile": "polynomial_4567", "distance": 2.5, "duration": 0.8, "start_time": 1e8 });
     let mut crank = opened(&slider_crank(&profile)).started();
     crank.step(1e8);

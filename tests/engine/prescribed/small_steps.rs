@@ -55,7 +55,7 @@ fn small_steps_end_where_one_large_step_does() {
 
 /// A failed step changes nothing, although the energy is integrated beyond its start.
 #[test]
-fn the_balance_is_right_after_a_step_that_is_refused() {
+fn the_balance_is_correct_after_a_rejected_step() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": stroke() + 0.01 });
     let mut gear = gear(&motion, with_friction).started();
     let failed = (0..5000).any(|_| {
@@ -72,7 +72,7 @@ fn the_balance_is_right_after_a_step_that_is_refused() {
 }
 
 #[test]
-fn twins_in_small_steps_agree_to_the_bit() {
+fn two_models_in_small_steps_are_bit_identical() {
     for motion in
         [json!({ "profile": "polynomial_345", "duration": 0.3, "distance": 0.3 }), json!({ "position": 0.45 })]
     {

@@ -48,7 +48,7 @@ fn a_drive_is_switched_between_motion_and_force_in_a_run() {
 }
 
 #[test]
-fn a_saved_state_goes_on_to_the_bit() {
+fn a_saved_state_continues_bit_identically() {
     let motions = [
         json!({ "profile": "trapezoid", "distance": 0.3, "speed": 0.5, "acceleration": 3 }),
         json!({ "position": 0.45 }),
@@ -93,7 +93,7 @@ fn a_saved_state_goes_on_to_the_bit() {
 }
 
 #[test]
-fn a_profile_begins_anew_where_the_drive_is_when_it_is_enabled_again() {
+fn a_profile_restarts_at_the_drives_position_when_it_is_enabled_again() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": 0.3, "enabled": false });
     let mut lift = opened(&lift(&motion));
     lift.set("winch.force", MASS * G);

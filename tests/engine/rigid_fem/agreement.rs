@@ -21,7 +21,7 @@ fn accelerations_and_forces_are_those_of_the_reduced_model() {
 }
 
 #[test]
-fn all_loads_of_the_gear_act_alike_in_both() {
+fn all_loads_of_the_gear_are_equal_in_both_formulations() {
     let text = changed(GEAR, |m| {
         let hinge = json!({ "joint": "joint3", "stiffness": 90, "damping": 3, "free_angle": 1.2 });
         m["springs"] = json!({ "strut": strut(), "hinge": hinge });
@@ -50,7 +50,7 @@ fn all_loads_of_the_gear_act_alike_in_both() {
 }
 
 #[test]
-fn each_load_alone_accelerates_both_alike() {
+fn each_load_alone_gives_equal_accelerations() {
     for (name, size) in [
         ("actuator.force", 2e4),
         ("load_factor", 3.0),

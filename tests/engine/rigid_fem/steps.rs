@@ -43,7 +43,7 @@ fn the_order_of_convergence_is_two() {
 }
 
 #[test]
-fn the_error_left_at_small_steps_is_the_rods_strain() {
+fn the_error_at_small_steps_is_the_strain_of_the_rods() {
     // The difference from the rigid reference tends to the elastic limit, within the error of the steps.
     for (h, own) in [(1e-3, 4e2), (1e-4, 4e2), (1e-5, 4e2)] {
         let error = gear_angles(1.0, h)[2] - THETA_013;
@@ -86,7 +86,7 @@ fn energy_drifts_with_the_square_of_the_step() {
 }
 
 #[test]
-fn a_jump_of_an_input_is_taken_up() {
+fn a_jump_of_an_input_changes_the_acceleration_immediately() {
     // The motion of the rigid links changes at once. A jump does not excite vibrations faster than the step.
     let mut gear = Both::new(GEAR, 1.0, 1e-3);
     gear.set(&[("actuator.force", 20_000.0)]);
@@ -133,7 +133,7 @@ fn a_state_is_all_that_a_step_needs() {
 }
 
 #[test]
-fn a_refused_step_changes_nothing() {
+fn a_rejected_step_changes_nothing() {
     let mut gear = Both::new(GEAR, 1.0, 1e-3);
     let before = gear.state.clone();
     for (h, h_fem) in [(0.0, 1e-3), (f64::NAN, 1e-3), (1e-3, -1.0), (1e-3, f64::INFINITY)] {
@@ -164,7 +164,7 @@ fn vibration_that_grows_is_an_error_not_a_motion() {
 }
 
 #[test]
-fn bodies_that_are_no_binary_link_are_refused_by_name() {
+fn bodies_that_are_no_binary_link_are_rejected_with_their_name() {
     let refused = |text: &str, ea: f64| {
         let reduced = Run::new(text).reduced().unwrap().clone();
         RigidFem::new(reduced.linkage(), reduced.loading(), &|_| ea).unwrap_err()

@@ -61,7 +61,7 @@ fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
 
 /// The crank overruns its bumper and the dead centre, reaches the lower rigid stop, and returns.
 #[test]
-fn a_crank_that_overruns_its_bumper_meets_the_stop_behind_the_dead_centre() {
+fn a_crank_that_overruns_its_bumper_reaches_the_stop_behind_the_dead_centre() {
     let stops = [bumper(Quantity::Slide, 1.0, 1.09, 300.0, 5.0), rigid(Quantity::Slide, -1.0, 0.7, 0.3)];
     let phases = vec![(5.0, false, 1.0, 7), (5.0, false, 1.0, 1), (-5.0, false, 1.0, 11), (-9.0, false, 2.0, 3)];
     let scene =
@@ -211,7 +211,7 @@ pub fn crowded() -> Scene {
 }
 
 #[test]
-fn too_many_bumpers_are_refused() {
+fn too_many_bumpers_are_rejected() {
     let at = |k: usize| 1.0 + 0.01 * k as f64;
     let mut stops: Vec<Stop> = (0..65).map(|k| bumper(Quantity::Slide, 1.0, at(k), 1e3, 1.0)).collect();
     let refusal = Simulation::open(&block(&stops).definition()).err().unwrap();

@@ -10,7 +10,7 @@ const FOUR_BAR: &str = include_str!("../../fixtures/four_bar_between_stops.json"
 
 /// Releases for a short time within a long step, such as 5 ms in 0.52 s, are found.
 #[test]
-fn a_release_is_met_however_short() {
+fn a_release_of_any_duration_is_located() {
     let stops = [rigid(Quantity::Slide, -1.0, 0.0, 0.0)];
     let scene = Scene { machine: Machine::Block(2.0), ..block(&stops) };
     for (peak, bend, center, span) in
@@ -68,7 +68,7 @@ fn rest_in_another_revolution_is_rest_at_the_stop() {
 /// From rest at a stop under its weight, a block is lifted by a drive with losses whose force changes its sign, or by a
 /// wind that changes its direction. The instant of release in closed form, in one long step.
 #[test]
-fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
+fn a_release_by_a_drive_with_losses_or_by_the_wind_is_located() {
     let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
     let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
     let definition = changed(scene.definition(), |json| {

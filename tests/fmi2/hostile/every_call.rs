@@ -103,7 +103,7 @@ fn every_function_is_called() {
 
 /// The table of the calls does not contradict the standard's table.
 #[test]
-fn nothing_is_expected_to_work_out_of_its_phase() {
+fn no_call_is_expected_to_succeed_outside_its_phase() {
     for call in calls::all() {
         for phase in PHASES {
             let fine = call.expected(phase) == Status::Error || is_legal(call.function, phase);
@@ -113,7 +113,7 @@ fn nothing_is_expected_to_work_out_of_its_phase() {
 }
 
 #[test]
-fn a_refused_call_has_its_status_and_a_line_and_changes_nothing() {
+fn a_rejected_call_has_its_status_and_a_message_and_changes_nothing() {
     for phase in PHASES {
         let gear = in_phase(phase);
         let before = gear.all_bits();
@@ -126,7 +126,7 @@ fn a_refused_call_has_its_status_and_a_line_and_changes_nothing() {
 }
 
 #[test]
-fn an_accepted_call_has_its_status_and_no_complaint() {
+fn an_accepted_call_has_its_status_and_no_error_message() {
     for phase in PHASES {
         for call in calls::all().iter().filter(|call| call.expected(phase) == Status::Ok) {
             check(call, phase, &in_phase(phase));

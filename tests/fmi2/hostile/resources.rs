@@ -96,7 +96,7 @@ fn a_file_that_may_not_be_read() {
 }
 
 #[test]
-fn a_huge_file_is_refused_by_its_size() {
+fn a_huge_file_is_rejected_because_of_its_size() {
     let folder = Folder::new("huge");
     let location = folder.location();
     let file = folder.0.join("mechanism.json");

@@ -9,7 +9,7 @@ use std::cell::RefCell;
 const SEQUENCES: u32 = 3000;
 
 #[test]
-fn random_sequences_are_answered_as_the_standard_says() {
+fn random_sequences_have_the_statuses_of_the_standard() {
     // Two instances for all sequences. Both are reset after each sequence, which must leave no trace.
     let pair = RefCell::new((Player::new(), Player::new()));
     let others = pair.borrow().0.others();

@@ -60,7 +60,7 @@ fn cases() -> Vec<Value> {
 }
 
 #[test]
-fn mjcf_is_read_as_its_table_says() {
+fn mjcf_is_read_as_in_its_table() {
     let mut read = BTreeSet::new();
     for case in cases() {
         let include = |file: &str| Ok(case["files"][file].as_str().unwrap().to_owned());
@@ -79,7 +79,7 @@ fn mjcf_is_read_as_its_table_says() {
 }
 
 #[test]
-fn urdf_and_sdf_are_read_as_their_tables_say() {
+fn urdf_and_sdf_are_read_as_in_their_tables() {
     let mut read = [BTreeSet::new(), BTreeSet::new()];
     let root = Element::parse(include_str!("../../tests/import/files/boom.urdf"), "").unwrap();
     urdf::read("case", &root).unwrap();

@@ -234,7 +234,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_holds_what_has_changed() {
+    fn a_frame_contains_the_changed_pixels() {
         let size = Size { width: 4, height: 3 };
         let before = vec![1; 12];
         let mut now = before.clone();

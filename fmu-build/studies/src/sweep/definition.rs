@@ -245,7 +245,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn wrong_entries_are_errors_with_their_key() {
         for (text, said) in [
             (r#"{ "mechanism": "a", "responses": {} }"#, "responses: is empty"),
             (r#"{ "mechanism": "a" }"#, "the key `responses` is missing"),

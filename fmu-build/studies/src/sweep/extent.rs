@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn a_large_study_is_told_with_its_size_and_its_time() {
+    fn a_large_study_is_announced_with_its_size_and_its_time() {
         let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
         assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
         assert!(line.contains("If each run needs 20 us") && line.contains("about 2.3 days on one core"), "{line}");

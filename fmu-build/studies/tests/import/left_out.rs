@@ -79,7 +79,7 @@ fn limits_of_urdf() {
 }
 
 #[test]
-fn ranges_the_wrong_way_round_are_refused() {
+fn reversed_ranges_are_rejected() {
     let ranged = |range: &str| replaced(MJCF, r#"name="guide""#, &format!(r#"name="guide" {range}"#));
     let said =
         ["line 14: <joint \"guide\">: range: the lower limit 0.3 is larger than the upper limit -0.1; exchange them"];
@@ -102,7 +102,7 @@ fn ranges_the_wrong_way_round_are_refused() {
 
 /// Parts that no definition can represent, each with the words of its message.
 #[test]
-fn what_has_no_counterpart_is_rejected() {
+fn elements_without_a_counterpart_are_rejected() {
     let second = r#"<body name="b" pos="1 0 0"><joint name="k" axis="0 1 0" ref="10"/><geom size=".1"/>
         <body name="c" pos="1 0 0"><joint name="l" axis="0 1 0"/><geom size=".1"/><site name="t"/></body></body>"#;
     let file = |joint: &str, rest: &str| {

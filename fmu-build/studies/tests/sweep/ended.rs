@@ -35,7 +35,7 @@ fn start(study: &Path, out: &Path, options: &[&str]) -> Child {
 
 /// The warning is printed before the first run is stored. Then the study is ended.
 #[test]
-fn a_study_of_too_many_runs_is_told_before_it_begins() {
+fn a_study_of_too_many_runs_gives_a_warning_before_its_first_run() {
     let folder = Folder::new("many");
     let of = |steps: u64| json!({ "range": [1, 2], "steps": steps });
     let study = json!({

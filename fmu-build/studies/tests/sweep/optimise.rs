@@ -16,7 +16,7 @@ fn refusal(folder: &Folder, study: Value) -> String {
 }
 
 #[test]
-fn what_is_wrong_with_an_optimisation_is_said_in_one_line() {
+fn wrong_optimisations_are_rejected_in_one_line() {
     let folder = Folder::new("optimise-refusals");
     let whole = json!({
         "factors": { "crank.mass": { "bounds": [10, 20] } },

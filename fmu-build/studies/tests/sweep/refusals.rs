@@ -15,7 +15,7 @@ fn refusal(folder: &Folder, study: Value) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_said_in_one_line() {
+fn wrong_studies_are_rejected_in_one_line() {
     let folder = Folder::new("refusals");
     fs::write(folder.0.join("points.csv"), "crank.mass,crank.mass\n1,2\n").unwrap();
     fs::write(folder.0.join("words.csv"), "crank.mass\n1,5\n").unwrap();

@@ -7,7 +7,7 @@ use std::fs;
 
 /// Inputs and parameters that vary irregularly between runs, so that each run follows a different one.
 #[test]
-fn rows_are_those_of_simulate_to_the_bit() {
+fn rows_are_bit_identical_to_those_of_simulate() {
     let folder = Folder::new("bits");
     let names = ["actuator.force", "load_factor", "crank.mass", "crank.start_angle", "friction.enabled"];
     let points = [

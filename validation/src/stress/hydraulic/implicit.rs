@@ -123,7 +123,7 @@ mod tests {
 
     /// y' = -1e6 (y - cos t) - sin t has y = cos t; z' = y is a quadrature.
     #[test]
-    fn a_stiff_equation_is_met() {
+    fn a_stiff_equation_has_its_exact_solution() {
         let mut f = |t: f64, y: &[f64; 2]| [-1e6 * (y[0] - t.cos()) - t.sin(), y[0]];
         let y = integrate(&mut f, &|_| [1.0; 2], 1, 0.0, [1.0, 0.0], 2.0, 1e-11).unwrap();
         assert!((y[0] - 2f64.cos()).abs() < 1e-10 && (y[1] - 2f64.sin()).abs() < 1e-9, "{y:?}");
@@ -131,7 +131,7 @@ mod tests {
 
     /// A damped oscillator that is not stiff, in closed form.
     #[test]
-    fn an_oscillator_is_met() {
+    fn an_oscillator_has_its_exact_solution() {
         let mut f = |_: f64, y: &[f64; 2]| [y[1], -101.0 * y[0] - 2.0 * y[1]];
         let y = integrate(&mut f, &|_| [1.0, 10.0], 2, 0.0, [1.0, -1.0], 1.0, 1e-11).unwrap();
         assert!((y[0] - (-1f64).exp() * 10f64.cos()).abs() < 1e-9, "{y:?}");

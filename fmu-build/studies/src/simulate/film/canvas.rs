@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hull_is_what_a_rubber_band_holds() {
+    fn the_hull_is_convex() {
         let square = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0], [1.0, 0.0]];
         assert_eq!(hull(square), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
         assert_eq!(hull(vec![[0.0, 0.0], [4.0, 2.0], [2.0, 1.0]]), [[0.0, 0.0], [4.0, 2.0]]);

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_design_that_keeps_its_limits_is_preferred() {
+    fn a_design_within_its_limits_is_preferred() {
         let goal =
             goal(r#""objective": { "maximise": "r" }, "constraints": { "s": { "at_least": -1, "at_most": 4 } }"#)
                 .unwrap();
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn wrong_entries_are_errors_with_their_key() {
         for (rest, said) in [
             (r#""search": { "evaluations": 9 }"#, "objective: is missing"),
             (r#""objective": {}"#, "exactly one of"),
