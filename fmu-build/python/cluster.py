@@ -214,12 +214,12 @@ def main() -> None:
         if cluster is not None:
             raise
         reason = str(error).partition("\n")[0]
-        told = (
+        message = (
             f"no Dask scheduler answers at {arguments.scheduler} within {ANSWER} s ({reason}); start a scheduler on "
             "that machine with `dask scheduler`, check the address and whether the port is open, or use --workers N "
             "for processes on this machine"
         )
-        tell(out, FATAL, told.encode())
+        write_chunk(out, FATAL, message.encode())
         os._exit(1)
     plugin = Study(arguments.fmu.read_bytes(), json.loads(arguments.plan.read_text(encoding="utf-8")))
     client.register_plugin(plugin)
@@ -228,7 +228,7 @@ def main() -> None:
     room = threading.Semaphore(WAITING * workers)
     threading.Thread(target=submit, args=(client, plugin, room, pace, done), daemon=True).start()
     try:
-        hand_back(client, arguments.plan, (workers, room, pace, done), out)
+        return_chunks(client, arguments.plan, (workers, room, pace, done), out)
     finally:
         client.unregister_worker_plugin(plugin.name)
         client.close()
@@ -238,7 +238,7 @@ def main() -> None:
     os._exit(0)
 
 
-def hand_back(
+def return_chunks(
     client: Client, plan: Path, under_way: tuple[int, threading.Semaphore, Pace, Done], out: BinaryIO
 ) -> None:
     """Write the completed chunks. The program that reads them removes the plan to stop this program."""
@@ -263,12 +263,12 @@ def hand_back(
         except Exception as error:
             chunks, made = [FATAL], [f"chunk {chunks[0]}: {error}".encode()]
         for chunk, data in zip(chunks, made, strict=True):
-            tell(out, chunk, data)
+            write_chunk(out, chunk, data)
         future.release()
         room.release()
 
 
-def tell(out: BinaryIO, chunk: int, data: bytes) -> None:
+def write_chunk(out: BinaryIO, chunk: int, data: bytes) -> None:
     """Write the bytes of a chunk, or an error."""
     out.write(struct.pack("<QQ", chunk, len(data)) + data)
     out.flush()

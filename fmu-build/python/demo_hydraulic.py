@@ -181,11 +181,11 @@ class Pair:
         for part in (self.gear, self.hydraulics):
             part.slave.setupExperiment(tolerance=TOLERANCE, startTime=0.0)
             part.slave.enterInitializationMode()
-        self.tell(scheme)
+        self.pass_motion(scheme)
         for part in (self.gear, self.hydraulics):
             part.slave.exitInitializationMode()
 
-    def tell(self, scheme: Scheme) -> None:
+    def pass_motion(self, scheme: Scheme) -> None:
         """Pass the motion of the gear to the hydraulics, and its one-element outputs if the hydraulics predicts the
         motion."""
         names = ("actuator.length", "actuator.speed", *(ELEMENT if scheme.previews else ()))
@@ -194,7 +194,7 @@ class Pair:
     def step(self, scheme: Scheme, now: float) -> None:
         """One communication step."""
         gear, hydraulics = self.gear, self.hydraulics
-        self.tell(scheme)
+        self.pass_motion(scheme)
         length, speed = gear.read("actuator.length", "actuator.speed")
         if not scheme.previews:
             gear.write({"actuator.force": hydraulics.read("actuator.force")[0]})

@@ -170,11 +170,11 @@ class State:
 class Step:
     """A step of the plan, with all values that are set before it."""
 
-    def __init__(self, instance: Instance, told: Plan) -> None:
-        self.start, self.end, self.label = told["start"], told["end"], told["label"]
-        self.end_label = told["end_label"]
+    def __init__(self, instance: Instance, entry: Plan) -> None:
+        self.start, self.end, self.label = entry["start"], entry["end"], entry["label"]
+        self.end_label = entry["end_label"]
         self.what = f"step at {self.label} s"
-        self.settings = [instance.setting(*setting) for setting in told["settings"]]
+        self.settings = [instance.setting(*setting) for setting in entry["settings"]]
         self.instance = instance
         self.whole = self.of(self.end - self.start)
 
@@ -186,9 +186,9 @@ class Step:
 class Event:
     """A condition that an impact makes true: number of impacts since the start, and time of the last impact."""
 
-    def __init__(self, instance: Instance, told: Plan) -> None:
-        self.name = told["name"]
-        self.counted, self.timed = (Variables(instance, "real", [told[key]]) for key in ("count", "time"))
+    def __init__(self, instance: Instance, entry: Plan) -> None:
+        self.name = entry["name"]
+        self.counted, self.timed = (Variables(instance, "real", [entry[key]]) for key in ("count", "time"))
 
     def count(self) -> float:
         """The number of impacts since the start."""
@@ -204,8 +204,8 @@ class Event:
 class Factors:
     """Factors of one type that one call sets."""
 
-    def __init__(self, instance: Instance, told: list[Any]) -> None:
-        self.kind, self.indices, self.references, self.names, self.texts = told
+    def __init__(self, instance: Instance, entry: list[Any]) -> None:
+        self.kind, self.indices, self.references, self.names, self.texts = entry
         self.variables = Variables(instance, self.kind, self.references)
         self.instance = instance
 

@@ -297,7 +297,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     entries.extend(generated);
     let (file, library) = (fmu.component.definition_file(), served::of(&fmu.component));
     let schema = schema::name(file);
-    let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
+    let definition = schema::with_schema_path(&fmu.checked.text, &schema).into_bytes();
     // The tables belong to the text in the FMU.
     let packed = String::from_utf8_lossy(&definition);
     if let Some(tables) = common.tables.then(|| fmu.component.tables(&packed)).flatten() {

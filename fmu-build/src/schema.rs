@@ -20,7 +20,7 @@ pub fn text(definition_file: &str) -> Vec<u8> {
 
 /// The text of a definition without faults, with its `"$schema"` set to the schema `name` in the same folder. A text
 /// without this key stays unchanged.
-pub fn led_here(definition: &str, name: &str) -> String {
+pub fn with_schema_path(definition: &str, name: &str) -> String {
     let root = parse("definition", definition).ok();
     let schema = root.as_ref().and_then(|root| root.member("$schema")).filter(|member| member.value.text().is_some());
     match schema {
@@ -51,7 +51,7 @@ mod tests {
             ),
             (r#"{"$schema": null}"#, r#"{"$schema": null}"#),
         ] {
-            assert_eq!(led_here(text, "mechanism.schema.json"), expected);
+            assert_eq!(with_schema_path(text, "mechanism.schema.json"), expected);
         }
     }
 

@@ -107,9 +107,9 @@ impl Source {
     pub fn kind(&self) -> &'static str {
         let own = self.definition.file_name().unwrap_or_default().to_string_lossy();
         let files = Component::definition_files();
-        let told =
+        let by_keys =
             || Component::kind_of(&String::from_utf8(files::read(&self.definition, LARGEST_DEFINITION).ok()?).ok()?);
-        files.into_iter().find(|file| own.ends_with(file)).or_else(told).unwrap_or(files[0])
+        files.into_iter().find(|file| own.ends_with(file)).or_else(by_keys).unwrap_or(files[0])
     }
 
     /// The text of the definition, with the contents of the file of shared parameters that it names.

@@ -57,8 +57,8 @@ fn poses_of_a_slider_crank_are_those_of_the_closed_form() {
         let poses = simulation.model().poses().unwrap();
         let angle = poses[1][0];
         // Outputs come from tables, poses from the exact evaluator.
-        let told = simulation.get("crank.angle").unwrap();
-        assert!((angle - told).abs() < 1e-13 * (1.0 + told.abs()), "{angle} {told}");
+        let computed = simulation.get("crank.angle").unwrap();
+        assert!((angle - computed).abs() < 1e-13 * (1.0 + computed.abs()), "{angle} {computed}");
         // The piston moves on the Y axis: a crank of 0.05 m, a rod of 0.2 m.
         let height = 0.05 * angle.sin() + (0.04 - (0.05 * angle.cos()).powi(2)).sqrt();
         assert!(apart([poses[3][1], poses[3][2]], [0.0, height]) < 1e-14, "{poses:?}");
@@ -305,7 +305,7 @@ fn markup_in_texts_stays_text() {
     assert!(!html.contains("<img") && !html.contains("<!--\""));
     assert_eq!(html.matches("</script>").count(), 3, "only the page's own");
     let text = html.split_once("<bdi id=\"lead\">").unwrap().1;
-    assert!(["&lt;&#x2f;script&gt;&lt;img", "&lt;/script&gt;&lt;img"].iter().any(|hostile| text.starts_with(hostile)));
+    assert!(["&lt;&#x2f;script&gt;&lt;img", "&lt;/script&gt;&lt;img"].iter().any(|start| text.starts_with(start)));
     assert!(html.contains("{{ 7*7 }}"));
     let (_, rest) = html.split_once("<script type=\"application/json\" id=\"data\">").unwrap();
     let (json, _) = rest.split_once("</script>").unwrap();

@@ -100,9 +100,9 @@ fn an_event_allocates_nothing() {
 #[test]
 fn an_intermediate_update_allocates_nothing() {
     let gear = Gear::new();
-    let told = Rc::new(Cell::new(0));
+    let updates = Rc::new(Cell::new(0));
     let (count, [position], [force]) =
-        (Rc::clone(&told), gear.vectors(["wheel.position"]), gear.scalars(["joint1.force"]));
+        (Rc::clone(&updates), gear.vectors(["wheel.position"]), gear.scalars(["joint1.force"]));
     let update: Box<Update> = Box::new(move |calls, _| {
         let mut values = [0.0; 3];
         assert_eq!(calls.reals(&[position, force], &mut values), Status::Ok);
@@ -118,6 +118,6 @@ fn an_intermediate_update_allocates_nothing() {
         assert_eq!((status, stepped.last), (Status::Ok, 0.12));
     };
     assert_allocates_nothing_again(|| {}, exchange, "intermediate updates");
-    assert!(told.get() >= 400, "{}", told.get());
+    assert!(updates.get() >= 400, "{}", updates.get());
     assert_eq!(host.free(&mut state), Status::Ok);
 }

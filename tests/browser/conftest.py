@@ -47,7 +47,7 @@ class Made:
 
     path: Path
     code: int
-    told: str
+    output: str
 
 
 @dataclass

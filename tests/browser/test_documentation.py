@@ -63,11 +63,11 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
 
 def test_markup_in_texts_has_no_effect(tmp_path: Path, show: Show) -> None:
     """A description and a README that contain scripts, pictures and closing tags."""
-    hostile = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
+    markup = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
     mechanism = definition("FourBar")
-    mechanism["description"] = hostile
+    mechanism["description"] = markup
     (tmp_path / "mechanism.json").write_text(json.dumps(mechanism), encoding="utf-8")
-    readme = f"# {hostile}\n\n{hostile}\n\n<script>alert(2)</script>\n\n[link](javascript:alert(3))\n"
+    readme = f"# {markup}\n\n{markup}\n\n<script>alert(2)</script>\n\n[link](javascript:alert(3))\n"
     (tmp_path / "README.md").write_text(readme, encoding="utf-8")
     program = os.environ["LINKAGE_VIEW"]
     command = [program, "package", str(tmp_path), "--out", str(tmp_path / "out")]
@@ -77,11 +77,11 @@ def test_markup_in_texts_has_no_effect(tmp_path: Path, show: Show) -> None:
         archive.extractall(tmp_path / "unpacked")
     page = opened(show, tmp_path / "unpacked").page
     assert page.locator("script, img, a[href^=javascript]").count() == 0
-    assert page.locator("p.lead").inner_text() == hostile
+    assert page.locator("p.lead").inner_text() == markup
     assert page.locator(".readme h3").inner_text().endswith("{{ 7*7 }}")
     # The animation receives its texts as data.
     shown = show(tmp_path / "unpacked" / "documentation" / "animation.html")
-    assert shown.data()["description"] == hostile
+    assert shown.data()["description"] == markup
 
 
 @pytest.mark.parametrize("name", NAMES)

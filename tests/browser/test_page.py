@@ -46,7 +46,7 @@ def gear_points(shown: Shown, index: int) -> dict[str, tuple[float, float]]:
 @pytest.mark.parametrize("name", ["LandingGearRetraction", "SliderCrank", "FourBar", "Jib", "CraneJib", "SlCrank"])
 def test_a_page_loads_without_errors_or_requests(name: str, make: Make, show: Show) -> None:
     made = make(definition(name))
-    assert made.code == 0, made.told
+    assert made.code == 0, made.output
     shown = show(made.path)
     assert shown.page.title() == name
     assert shown.page.locator("#drawing .body").count() >= 1
@@ -226,8 +226,8 @@ def test_reactions_are_arrows_to_scale_that_can_be_switched(make: Make, show: Sh
 def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show: Show) -> None:
     made = make(broken())
     assert made.code == 1
-    assert str(made.path) in made.told
-    assert "the loop of joint4 cannot close" in made.told
+    assert str(made.path) in made.output
+    assert "the loop of joint4 cannot close" in made.output
     shown = show(made.path)
     assert shown.page.get_by_role("alert").is_visible()
     assert "the positions of the guess" in shown.page.get_by_role("alert").inner_text()
@@ -366,12 +366,12 @@ def test_two_runs_are_compared(make: Make, show: Show) -> None:
 
 def test_markup_in_texts_is_shown_as_text(make: Make, show: Show) -> None:
     mechanism = deepcopy(GEAR)
-    hostile = "</script><img src=x onerror=alert(1)> \"quotes\" '&amp;' \u202ereversed\u202c {{ 7*7 }}"
-    mechanism["description"] = hostile
+    markup = "</script><img src=x onerror=alert(1)> \"quotes\" '&amp;' \u202ereversed\u202c {{ 7*7 }}"
+    mechanism["description"] = markup
     shown = show(make(mechanism).path)
-    assert shown.page.locator(".lead").text_content() == hostile
+    assert shown.page.locator(".lead").text_content() == markup
     assert shown.page.locator("img").count() == 0
-    assert shown.data()["description"] == hostile
+    assert shown.data()["description"] == markup
 
 
 def test_a_phone_shows_all_in_its_width(make: Make, show: Show) -> None:

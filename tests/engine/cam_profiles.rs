@@ -53,18 +53,18 @@ fn the_radius_of_curvature_is_that_of_the_profile() {
 
 #[test]
 fn impossible_cam_profiles_give_a_warning() {
-    let told = |text: &str| {
+    let warnings_of = |text: &str| {
         let all = Run::new(text).started().warnings();
         all.into_iter().filter(|line| line.contains("couplings")).collect::<Vec<_>>()
     };
     let with = |follower: serde_json::Value| translating("polynomial_345", follower);
-    assert!(told(&with(parsed(ROLLER))).is_empty());
-    assert!(told(&with(json!({ "follower": "flat" }))).is_empty());
-    let sharp = told(&with(json!({ "follower": "roller", "roller_radius": 0.018, "base_radius": 0.004 })));
+    assert!(warnings_of(&with(parsed(ROLLER))).is_empty());
+    assert!(warnings_of(&with(json!({ "follower": "flat" }))).is_empty());
+    let sharp = warnings_of(&with(json!({ "follower": "roller", "roller_radius": 0.018, "base_radius": 0.004 })));
     assert_eq!(sharp.len(), 2, "{sharp:?}");
     assert_says(&sharp[0], &["couplings.cam", "undercut", "0.018 m", "base_radius"]);
     assert_says(&sharp[1], &["couplings.cam", "pressure angle", "30 deg"]);
-    let hollow = told(&with(json!({ "follower": "flat", "base_radius": 0.02 })));
+    let hollow = warnings_of(&with(json!({ "follower": "flat", "base_radius": 0.02 })));
     assert_says(&hollow[0], &["undercut", "flat face"]);
 }
 

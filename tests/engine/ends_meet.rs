@@ -71,7 +71,8 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 
 #[test]
 fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
-    let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
+    let fragments =
+        [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
     let pulled = Run::new(arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
         let mut run = pulled.clone();
@@ -87,7 +88,7 @@ fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
             }
             assert!(run.get("arm.angle") > 0.0, "it has passed");
         };
-        assert_says(&error, &told);
+        assert_says(&error, &fragments);
         assert_says(error, &["cylinder.force"]);
         if h == 1e-3 {
             // The motion ends at most 1e-3 sizes of the mechanism and one step before the position.
@@ -101,7 +102,7 @@ fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
     // There and back within one step: the drive is first pulled, then pushed.
     let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
     run.place(("arm.start_angle", 0.3), ("arm.start_speed", -3.0));
-    assert_says(run.0.step(1.0).unwrap_err(), &told);
+    assert_says(run.0.step(1.0).unwrap_err(), &fragments);
     // The same from the other side, and with losses, friction and a damper.
     for further in [
         json!({ "springs": { "damper": { "joint": "pivot", "damping": 0.01 } } }),
@@ -111,7 +112,7 @@ fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
         for speed in [-9.0, 9.0] {
             let mut run = Run::new(arm(&further)).with(&[("arm.start_speed", speed)]).started();
             let error = (0..1000).find_map(|_| run.0.step(0.01).err()).unwrap();
-            assert_says(error, &told);
+            assert_says(error, &fragments);
             let angle = run.get("arm.angle");
             let left = if speed < 0.0 { angle } else { TAU - angle };
             assert!(left > 0.0 && left < 0.2, "{angle}");
@@ -248,12 +249,12 @@ fn ends_that_keep_their_distance_have_no_effect() {
         assert_eq!(run.get("idle.reduced_mass"), f64::MAX, "{first}");
         assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
-            let told = inspect(&between(group, first, second)).findings;
+            let findings = inspect(&between(group, first, second)).findings;
             let path = format!("{group}.idle");
-            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            let mut texts = findings.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
                 texts.any(|text| text.contains("apart in every position, so this element never moves")),
-                "{told:?}"
+                "{findings:?}"
             );
         }
     }
@@ -275,12 +276,12 @@ fn ends_that_keep_their_distance_have_no_effect() {
         assert_eq!(run.get("idle.speed"), 0.0, "{kind}");
         assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
-            let told = inspect(&within(group)).findings;
+            let findings = inspect(&within(group)).findings;
             let path = format!("{group}.idle");
-            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            let mut texts = findings.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
                 texts.any(|text| text.contains(&format!("0 {unit} in every position, so this element never moves"))),
-                "{told:?}"
+                "{findings:?}"
             );
         }
     }

@@ -54,8 +54,8 @@ fn check(run: &mut Run, (what, text): (&str, &str)) {
     let names: Vec<String> =
         run.variables().list().iter().filter_map(|v| v.name.strip_suffix(".velocity_x")).map(str::to_owned).collect();
     for (name, marker) in names.iter().zip(markers(&Mechanism::from_json(text).unwrap(), linkage).unwrap()) {
-        let told = Vec2::new(run.get(&format!("{name}.x")), run.get(&format!("{name}.y")));
-        let gap = (position(run, marker) - told).norm();
+        let origin = Vec2::new(run.get(&format!("{name}.x")), run.get(&format!("{name}.y")));
+        let gap = (position(run, marker) - origin).norm();
         assert!(gap <= least, "{what}: marker {name} is {gap:e} off");
     }
 }

@@ -33,7 +33,7 @@ fn angle(from: Vec2, to: Vec2) -> f64 {
 
 /// Intersection of two circles about two points: left of the line from the first point to the second (1), or right of
 /// it (-1).
-fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
+fn intersection([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
     let (way, distance) = (b - a, (b - a).norm());
     let along = (distance * distance + ra * ra - rb * rb) / (2.0 * distance);
     let unit = way / distance;
@@ -44,7 +44,7 @@ fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
 fn four_bar(lengths: [f64; 4], start: f64, speed: f64, side: f64) -> String {
     let [ground, crank, coupler, rocker] = lengths;
     let (b, d) = (crank * Vec2::new(start.cos(), start.sin()), Vec2::new(ground, 0.0));
-    let c = meeting([b, d], [coupler, rocker], side);
+    let c = intersection([b, d], [coupler, rocker], side);
     let bars = definition::four_bar(lengths, [start, angle(b, c), angle(d, c)]);
     rubbing(bars.with(json!({ "start": { "speed": speed } })))
 }
@@ -385,9 +385,9 @@ fn arcs_with_locking_friction_are_reported_at_the_start() {
     let mut run = Run::new(&text).started();
     run_to_the_lock(&mut run, 2.0).unwrap();
     let place = run.get("crank.angle");
-    let told = inspect(&text);
+    let inspection = inspect(&text);
     let arcs: Vec<&str> =
-        told.facts.iter().filter(|fact| fact.topic == "Friction").map(|fact| fact.text.as_str()).collect();
+        inspection.facts.iter().filter(|fact| fact.topic == "Friction").map(|fact| fact.text.as_str()).collect();
     println!("{arcs:?}, {place}");
     let angle = |text: &str| text.split("crank = ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     let holds = |arc: &&str| {
@@ -396,7 +396,7 @@ fn arcs_with_locking_friction_are_reported_at_the_start() {
         [-TAU, 0.0, TAU].iter().any(|turn| (from - 0.01..=to + 0.01).contains(&(place + turn)))
     };
     assert!(arcs.iter().any(|arc| arc.contains("forward") && holds(arc)), "{arcs:?} {place}");
-    let warned = told.findings.iter().find(|finding| finding.path == "friction").unwrap();
+    let warned = inspection.findings.iter().find(|finding| finding.path == "friction").unwrap();
     assert!(warned.message.contains("locks slow motion in"), "{warned}");
     let free = inspect(&coupled_cranks(20.0));
     assert!(free.facts.iter().all(|fact| fact.topic != "Friction"));

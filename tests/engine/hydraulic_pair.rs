@@ -190,7 +190,7 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     let terms =
         ["length", "speed", "reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"];
     let table = angles(second);
-    let (mut worst, mut told) = (0.0_f64, None);
+    let (mut worst, mut late_force) = (0.0_f64, None);
     let end = table[table.len() - 1][0];
     actuator.set("preview.horizon", h);
     for step in 1..=(end / h).round() as u32 {
@@ -198,11 +198,11 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
             let value = gear.get(&name);
             actuator.set(&name, value);
         }
-        let force = told.unwrap_or_else(|| actuator.get("preview.force_mean"));
+        let force = late_force.unwrap_or_else(|| actuator.get("preview.force_mean"));
         gear.set("actuator.force", force);
         gear.0.step(h).ok()?;
         actuator.0.step(h).ok()?;
-        told = Some(actuator.get("preview.force_mean"));
+        late_force = Some(actuator.get("preview.force_mean"));
         let t = f64::from(step) * h;
         if let Some([_, angle]) = table.iter().find(|[time, _]| (time - t).abs() < 1e-9) {
             worst = worst.max((gear.get("crank.angle") - angle).abs());

@@ -172,12 +172,12 @@ fn equilibrium_true_searches_from_the_guess() {
     assert!(run.0.reference("arm.start_angle").is_err());
     let inspection = Component::inspect("mechanism.json", &definition.to_string()).unwrap();
     assert_eq!(inspection.findings, []);
-    let told: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria")).collect();
-    assert_eq!(told.len(), 2, "{told:?}");
-    let stable = told.iter().find(|fact| fact.text.starts_with("stable")).unwrap();
+    let equilibria: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria")).collect();
+    assert_eq!(equilibria.len(), 2, "{equilibria:?}");
+    let stable = equilibria.iter().find(|fact| fact.text.starts_with("stable")).unwrap();
     let eigenfrequency = stable.quantities.iter().find(|quantity| quantity.unit == "Hz").unwrap();
     close(eigenfrequency.value, (G / 0.5).sqrt() / TAU, 1.0);
-    assert!(told.iter().any(|fact| fact.text.starts_with("unstable")));
+    assert!(equilibria.iter().any(|fact| fact.text.starts_with("unstable")));
     // With `equilibrium` in an object, a change of its parameters starts a new search.
     let mut run = Run::new(pendulum());
     run.set("arm.start_angle", -1.2 + TAU);

@@ -67,13 +67,13 @@ fn larger_misses_give_a_warning_with_the_required_snap() {
     for change in [3e-6, -3e-6, 1e-4, 1e-3] {
         let text = parallelogram(change, json!({}));
         let run = Run::new(&text);
-        let told = run.warnings();
-        assert_eq!(told.len(), 2, "{change}: {told:?}");
+        let warnings = run.warnings();
+        assert_eq!(warnings.len(), 2, "{change}: {warnings:?}");
         let inspection = inspect(&text);
         assert_eq!(inspection.findings.len(), 2);
         assert_eq!(texts(&inspection, "Near misses").len(), 2);
         let mut cure = 0.0_f64;
-        for (line, finding) in told.iter().zip(&inspection.findings) {
+        for (line, finding) in warnings.iter().zip(&inspection.findings) {
             assert_says(
                 line,
                 &["almost cross at ", "the lengths miss a crossing by", "turns sharply at this position"],
@@ -105,9 +105,9 @@ fn without_snap_misses_are_rejected_with_their_size() {
         let error = refusal(parallelogram(change, json!({ "snap": 0 })));
         assert_says(error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
     }
-    for (value, told) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
+    for (value, shown) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
         let text = parallelogram(0.0, json!({ "snap": value.parse::<f64>().unwrap() }));
-        assert_says(refusal(text), &["snap", told, "from 0 to 0.01"]);
+        assert_says(refusal(text), &["snap", shown, "from 0 to 0.01"]);
     }
 }
 

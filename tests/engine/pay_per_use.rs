@@ -106,8 +106,8 @@ fn a_change_of_regime_costs_no_second_step() {
     let work = model.statistics();
     assert_eq!(work.accepted_by(Method::Dop853), work.accepted, "steps of DOP853 alone");
     // The start, and interpolants of steps that come near a border.
-    let besides = 12;
-    assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + besides, "{work:?}");
+    let constant = 12;
+    assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + constant, "{work:?}");
 }
 
 #[test]

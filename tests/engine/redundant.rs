@@ -161,8 +161,8 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
             run.get(&format!("{rail}.torque"))
         );
     }
-    let [told] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
-    assert_says(told, &["upper", "share the reactions"]);
+    let [fact] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
+    assert_says(fact, &["upper", "share the reactions"]);
     // Friction on each rail, whose normal force is half of the weight.
     carriage["friction"] = sticks(0.1);
     let mut run = Run::new(&carriage).started();

@@ -25,7 +25,7 @@ fn sticks(coefficients: [f64; 2], speeds: [f64; 2]) -> Value {
 }
 
 /// Texts of the occurrences in the last steps.
-fn told(run: &mut Run) -> Vec<String> {
+fn messages(run: &mut Run) -> Vec<String> {
     run.take_occurrences(0.0).into_iter().map(|line| line.text).collect()
 }
 
@@ -94,7 +94,7 @@ fn stick_slip_follows_its_closed_form() {
             run.set("pull.force_x", STIFFNESS * speed * f64::from(k) * h);
             run.set_derivative("pull.force_x", 1, STIFFNESS * speed);
             run.step(h);
-            events.extend(told(&mut run));
+            events.extend(messages(&mut run));
             run.set("pull.force_x", STIFFNESS * speed * f64::from(k + 1) * h);
             let (x, v, sticks) = exact.at(f64::from(k + 1) * h);
             worst = worst.max((run.get("slide.position") - x).abs()).max((run.get("slide.speed") - v).abs());

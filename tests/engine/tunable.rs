@@ -148,15 +148,15 @@ fn a_saved_state_contains_the_values() {
     }
     run(&mut tuned, 3);
     let kept = tuned.saved();
-    let go_on = |gear: &mut Run| {
+    let continued = |gear: &mut Run| {
         run(gear, 40);
         gear.bits(["crank.angle", "joint2.force", "energy.drift"])
     };
-    let first = go_on(&mut tuned);
+    let first = continued(&mut tuned);
     let fresh = &mut Run::gear().started();
     for gear in [&mut tuned, &mut *fresh] {
         gear.take(&kept);
-        assert_eq!(go_on(gear), first);
+        assert_eq!(continued(gear), first);
     }
     assert_eq!(fresh.get("friction.kinetic_coefficient"), 0.02);
 }

@@ -95,11 +95,11 @@ fn the_bucket_locks_where_statics_has_no_force() {
             {
                 match breakaway(angle, sense, torque) {
                     Some(force) => {
-                        let told = run.get(name);
+                        let read = run.get(name);
                         // Near the border of locking, the sensitivity of the force to the tables is proportional to the
                         // force.
                         let bound = 1e-10 * force.abs().max(1e5) * (force.abs() / 1e5).max(1.0);
-                        assert!((told - force).abs() < bound, "{name} at {angle}: {told} {force}");
+                        assert!((read - force).abs() < bound, "{name} at {angle}: {read} {force}");
                         found += 1;
                     }
                     None => {
@@ -138,10 +138,10 @@ fn the_border_of_locking_is_that_of_statics() {
         locked
     };
     let statics = border(&mut |angle| [1.0, -1.0].iter().any(|sense| breakaway(angle, *sense, TORQUE).is_none()));
-    let told = border(&mut |angle| bucket(angle, TORQUE).is("cylinder.self_locking"));
-    println!("{statics} {told}");
+    let limit = border(&mut |angle| bucket(angle, TORQUE).is("cylinder.self_locking"));
+    println!("{statics} {limit}");
     // Both angles have the rounding error of the force, which is unbounded at the border.
-    assert!((statics - told).abs() < 1e-10, "{statics} {told}");
+    assert!((statics - limit).abs() < 1e-10, "{statics} {limit}");
 }
 
 /// The bucket swings through the locked positions. Every output is read after every step. Other outputs stay finite.
@@ -192,7 +192,7 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     let mut run = Run::new(&text).with(&[("crank.start_angle", 0.3), ("crank.start_speed", -3.0)]).started();
     let undefined = read_all(&mut run);
     let has = |name: &str| undefined.iter().any(|u| u == name);
-    for told in [
+    for name in [
         "crank.angle",
         "crank.speed",
         "wheel.velocity_x",
@@ -203,8 +203,8 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
         "actuator.reduced_mass",
         "actuator.holding_force",
     ] {
-        assert!(!has(told), "{told}");
-        run.get(told);
+        assert!(!has(name), "{name}");
+        run.get(name);
     }
     for lacking in
         ["crank.acceleration", "wheel.acceleration_y", "joint2.force", "joint3.friction_torque", "actuator.static_load"]

@@ -24,12 +24,12 @@ fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> H
 }
 
 /// Category and text of the messages since the last call.
-fn told(host: &Host) -> Vec<(String, String)> {
+fn messages_of(host: &Host) -> Vec<(String, String)> {
     host.log.take().into_iter().map(|message| (message.category, message.text)).collect()
 }
 
 fn texts(host: &Host) -> Vec<String> {
-    told(host).into_iter().map(|(_, text)| text).collect()
+    messages_of(host).into_iter().map(|(_, text)| text).collect()
 }
 
 /// Request messages of this category only.
@@ -44,7 +44,7 @@ fn an_impact_is_logged_with_time_speed_and_impulse() {
     assert_eq!(host.step(5.0, 0.1), Status::Ok);
     assert_eq!(texts(&host), [""; 0]);
     assert_eq!(host.step(5.1, 0.1), Status::Ok);
-    let said = told(&host);
+    let said = messages_of(&host);
     let (impulse, time) = (host.get("upstop.impact_impulse").unwrap(), host.get("upstop.impact_time").unwrap());
     assert!((time - 5.0 - HIT).abs() < 1e-9, "{time}");
     assert!(said.iter().all(|(category, _)| category == "logEvents"), "{said:?}");
@@ -82,8 +82,8 @@ fn each_impact_without_losses_is_logged() {
     let host = gear("lossless", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 2.0), Status::Ok);
     let count = host.get("upstop.impact_count").unwrap();
-    let told = texts(&host).iter().filter(|line| line.contains("impact on the stop upstop")).count();
-    assert!(count > 5.0 && told as f64 == count, "{told} of {count}");
+    let logged = texts(&host).iter().filter(|line| line.contains("impact on the stop upstop")).count();
+    assert!(count > 5.0 && logged as f64 == count, "{logged} of {count}");
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn regimes_of_friction_are_logged_for_debugging() {
     let host = gear("regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     ask_for(&host, c"logDebug");
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
-    let said = told(&host);
+    let said = messages_of(&host);
     assert!(
         said.iter().any(|(category, text)| category == "logDebug" && text.contains("friction in the joint joint")),
         "{said:?}"
@@ -115,7 +115,7 @@ fn regimes_of_friction_are_logged_for_debugging() {
     // A host that does not request these messages gets none.
     let host = gear("no regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
-    assert_eq!(told(&host), []);
+    assert_eq!(messages_of(&host), []);
     assert_eq!(host.step(0.1, 0.1), Status::Ok);
     assert!(texts(&host)[0].contains("impact on the stop upstop"));
 }

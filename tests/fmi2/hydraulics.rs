@@ -98,9 +98,9 @@ fn corrupted_states_are_rejected_and_change_nothing() {
     let bytes = host.serialize(&state).unwrap();
     let before = all_bits(&host);
     for at in 0..bytes.len() {
-        let mut spoiled = bytes.clone();
-        spoiled[at] ^= 0x41;
-        assert!(host.deserialize(&spoiled).is_err(), "byte {at}");
+        let mut corrupted = bytes.clone();
+        corrupted[at] ^= 0x41;
+        assert!(host.deserialize(&corrupted).is_err(), "byte {at}");
     }
     assert!(host.deserialize(&bytes[..bytes.len() - 1]).is_err());
     assert!(all_bits(&host) == before);

@@ -76,13 +76,13 @@ fn a_step_in_part_is_discarded_and_can_be_read() {
             assert!((a - b).abs() <= 1e-6 * (1.0 + b.abs()), "{name}: {a} {b}");
         }
         assert!(gear.all_bits().iter().zip(twin.all_bits()).all(|(a, b)| a.0 == b.0), "what can be read");
-        goes_on_from_a_saved_state(&gear, before);
+        continues_from_a_saved_state(&gear, before);
     }
 }
 
 /// An interrupted instance allows exactly the calls of the state stepFailed. A state saved before the step restores the
 /// instance.
-fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
+fn continues_from_a_saved_state(gear: &Gear, mut before: State) {
     let (angle, time) = (gear.get("crank.angle").unwrap(), last_time(gear));
     gear.log.take();
     assert_eq!(gear.step(time, 1e-3), Status::Error);

@@ -35,7 +35,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
     const STEP: f64 = 4e-3;
     let (host, outputs) = bucket("undefined");
     let references: Vec<u32> = outputs.iter().map(|(_, reference)| *reference).collect();
-    let (mut warned, mut told) = (0, 0);
+    let (mut warned, mut complete) = (0, 0);
     for k in 0..60 {
         let mut values = vec![7.0; references.len()];
         let status = host.reals(&references, &mut values);
@@ -45,7 +45,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
         let messages = host.log.take();
         if lacking.is_empty() {
             assert_eq!((status, messages.len()), (Status::Ok, 0));
-            told += 1;
+            complete += 1;
         } else {
             assert_eq!((status, messages.len()), (Status::Warning, 1), "{messages:?}");
             let message = &messages[0];
@@ -71,7 +71,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
         }
         assert_eq!(host.step(f64::from(k) * STEP, STEP), Status::Ok);
     }
-    assert!(warned > 2 && told > 10, "{warned} {told}");
+    assert!(warned > 2 && complete > 10, "{warned} {complete}");
 }
 
 /// The derivatives of such outputs are NaN with a warning too.

@@ -86,7 +86,7 @@ class Instance:
             set_values = self.slave.setBoolean if isinstance(value, bool) else self.slave.setReal
             set_values([self.references[name]], [value])
 
-    def told(self, name: str) -> bool:
+    def boolean(self, name: str) -> bool:
         """Read a Boolean."""
         return bool(self.slave.getBoolean([self.references[name]])[0])
 

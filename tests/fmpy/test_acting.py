@@ -22,11 +22,11 @@ TIME = 1e-8
 
 def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
     instance = instantiate().start()
-    assert instance.told("extended")
-    assert not instance.told("retracted")
+    assert instance.boolean("extended")
+    assert not instance.boolean("retracted")
     instance.run(0, 1, 0.2)
-    assert instance.told("retracted")
-    assert not instance.told("extended")
+    assert instance.boolean("retracted")
+    assert not instance.boolean("extended")
     angle, speed, torque = instance.get("crank.angle", "crank.speed", "upstop.torque")
     assert angle == pytest.approx(UP, abs=1e-12)
     assert speed == 0.0
@@ -63,13 +63,13 @@ def test_uplock_holds_and_releases(instantiate: Start) -> None:
     instance.run(0, 2, 0.1)
     instance.set("actuator.force", 0.0)
     instance.run(2, 4, 0.1)
-    assert instance.told("retracted")
+    assert instance.boolean("retracted")
     speed, torque, force = instance.get("crank.speed", "upstop.torque", "uplock.force")
     assert (speed, torque) == (0.0, 0.0)
     assert force > 0.0
     instance.set("uplock.engage", False)
     instance.run(4, 5, 0.1)
-    assert not instance.told("retracted")
+    assert not instance.boolean("retracted")
     assert instance.get("crank.speed")[0] > 0.0
 
 
@@ -79,7 +79,7 @@ def test_downlock_holds_against_the_actuator(instantiate: Start) -> None:
     instance = instantiate()
     instance.set("downlock.engage", True)
     instance.start().run(0, 3, 0.1)
-    assert instance.told("extended")
+    assert instance.boolean("extended")
     angle, speed, force, holding = instance.get(
         "crank.angle", "crank.speed", "downlock.force", "actuator.holding_force"
     )
@@ -98,7 +98,7 @@ def test_dropped_gear_comes_to_rest(instantiate: Start) -> None:
         speeds += instance.get("crank.speed")
     assert min(speeds) < -0.1, "it bounced"
     assert speeds[-1] == 0.0
-    assert instance.told("extended")
+    assert instance.boolean("extended")
     assert instance.get("crank.angle")[0] == pytest.approx(0.8, abs=1e-12)
 
 

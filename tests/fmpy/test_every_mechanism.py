@@ -44,8 +44,8 @@ def test_default_experiment_with_friction(fmu: Path) -> None:
     locked = [name for name in result.dtype.names if name.endswith(".self_locking")]
     assert locked
     for name in result.dtype.names:
-        told = np.isfinite(result[name])
+        defined = np.isfinite(result[name])
         drive, _, term = name.rpartition(".")
         if term.startswith(("required_force", "breakaway_")):
-            told |= result[f"{drive}.self_locking"].astype(bool)
-        assert np.all(told), name
+            defined |= result[f"{drive}.self_locking"].astype(bool)
+        assert np.all(defined), name

@@ -211,16 +211,16 @@ def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> No
         modelIdentifier=NAME,
         instanceName="gear",
     )
-    told: list[tuple[float, float]] = []
+    updates: list[tuple[float, float]] = []
 
     flags: set[tuple] = set()
 
     # Exceptions in the callback would be lost, so it only records values.
     def update(_environment: object, time: float, *arguments: object) -> None:
-        *told_flags, requested, stop = arguments
-        flags.add(tuple(told_flags))
-        told.append((time, instance.getFloat64([angle])[0]))
-        if len(told) == 3:
+        *step_flags, requested, stop = arguments
+        flags.add(tuple(step_flags))
+        updates.append((time, instance.getFloat64([angle])[0]))
+        if len(updates) == 3:
             requested[0], stop[0] = True, 0.09
 
     instance.instantiate(
@@ -231,13 +231,13 @@ def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> No
     instance.enterInitializationMode(tolerance=1e-12, startTime=0.0)
     instance.exitInitializationMode()
     assert instance.doStep(0.0, 0.13) == (False, False, True, 0.09)
-    assert len(told) >= 3
+    assert len(updates) >= 3
     # Set requested, get allowed, step finished, can return early.
     assert flags == {(False, True, True, True)}
-    assert all(0.0 < time < 0.09 for time, _ in told)
+    assert all(0.0 < time < 0.09 for time, _ in updates)
     (at_end,) = instance.getFloat64([angle])
-    assert all(at_end < value < 0.8 for _, value in told)
-    told += [(0.0, 0.0)] * 3
+    assert all(at_end < value < 0.8 for _, value in updates)
+    updates += [(0.0, 0.0)] * 3
     assert instance.doStep(0.09, 0.04) == (False, False, False, 0.13)
     assert instance.getFloat64([angle])[0] == pytest.approx(-1.2377117266891367, abs=1e-10)
     instance.terminate()

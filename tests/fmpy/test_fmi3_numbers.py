@@ -94,11 +94,11 @@ def test_adjoint_and_directional_derivatives_are_one_matrix(make: Make) -> None:
 
 
 def test_intermediate_updates_report_every_internal_step(make: Make) -> None:
-    told: list[tuple[float, float]] = []
+    updates: list[tuple[float, float]] = []
     lines: list[str] = []
 
     def update(_environment: object, time: float, *_arguments: object) -> None:
-        told.append((time, instance.getFloat64([angle])[0]))
+        updates.append((time, instance.getFloat64([angle])[0]))
 
     def log(_environment: object, _status: int, _category: bytes, message: bytes) -> None:
         lines.append(message.decode())
@@ -112,14 +112,14 @@ def test_intermediate_updates_report_every_internal_step(make: Make) -> None:
     (cost,) = (line for line in lines if line.startswith("terminated"))
     accepted = int(re.search(r"in (\d+) accepted steps", cost)[1])
     # The last internal step ends with the communication step and need not be reported.
-    assert accepted - 1 <= len(told) <= accepted, cost
+    assert accepted - 1 <= len(updates) <= accepted, cost
     assert accepted > 5
-    times = [time for time, _ in told]
+    times = [time for time, _ in updates]
     assert times == sorted(set(times))
     assert times[0] > 0.0
     assert times[-1] <= 0.13
     # Each reported state is a state of the motion: a step of another instance to the same time ends there.
-    for time, seen in told[:: max(1, len(told) // 5)]:
+    for time, seen in updates[:: max(1, len(updates) // 5)]:
         other = started(make(), 1e-12)
         other.doStep(0.0, time)
         assert other.getFloat64([angle])[0] == pytest.approx(seen, abs=ROUND_OFF, rel=0.0)

@@ -147,8 +147,8 @@ def test_gear_and_actuator_reach_the_cushions_together(folder: Path) -> None:
     names = [f"actuator.{name}" for name in SHARED]
 
     def connect(size: float) -> None:
-        told = dict(zip((name.replace(".", "__") for name in names), gear.get(*names), strict=True))
-        oil.set(preview__horizon=size, **told)
+        motion = dict(zip((name.replace(".", "__") for name in names), gear.get(*names), strict=True))
+        oil.set(preview__horizon=size, **motion)
 
     connect(1e-3)
     gear.start(actuator__force=0.0)

@@ -136,7 +136,7 @@ def test_without_derivatives_the_speed_is_held(actuator: Instance) -> None:
 
 
 def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: Path) -> None:
-    def go_on(instance: Instance) -> list[dict[str, str]]:
+    def continued(instance: Instance) -> list[dict[str, str]]:
         seen = []
         for i in range(45, 90):
             move(instance, i * 1e-3, 1e-3)
@@ -148,9 +148,9 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
         move(actuator, i * 1e-3, 1e-3)
     state = actuator.slave.getFMUstate()
     text = actuator.slave.serializeFMUstate(state)
-    first = go_on(actuator)
+    first = continued(actuator)
     actuator.slave.setFMUstate(state)
-    assert go_on(actuator) == first
+    assert continued(actuator) == first
     actuator.slave.freeFMUstate(state)
     other = Instance(folder)
     try:
@@ -158,7 +158,7 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
         state = other.slave.deSerializeFMUstate(text)
         other.slave.setFMUstate(state)
         other.slave.freeFMUstate(state)
-        assert go_on(other) == first
+        assert continued(other) == first
         with pytest.raises(FMICallException):
             other.slave.deSerializeFMUstate(text[:-1])
     finally:

@@ -50,22 +50,22 @@ def test_info_agrees_with_fmpy(command: Command, name: str) -> None:
     fmu = FMU_FOLDER / f"{name}.fmu"
     done = command("info", fmu, "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    info = json.loads(done.stdout)
     read = read_model_description(str(fmu))
-    assert (told["fmi_version"], told["name"], told["guid"]) == (read.fmiVersion, read.modelName, read.guid)
-    assert told["description"] == read.description
-    assert told["generation_tool"] == read.generationTool
+    assert (info["fmi_version"], info["name"], info["guid"]) == (read.fmiVersion, read.modelName, read.guid)
+    assert info["description"] == read.description
+    assert info["generation_tool"] == read.generationTool
     kinds = {"CoSimulation": read.coSimulation, "ModelExchange": read.modelExchange}
-    assert told["interfaces"] == {kind: offered.modelIdentifier for kind, offered in kinds.items() if offered}
-    assert told["platforms"] == fmpy.supported_platforms(str(fmu))
+    assert info["interfaces"] == {kind: offered.modelIdentifier for kind, offered in kinds.items() if offered}
+    assert info["platforms"] == fmpy.supported_platforms(str(fmu))
     experiment = read.defaultExperiment
-    assert told["experiment"] == {
+    assert info["experiment"] == {
         "start_time": float(experiment.startTime),
         "stop_time": float(experiment.stopTime),
         "step_size": float(experiment.stepSize),
         "tolerance": float(experiment.tolerance),
     }
-    for here, there in zip(told["variables"], read.modelVariables, strict=True):
+    for here, there in zip(info["variables"], read.modelVariables, strict=True):
         assert here == {
             "name": there.name,
             "reference": str(there.valueReference),
@@ -142,16 +142,16 @@ def cut(part: str, size: int) -> Change:
 def test_corrupted_files_are_reported(
     command: Command, fmu: Path, tmp_path: Path, change: Change, said: str, is_valid: bool
 ) -> None:
-    spoiled = tmp_path / "spoiled gear.fmu"
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(spoiled, "w", zipfile.ZIP_DEFLATED) as target:
+    damaged = tmp_path / "damaged gear.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(damaged, "w", zipfile.ZIP_DEFLATED) as target:
         for name in source.namelist():
             entry = change(name, source.read(name))
             if entry is not None:
                 target.writestr(*entry)
-    done = command("validate", spoiled.name)
+    done = command("validate", damaged.name)
     assert said in done.stdout, done.stdout + done.stderr
     assert done.returncode == (0 if is_valid else 1)
-    assert done.stdout.splitlines()[-1].startswith(f"spoiled gear.fmu: {'valid' if is_valid else 'not valid'}: ")
+    assert done.stdout.splitlines()[-1].startswith(f"damaged gear.fmu: {'valid' if is_valid else 'not valid'}: ")
 
 
 def test_damaged_bytes_are_reported(command: Command, fmu: Path, tmp_path: Path) -> None:

@@ -183,8 +183,8 @@ def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
     locked = result["cylinder.self_locking"].astype(bool)
     assert 2 < np.count_nonzero(locked) < len(locked) - 10
     inverse = ("cylinder.required_force", "cylinder.breakaway_force_forward", "cylinder.breakaway_force_backward")
-    told = np.array([np.isfinite(result[name]) for name in inverse])
-    assert np.array_equal(np.all(told, axis=0), ~locked)
+    defined = np.array([np.isfinite(result[name]) for name in inverse])
+    assert np.array_equal(np.all(defined, axis=0), ~locked)
     assert [name for name in result.dtype.names if name not in inverse and not np.all(np.isfinite(result[name]))] == []
     assert result["bucket.angle"][-1] > 2.7
 

@@ -130,17 +130,17 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
 def scheduler(tmp_path: Path) -> Iterator[str]:
     """Address of a scheduler with two workers that were started manually. Their temporary files are in
     `tmp_path/workers`."""
-    told, own_files = tmp_path / "scheduler.json", tmp_path / "workers"
+    scheduler_file, own_files = tmp_path / "scheduler.json", tmp_path / "workers"
     own_files.mkdir()
     dask = [str(PYTHON), "-m", "dask"]
     own = ["--no-dashboard", "--host", "127.0.0.1"]
     environment = os.environ | {"TMPDIR": str(own_files)}
-    processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(told)])]
+    processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(scheduler_file)])]
     try:
         limit = time.monotonic() + 60
-        while not (told.exists() and told.stat().st_size > 0) and time.monotonic() < limit:
+        while not (scheduler_file.exists() and scheduler_file.stat().st_size > 0) and time.monotonic() < limit:
             time.sleep(0.05)
-        address = json.loads(told.read_text(encoding="utf-8"))["address"]
+        address = json.loads(scheduler_file.read_text(encoding="utf-8"))["address"]
         worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         worker += ["--local-directory", str(tmp_path)]
         processes += [subprocess.Popen(worker, env=environment) for _ in range(2)]
@@ -283,7 +283,7 @@ def test_a_scheduler_that_does_not_answer_is_an_error_in_one_sentence(study: Pat
         said, _ = process.communicate(timeout=600)
         assert process.returncode == 1, said
         assert "Traceback" not in said, said
-        told = f"error: the cluster: no Dask scheduler answers at {address} within 30 s ("
-        assert told in said, said
+        message = f"error: the cluster: no Dask scheduler answers at {address} within 30 s ("
+        assert message in said, said
         assert "; start a scheduler on that machine with `dask scheduler`, check the address" in said, said
         assert not (tmp_path / str(index) / "runs.journal").exists(), "nothing to resume"

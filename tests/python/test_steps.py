@@ -63,10 +63,10 @@ def test_a_parameter_ends_a_run(simulation: lf.Simulation) -> None:
 
 def test_events_end_a_run_until(simulation: lf.Simulation) -> None:
     simulation.run_until(0.02)
-    told = simulation.run_until(1.0, at_event=True)
-    assert told, "nothing happened"
-    assert all("t = 0.13205985" in line for line in told)
-    assert "upstop" in " ".join(told)
+    events = simulation.run_until(1.0, at_event=True)
+    assert events, "nothing happened"
+    assert all("t = 0.13205985" in line for line in events)
+    assert "upstop" in " ".join(events)
     assert simulation.time == pytest.approx(0.132059852, abs=1e-8)
     assert simulation.run_until(simulation.time) == []
 

@@ -184,20 +184,20 @@ fn another_initialisation_allocates_nothing() {
             gear.set_real(force, 3e4 + 1e3 * f64::from(case)).unwrap();
             gear.set_real(factor, 3.0 - 0.5 * f64::from(case)).unwrap();
             let (_, count) = allocations(|| gear.initialize().unwrap());
-            let mut told = vec![gear.statistics().evaluations];
+            let mut values = vec![gear.statistics().evaluations];
             for h in [0.01, 0.02, 0.2, 1e-3, 1e-3, 1e-3, 1e-3] {
                 gear.step(h).unwrap();
-                told.extend([angle, drift, bearing].map(|reference| gear.real(reference).unwrap().to_bits()));
+                values.extend([angle, drift, bearing].map(|reference| gear.real(reference).unwrap().to_bits()));
             }
-            told.push(gear.statistics().evaluations);
-            (told, count)
+            values.push(gear.statistics().evaluations);
+            (values, count)
         };
         let mut fresh = gear.clone();
         run(&mut gear, 0);
         for case in 1..4 {
-            let (told, count) = run(&mut gear, case);
+            let (values, count) = run(&mut gear, case);
             assert_eq!(count, 0, "friction {friction}, case {case}");
-            assert_eq!(told, run(&mut fresh.clone(), case).0, "friction {friction}, case {case}");
+            assert_eq!(values, run(&mut fresh.clone(), case).0, "friction {friction}, case {case}");
         }
         // A failed run leaves no trace.
         assert!(gear.step(f64::NAN).is_err());

@@ -95,23 +95,23 @@ def fmpy(fmus: Path, step: float, scheme: str) -> Angles:
     (gear, of_gear), (oil, of_oil) = load(GEAR), load(HYDRAULICS)
     names, source = shared(scheme)
 
-    def tell() -> None:
+    def exchange() -> None:
         oil.setReal([of_oil[name] for name in names], gear.getReal([of_gear[name] for name in names]))
 
     gear.setBoolean([of_gear["downstop.enabled"]], [False])
     oil.setReal([of_oil[name] for name in parameters(step)], list(parameters(step).values()))
     if scheme == DELAYED:
         oil.setInteger([of_oil[MODE]], [DELAYED_NUMBER])
-    tell()
+    exchange()
     gear.exitInitializationMode()
     oil.exitInitializationMode()
     angles = []
     for i in range(round(END * 1e-3 / step)):
         if scheme == DELAYED:
             gear.setReal([of_gear[FORCE]], oil.getReal([of_oil[source]]))
-            tell()
+            exchange()
         else:
-            tell()
+            exchange()
             gear.setReal([of_gear[FORCE]], oil.getReal([of_oil[source]]))
         gear.doStep(i * step, step)
         oil.doStep(i * step, step)

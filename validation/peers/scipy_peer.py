@@ -71,10 +71,10 @@ def by_ode(method: str) -> Callable[[Rate, float, float], Outcome]:
 
 def by_odeint(rate: Rate, rtol: float, atol: float) -> Outcome:
     """Compiled LSODA, without the Python layer of `solve_ivp`."""
-    states, told = scipy.integrate.odeint(
+    states, info = scipy.integrate.odeint(
         rate, START, (0.0, SPAN), rtol=rtol, atol=atol, tfirst=True, full_output=True, mxstep=100_000, tcrit=(SPAN,)
     )
-    return float(states[-1, 0]), int(told["nfe"][-1])
+    return float(states[-1, 0]), int(info["nfe"][-1])
 
 
 Solve = Callable[[Rate, float, float], Outcome]

@@ -102,8 +102,8 @@ def attachments(fmu: Fmu, travel: Travel, found: dict[str, Value]) -> tuple[Figu
 
 def section(fmu: Fmu, travel: Travel) -> Section:
     """Figures, claim and numbers of this section."""
-    told = json.loads(OPTIMUM.read_text(encoding="utf-8"))["best"]["factors"]
-    parameters: dict[str, Value] = {name: float(value) for name, value in told.items()}
+    factors = json.loads(OPTIMUM.read_text(encoding="utf-8"))["best"]["factors"]
+    parameters: dict[str, Value] = {name: float(value) for name, value in factors.items()}
     rotation, before = least_force(fmu, travel)
     rotation_found, after = least_force(fmu, travel, parameters)
     peak, least = before["forward"].max(), after["forward"].max()

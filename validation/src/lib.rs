@@ -38,7 +38,6 @@ use std::path::Path;
 /// Run the benchmarks named on the command line.
 ///
 /// # Errors
-///
 /// Unknown arguments, a call that returns an error, a failed scene, or a file that cannot be written.
 pub fn run(arguments: &[&str]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

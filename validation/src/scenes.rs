@@ -28,20 +28,20 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let mut tables = String::new();
     let mut csv = String::from("scene,steps,inputs,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
     let mut figures = Vec::new();
-    for (title, steps, besides) in RUNS_OF {
-        let inputs = if besides.is_empty() { "constant" } else { "changing" };
+    for (title, steps, further) in RUNS_OF {
+        let inputs = if further.is_empty() { "constant" } else { "changing" };
         let work = ["evaluations", "Jacobians", "steps", "rejected", "steps by method"];
         tables += &format!("## {title}\n\n{}", heading(&[&["scene", "time [us]", "to bare"], &work[..]].concat()));
         let mut times = [f64::INFINITY; SCENES.len()];
         for _ in 0..RUNS {
             for ((time, gear), scene) in times.iter_mut().zip(&mut gears).zip(&SCENES) {
-                let after = [scene.after, besides].concat();
+                let after = [scene.after, further].concat();
                 gear.run(steps, SPAN / f64::from(steps), &after, std::slice::from_mut(time))?;
             }
         }
         let times = times.map(|seconds| seconds * 1e6);
         for (time, scene) in times.iter().zip(&SCENES) {
-            let work = scene.work(&text, TOLERANCE, steps, besides).map_err(|e| format!("{}: {e}", scene.name))?;
+            let work = scene.work(&text, TOLERANCE, steps, further).map_err(|e| format!("{}: {e}", scene.name))?;
             let Statistics { evaluations, jacobians, accepted, rejected, .. } = work;
             let (ratio, methods) = (time / times[0], methods(work));
             let _ = writeln!(

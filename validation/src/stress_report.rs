@@ -14,8 +14,8 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut scenes = stress::all();
     scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group));
     let began = Instant::now();
-    let tell = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
-    let outcomes = stress::judge(&scenes, THREADS, &tell);
+    let report = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
+    let outcomes = stress::judge(&scenes, THREADS, &report);
     let seconds = began.elapsed().as_secs_f64();
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
     let [holds, refused, fails] = [Verdict::Holds, Verdict::Refused, Verdict::Fails].map(count);

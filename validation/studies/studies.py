@@ -176,7 +176,7 @@ def part_of_the_bag(part: list[tuple[float, float]], arguments: dict, start: lis
     """Runs of one partition: FMPy's example parameter_variation with one step instead of many."""
     fmu = FMU2Slave(**arguments)
     fmu.instantiate()
-    told = []
+    times = []
     for force, load in part:
         fmu.reset()
         fmu.setupExperiment()
@@ -184,10 +184,10 @@ def part_of_the_bag(part: list[tuple[float, float]], arguments: dict, start: lis
         fmu.enterInitializationMode()
         fmu.exitInitializationMode()
         fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=STOP)
-        told.append(fmu.getReal(result)[0])
+        times.append(fmu.getReal(result)[0])
     fmu.terminate()
     fmu.freeInstance()
-    return told
+    return times
 
 
 def in_a_bag(fmu: str) -> Callable[[int], None]:
@@ -205,9 +205,9 @@ def in_a_bag(fmu: str) -> Callable[[int], None]:
     def run(count: int) -> None:
         values = [tuple(point) for point in points(count)]
         parts = bag.from_sequence(values, npartitions=CHUNKS)
-        told = parts.map_partitions(part_of_the_bag, arguments, start, result).compute(scheduler="processes")
-        if len(told) != count or min(told) <= 0.0:
-            raise RuntimeError(f"{count} runs were asked for, {len(told)} came, the least time is {min(told)} s")
+        times = parts.map_partitions(part_of_the_bag, arguments, start, result).compute(scheduler="processes")
+        if len(times) != count or min(times) <= 0.0:
+            raise RuntimeError(f"{count} runs were asked for, {len(times)} came, the least time is {min(times)} s")
 
     return run
 
@@ -320,7 +320,7 @@ def processor() -> str:
     return next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.machine())
 
 
-def page(rows: list[tuple[Way, float, float]], told: list[tuple[str, str, str]], scale: float) -> str:
+def page(rows: list[tuple[Way, float, float]], further: list[tuple[str, str, str]], scale: float) -> str:
     """The page."""
     versions = ", ".join(f"{name} {version(name)}" for name in ("FMPy", "dask", "distributed", "mujoco", "numpy"))
     native = rows[0][1]
@@ -328,7 +328,7 @@ def page(rows: list[tuple[Way, float, float]], told: list[tuple[str, str, str]],
         f"| {way.name} | {way.many} | {shown(used)} | {used / native:.3g} | {lasting(1e6 * used)} |"
         for way, used, _ in rows
     )
-    more = "\n".join(f"| {what} | {asked} | {measured} |" for what, asked, measured in told)
+    more = "\n".join(f"| {what} | {asked} | {measured} |" for what, asked, measured in further)
     reduced = "" if scale == 1.0 else f"Measured with {scale:g} of the usual numbers of runs.\n\n"
     return f"""# Many runs by several ways
 
@@ -377,11 +377,11 @@ def main() -> None:
         used, passed = cost(way)
         print(f"{way.name}: {shown(used)} of CPU time a run, {shown(passed)} in all", flush=True)
         rows.append((way, used, passed))
-    told = []
+    further = []
     for what, asked, measured in figures(arguments):
         print(f"{what}: {measured}", flush=True)
-        told.append((what, asked, measured))
-    arguments.out.write_text(page(rows, told, arguments.scale), encoding="utf-8")
+        further.append((what, asked, measured))
+    arguments.out.write_text(page(rows, further, arguments.scale), encoding="utf-8")
 
 
 if __name__ == "__main__":

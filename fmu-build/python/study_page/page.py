@@ -126,8 +126,8 @@ def scatter_matrix(results: Results) -> UIElement | None:
     names = list(columns)
     if len(names) > MOST:
         strongest = results.strongest(next(iter(results.responses)))
-        told = list(results.responses)[: MOST // 2]
-        names = [*strongest[: MOST - len(told)], *told]
+        outputs = list(results.responses)[: MOST // 2]
+        names = [*strongest[: MOST - len(outputs)], *outputs]
     data = {f"c{k}": columns[name][index] for k, name in enumerate(names)} | {"run": results.numbers[index]}
     source = ColumnDataSource(data)
     rows = []

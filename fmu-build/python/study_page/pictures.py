@@ -78,8 +78,8 @@ def scatter_matrix(results: Results) -> Figure:
     if len(columns) > MOST:
         # If there are many factors, the responses must not be omitted.
         strongest = results.strongest(next(iter(results.responses)))
-        told = list(results.responses)[: MOST // 2]
-        names = [*strongest[: MOST - len(told)], *told]
+        outputs = list(results.responses)[: MOST // 2]
+        names = [*strongest[: MOST - len(outputs)], *outputs]
     canvas, grid = panels(len(names), len(names), 1.7, 1.7)
     for i, row in enumerate(grid):
         for j, axes in enumerate(row):

@@ -114,11 +114,11 @@ class Results:
             unit, factor = unit_with_prefix(units.get(name, "1"), float(np.abs(known).max(initial=0.0)))
             whole[name] = factor * values
             labels[name] = name if unit == "1" else f"{name} [{unit}]"
-        told = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
+        listed = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
         return cls(
             plan,
             {name: whole[name][good] for name in numeric if changing(name)},
-            {name: whole[name][good] for name in told if changing(name)},
+            {name: whole[name][good] for name in listed if changing(name)},
             labels,
             whole["violation"][good] if "violation" in whole else None,
             np.array(table["run"])[good],

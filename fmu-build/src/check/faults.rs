@@ -83,7 +83,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
         // An overwritten value has one fault. Faults that follow from it are not faults of the file.
         let follows = span.is_empty() && !form.places.is_empty();
         if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
-            located.push(at(text, root.as_ref(), units.told(finding), span));
+            located.push(at(text, root.as_ref(), units.converted(finding), span));
         }
     }
     if is_other && located.iter().any(|located| located.finding.severity == Severity::Error) {
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     /// A block whose mass is the shared parameter `load`, with this file of shared parameters.
-    fn told_of_shared(from: &str) -> Vec<String> {
+    fn findings_of_shared(from: &str) -> Vec<String> {
         let text = format!(
             r#"{{ "name": "A", "parameters_from": {from}, "bodies": {{ "ground": {{}}, "block": {{ "mass": "load" }} }},
             "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn a_fault_of_a_shared_parameter_is_reported_once_in_its_own_file() {
         let with = |parameters: &str| {
-            told_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
+            findings_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
         };
         for (parameters, said) in [
             (r#"{ "load": "x +" }"#, "load: \"x +\": the expression ends with an operator: add the last value"),
@@ -156,16 +156,16 @@ mod tests {
                 "load: \"other\": the values refer to each other in a circle (load reads other reads load)",
             ),
         ] {
-            let told = with(parameters);
-            let [one] = &told[..] else { panic!("{told:#?}") };
+            let found = with(parameters);
+            let [one] = &found[..] else { panic!("{found:#?}") };
             assert!(one.starts_with(&format!("parameters_from: c.json: parameters.{said}")), "{one}");
             assert!(one.ends_with(" at \"parameters_from\"") && !one.contains("(in c.json)"), "{one}");
         }
-        let told = told_of_shared("[1]");
+        let found = findings_of_shared("[1]");
         assert!(
-            told.len() == 1
-                && told[0].starts_with("parameters_from: must be a text in quotes, or an object { }, not a list"),
-            "{told:#?}"
+            found.len() == 1
+                && found[0].starts_with("parameters_from: must be a text in quotes, or an object { }, not a list"),
+            "{found:#?}"
         );
     }
 
@@ -176,10 +176,10 @@ mod tests {
             "bodies": { "ground": {}, "rod": { "length": "a", "mass": "b" } },
             "joints": { "j": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
             "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 } }"#;
-        let told: Vec<String> =
+        let found: Vec<String> =
             all("mechanism.json", text).unwrap().located.iter().map(|one| one.finding.to_string()).collect();
-        assert_eq!(told.len(), 2, "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("in a circle")), "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("there is no parameter f;")), "{told:#?}");
+        assert_eq!(found.len(), 2, "{found:#?}");
+        assert!(found.iter().any(|one| one.contains("in a circle")), "{found:#?}");
+        assert!(found.iter().any(|one| one.contains("there is no parameter f;")), "{found:#?}");
     }
 }

@@ -14,8 +14,8 @@ const SAME: f64 = 1e-9;
 pub fn text(checked: &Checked) -> String {
     let mut out = findings(checked);
     let facts = &checked.inspection.facts;
-    let mut told = HashSet::new();
-    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
+    let mut printed = HashSet::new();
+    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| printed.insert(*topic)) {
         let _ = writeln!(out, "{topic}");
         let of_topic = || facts.iter().filter(|fact| fact.topic == topic);
         if of_topic().all(is_idle) {

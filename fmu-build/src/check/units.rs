@@ -33,7 +33,7 @@ impl FileUnits {
     }
 
     /// A finding in the units of the file. Findings about a circuit stay in SI units.
-    pub fn told(&self, mut finding: Finding) -> Finding {
+    pub fn converted(&self, mut finding: Finding) -> Finding {
         if !finding.path.contains(".hydraulics") {
             finding.message = self.message(&finding.message);
             finding.remedy = self.message(&finding.remedy);
@@ -96,11 +96,11 @@ impl FileUnits {
                     out.push_str(&format!("{own} {}{rest}", unit.own));
                     words.next();
                     // The engine's message also contains degrees after radians.
-                    let mut beside = words.clone();
-                    let again = beside.next().is_some_and(|word| unit.own == "deg" && word.starts_with('('));
-                    if let Some(rest) = beside.next().filter(|_| again).and_then(|word| word.strip_prefix("deg)")) {
+                    let mut following = words.clone();
+                    let again = following.next().is_some_and(|word| unit.own == "deg" && word.starts_with('('));
+                    if let Some(rest) = following.next().filter(|_| again).and_then(|word| word.strip_prefix("deg)")) {
                         out.push_str(rest);
-                        words = beside;
+                        words = following;
                     }
                 }
                 None => out.push_str(&self.bracketed(word)),
@@ -159,7 +159,7 @@ mod tests {
     fn lengths_and_angles_are_in_the_units_of_the_file() {
         let [text, none] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
             .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
-        for (message, told) in [
+        for (message, expected) in [
             ("a = 0.5 m: from -0.2 m to 0.4 m, 1.5 m/s", "a = 500 mm: from -200 mm to 400 mm, 1.5 m/s"),
             ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),
             ("give its rough angle [rad]", "give its rough angle [deg]"),
@@ -167,7 +167,7 @@ mod tests {
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
             ("at 15.70796327 rad; if you mean 15 degrees, write 0.2 rad", "at 900 deg"),
         ] {
-            assert_eq!(text.message(message), told);
+            assert_eq!(text.message(message), expected);
             assert_eq!(none.message(message), message);
         }
     }

@@ -76,8 +76,8 @@ impl Installed {
         let mut command = Command::new(program);
         command.args(words).current_dir(&self.here);
         // Neither cargo nor rustc is on the path, and no variable contains their folders.
-        let told = env::vars_os().map(|(name, _)| name);
-        for name in told.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
+        let names = env::vars_os().map(|(name, _)| name);
+        for name in names.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
             command.env_remove(name);
         }
         command.env("PATH", &self.empty).env("HOME", &self.home).env("XDG_CACHE_HOME", &self.kept);

@@ -60,7 +60,7 @@ pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) ->
         drawing.title = format!("{name}, {title}");
         drawing
     });
-    left.beside(right)
+    left.next_to(right)
 }
 
 /// The drawing with these smallest and largest x and y [m].

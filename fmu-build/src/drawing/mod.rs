@@ -131,7 +131,7 @@ pub struct Drawing {
 
 impl Drawing {
     /// This drawing with another drawing to its right.
-    fn beside(mut self, mut other: Self) -> Self {
+    fn next_to(mut self, mut other: Self) -> Self {
         let shift = |point: &mut Point| point[0] += self.size[0];
         for shape in &mut other.shapes {
             match &mut shape.form {

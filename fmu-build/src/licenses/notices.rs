@@ -120,8 +120,8 @@ impl Package {
 fn divided(text: &str) -> (Vec<String>, String) {
     let names = |line: &str| {
         let line = line.trim().trim_start_matches('*').trim();
-        let tells = line.contains("(c)") || line.contains("(C)") || line.contains(|c: char| c.is_ascii_digit());
-        line.starts_with("Copyright") && tells && !line.contains("[yyyy]")
+        let is_notice = line.contains("(c)") || line.contains("(C)") || line.contains(|c: char| c.is_ascii_digit());
+        line.starts_with("Copyright") && is_notice && !line.contains("[yyyy]")
     };
     let (owners, rest): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| names(line));
     let rest: Vec<&str> = rest.into_iter().map(str::trim_end).collect();

@@ -51,14 +51,14 @@ impl Missing {
 
     /// The lines in the order of the variables. Variables with the same gap share a line.
     pub fn lines(&self, names: &[&str]) -> Vec<String> {
-        let mut told: Vec<(&Gap, Vec<&str>)> = Vec::new();
+        let mut groups: Vec<(&Gap, Vec<&str>)> = Vec::new();
         for (gap, name) in self.gaps.iter().zip(names).filter_map(|(gap, name)| Some((gap.as_ref()?, name))) {
-            match told.iter_mut().find(|(other, _)| *other == gap) {
+            match groups.iter_mut().find(|(other, _)| *other == gap) {
                 Some((_, names)) => names.push(name),
-                None => told.push((gap, vec![name])),
+                None => groups.push((gap, vec![name])),
             }
         }
-        told.iter().map(|(gap, names)| self.line(gap, &names.join(", "))).collect()
+        groups.iter().map(|(gap, names)| self.line(gap, &names.join(", "))).collect()
     }
 
     fn line(&self, gap: &Gap, names: &str) -> String {

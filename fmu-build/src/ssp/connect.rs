@@ -68,7 +68,7 @@ impl Connected {
         let Some(fmu) = system.definition.fmus.get(name) else { return Vec::new() };
         let mut values = BTreeMap::new();
         if let Some(file) = &fmu.parameters {
-            let read = ssv::read(&system.beside(file), model.interface());
+            let read = ssv::read(&system.path_of(file), model.interface());
             keep(format!("{path}.parameters"), read.map(|all| values.extend(all)));
         }
         for (variable, value) in fmu.values.iter() {

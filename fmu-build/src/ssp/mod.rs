@@ -77,7 +77,7 @@ impl System {
         system.refused(faults)?;
         let (mut sources, mut faults) = (Vec::new(), Faults::default());
         for (name, fmu) in system.definition.fmus.iter() {
-            let found = Source::find(workspace, &system.beside(&fmu.definition));
+            let found = Source::find(workspace, &system.path_of(&fmu.definition));
             let path = format!("fmus.{name}.definition");
             sources.extend(faults.keep(found.map_err(|error| DefinitionError::key(path, format_args!("{error:#}")))));
         }
@@ -129,7 +129,7 @@ impl System {
     }
 
     /// Path of a file that the system names relative to its own folder.
-    fn beside(&self, path: &str) -> PathBuf {
+    fn path_of(&self, path: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 

@@ -37,7 +37,7 @@ pub enum Status {
 
 /// A finding, for the page.
 #[derive(Clone, Debug, Serialize)]
-pub struct Told {
+pub struct PageFinding {
     is_error: bool,
     path: String,
     line: usize,
@@ -59,7 +59,7 @@ pub struct Data {
     /// Reason for an incomplete motion.
     pub error: Option<String>,
     /// Findings of the check.
-    pub findings: Vec<Told>,
+    pub findings: Vec<PageFinding>,
     /// The parts to draw.
     pub scene: Option<Scene>,
     /// The motion in time.
@@ -91,7 +91,7 @@ impl Data {
 
     /// The same data from a simulation with its start values, or from the reason why there is none.
     pub fn played(checked: &Checked, opened: &mut Result<Simulation, String>, wanted: &Wanted) -> Self {
-        let told = checked.findings.iter().map(|located| Told {
+        let findings = checked.findings.iter().map(|located| PageFinding {
             is_error: located.finding.severity == Severity::Error,
             path: located.finding.path.clone(),
             line: if located.span.is_empty() { 0 } else { located.position[0] },
@@ -104,7 +104,7 @@ impl Data {
             source: checked.shown.clone(),
             status: Status::Nothing,
             error: None,
-            findings: told.collect(),
+            findings: findings.collect(),
             scene: None,
             motion: None,
             travel: None,

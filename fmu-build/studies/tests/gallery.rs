@@ -56,7 +56,7 @@ fn turned(a: f64, b: f64) -> f64 {
 
 /// The two points with these distances from two other points: left and right of the line from the first to the second
 /// point.
-fn meet(a: Point, from_a: f64, b: Point, from_b: f64) -> [Point; 2] {
+fn intersections(a: Point, from_a: f64, b: Point, from_b: f64) -> [Point; 2] {
     let d = apart(a, b);
     let along = (d * d + from_a * from_a - from_b * from_b) / (2.0 * d);
     let up = (from_a * from_a - along * along).max(0.0).sqrt();
@@ -113,10 +113,10 @@ fn a_press_with_three_bodies_at_the_knee() {
     let mut side = 1.0;
     run("toggle_press", |press| {
         let theta = get(press, "crank.angle");
-        let [_, knee] = meet(plus([-0.4, 0.3], polar(0.1, theta)), 0.41, [0.0, 0.6], 0.3);
-        let told = [get(press, "knee.x"), get(press, "knee.y")];
+        let [_, knee] = intersections(plus([-0.4, 0.3], polar(0.1, theta)), 0.41, [0.0, 0.6], 0.3);
+        let actual = [get(press, "knee.x"), get(press, "knee.y")];
         // The circles intersect at an angle of at least 0.8 rad.
-        assert!(apart(told, knee) < 4.0 * ROUNDING * (1.0 + theta.abs()), "{told:?} {knee:?}");
+        assert!(apart(actual, knee) < 4.0 * ROUNDING * (1.0 + theta.abs()), "{actual:?} {knee:?}");
         let ram = knee[1] - (0.3 * 0.3 - knee[0] * knee[0]).sqrt();
         assert!((get(press, "guide.position") - ram).abs() < 4.0 * ROUNDING * (1.0 + theta.abs()));
         straight += i32::from(knee[0] * side < 0.0);
@@ -154,8 +154,8 @@ fn a_four_bar_passes_180_degrees() {
         let (b, d) = (polar(0.3, theta), [0.5, 0.0]);
         let c = plus(d, polar(0.35, phi));
         // From either side: where one pair of circles touches, the other pair intersects.
-        let by_crank = meet(b, 0.25, d, 0.35).map(|point| apart(point, c));
-        let by_rocker = meet(c, 0.25, [0.0, 0.0], 0.3).map(|point| apart(point, b));
+        let by_crank = intersections(b, 0.25, d, 0.35).map(|point| apart(point, c));
+        let by_rocker = intersections(c, 0.25, [0.0, 0.0], 0.3).map(|point| apart(point, b));
         let best = |of: [f64; 2]| of[0].min(of[1]);
         assert!(best(by_crank).min(best(by_rocker)) < 10.0 * ROUNDING, "{theta} {phi}");
         both[usize::from(by_crank[1] < by_crank[0])] = true;

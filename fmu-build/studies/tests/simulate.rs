@@ -55,9 +55,11 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     let mut most = 0;
     let status = loop {
         // The kernel stores the largest value, so the last reading misses only the last moments.
-        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak =
-            told.lines().find_map(|line| line.strip_prefix("VmHWM:")).and_then(|line| line.split_whitespace().next());
+        let process_status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak = process_status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmHWM:"))
+            .and_then(|line| line.split_whitespace().next());
         most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
         if let Some(status) = child.try_wait().unwrap() {
             break status;
@@ -126,7 +128,7 @@ fn a_run_costs_what_its_steps_cost() {
     };
     let bare = run(None, &[]);
     let motion = ["crank.angle", "crank.speed", "coupler.angle"];
-    let told = [
+    let cases = [
         ("no file", bare),
         ("CSV, 3 variables", run(Some("run.csv"), &motion)),
         ("CSV, all outputs", run(Some("run.csv"), &[])),
@@ -135,7 +137,7 @@ fn a_run_costs_what_its_steps_cost() {
     ];
     let each = |seconds: f64| 1e9 * seconds / f64::from(steps);
     println!("the engine alone: {:.0} ns a step", each(alone));
-    for (what, seconds) in told {
+    for (what, seconds) in cases {
         println!("{what}: {:.0} ns a step, {:.2} times the engine", each(seconds), seconds / alone);
     }
     assert!(bare < 1.2 * alone, "{bare} s, the engine alone {alone} s");
@@ -159,30 +161,30 @@ fn columns_without_a_value_are_reported_with_the_reason() {
         let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
         let output = command.arg("simulate").arg(&definition).args(arguments).output().unwrap();
         assert!(output.status.success());
-        let told = String::from_utf8(output.stderr).unwrap();
-        told.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
+        let errors = String::from_utf8(output.stderr).unwrap();
+        errors.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
     };
     // Below the horizontal the loads drive it back, so only the first rows have no value.
-    let told = run(&["--output-file", table.to_str().unwrap()]);
+    let warnings = run(&["--output-file", table.to_str().unwrap()]);
     let text = fs::read_to_string(&table).unwrap();
     let names: Vec<_> = text.lines().next().unwrap().split(',').map(|name| name.trim_matches('"')).collect();
     let without = |index: usize| text.lines().skip(1).filter(|row| row.split(',').nth(index) == Some("nan")).count();
     let column = names.iter().position(|name| *name == "linearisation.eigenfrequency").unwrap();
     let count = without(column);
     assert!((5..95).contains(&count), "{count}");
-    let line = told.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
+    let line = warnings.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
     assert!(line.contains(&format!("in {count} of 101 rows (first at 0.0 s): the loads do not return")), "{line}");
     // Each column is named once, and no column with all values is named.
     for (index, name) in names.iter().enumerate() {
-        let lines = told.iter().filter(|line| line.contains(name)).count();
-        assert_eq!(lines, usize::from(without(index) > 0), "{name}: {told:?}");
+        let lines = warnings.iter().filter(|line| line.contains(name)).count();
+        assert_eq!(lines, usize::from(without(index) > 0), "{name}: {warnings:?}");
     }
     // All rows; and for a run without a file only the last row, which is the only one that is read.
     let short = ["--stop-time", "0.05", "--output-file", table.to_str().unwrap()];
     for (arguments, said) in [(&short[..], "from 0.0 s on (nan in 6 of 6 rows): "), (&short[..2], "at 0.05 s: ")] {
-        let (told, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
-        let is_told = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
-        assert!(told.iter().any(is_told), "{said}: {told:?}");
+        let (warnings, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
+        let is_named = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
+        assert!(warnings.iter().any(is_named), "{said}: {warnings:?}");
     }
 }
 
@@ -196,8 +198,8 @@ fn start_values_may_have_a_sign() {
         let times = ["--start-time", "-2.5e-1", "--stop-time", "-2.4e-1", "--output-interval", "1e-2"];
         command.arg("simulate").arg(&definition).args(times).args(["--start-values", "rod.start_angle", value]);
         let output = command.args(["rod.start_speed", "-2", "--output-variables", "rod.angle"]).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stdout);
-        let reached: f64 = told.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
+        let table = String::from_utf8_lossy(&output.stdout);
+        let reached: f64 = table.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
         // One step of 0.01 s at -2 rad/s. Gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
         assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
     }
@@ -303,8 +305,8 @@ fn the_time_of_a_warning_is_printed_once() {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
     let output = command.arg("simulate").arg(&path).args(["--stop-time", "0.1"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let told: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
-    let [line] = told[..] else { panic!("{said}") };
+    let found: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
+    let [line] = found[..] else { panic!("{said}") };
     assert!(line.starts_with("warning: loop transmits ") && line.matches(" s").count() >= 1, "{line}");
     assert_eq!(line.matches("at t = ").count() + line.matches("warning: at ").count(), 1, "{line}");
 }

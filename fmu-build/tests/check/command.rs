@@ -53,8 +53,8 @@ fn files_folders_and_fmus_are_checked() {
 
 #[test]
 fn the_json_for_programs_has_places_facts_and_counts() {
-    let told = check::json(&[checked(&with("/gravity/up_angle", json!(90)))]);
-    let one = &told[0];
+    let output = check::json(&[checked(&with("/gravity/up_angle", json!(90)))]);
+    let one = &output[0];
     assert_eq!((&one["errors"], &one["warnings"], &one["name"]), (&json!(0), &json!(1), &json!("M")));
     let finding = &one["findings"][0];
     assert_eq!((&finding["severity"], &finding["path"]), (&json!("warning"), &json!("gravity.up_angle")));

@@ -54,8 +54,8 @@ fn rounding_errors_are_reported_as_zero() {
         assert_eq!(number(&all, "Drives", "idle", name), 0.0, "{name}");
     }
     assert_eq!(number(&all, "Drives", "short", "stroke"), 0.0);
-    let told: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
-    let [idle, short] = &told[..] else { panic!("{told:#?}") };
+    let messages: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
+    let [idle, short] = &messages[..] else { panic!("{messages:#?}") };
     assert!(idle.contains("the joint is at 0 rad in every position"), "{idle}");
     assert!(short.contains("the two ends are 0.05 m apart in every position"), "{short}");
     let lines: Vec<String> = all.inspection.facts.iter().map(|fact| check::line(fact, &all.units)).collect();
@@ -116,15 +116,23 @@ fn the_joints_that_end_a_motion_are_named() {
         .to_string()
     };
     let all = checked(&flap(10.0));
-    let told = |path: &str| all.findings.iter().find(|l| l.finding.path == path).unwrap().finding.message.clone();
+    let message_of = |path: &str| all.findings.iter().find(|l| l.finding.path == path).unwrap().finding.message.clone();
     // In line, both are the third side of a triangle with the sides 0.1, 0.06 and 0.1 m.
     let short = 90.0 - (0.0036_f64 / 0.012).acos().to_degrees();
-    assert!(told("stops.open").contains(&format!("turns back {short:.2} deg")), "{} {short}", told("stops.open"));
-    assert!(told("stops.open").ends_with("B, C and D come into line (dead centre)"), "{}", told("stops.open"));
     assert!(
-        told("stops.far").contains("the stop shut ends the motion 5 deg before this stop"),
+        message_of("stops.open").contains(&format!("turns back {short:.2} deg")),
+        "{} {short}",
+        message_of("stops.open")
+    );
+    assert!(
+        message_of("stops.open").ends_with("B, C and D come into line (dead centre)"),
         "{}",
-        told("stops.far")
+        message_of("stops.open")
+    );
+    assert!(
+        message_of("stops.far").contains("the stop shut ends the motion 5 deg before this stop"),
+        "{}",
+        message_of("stops.far")
     );
     let at = all.inspection.facts.iter().filter(|fact| fact.topic == "Toggles" && fact.of == "flap");
     let lines: Vec<String> = at.map(|fact| check::line(fact, &all.units)).collect();
@@ -178,8 +186,8 @@ fn a_long_travel_is_reported_up_to_its_stops() {
     let checked = checked(&gantry.to_string());
     for (name, expected) in [("least", -60.0), ("most", 6000.0), ("start", 1000.0)] {
         for (topic, of) in [("Travel", "rail"), ("Drives", "drive")] {
-            let told = number(&checked, topic, of, name);
-            assert!((told - expected).abs() < 1e-9, "{topic} {name}: {told}");
+            let value = number(&checked, topic, of, name);
+            assert!((value - expected).abs() < 1e-9, "{topic} {name}: {value}");
         }
     }
     assert!((number(&checked, "Mass", "", "centre x") - 1000.0).abs() < 1e-9);

@@ -93,9 +93,9 @@ fn output_of_info_conforms_to_its_schema() {
     archive::write(&folder.join("Gear.fmu"), entries).unwrap();
     let schema = schema("info.schema.json");
     for (path, definition) in [("M.json", json!("mechanism.json")), ("Gear.fmu", json!("mechanism.json"))] {
-        let told = printed("info", &[&folder.join(path)]);
-        assert_valid(&schema, &told);
-        assert_eq!(told["definition"], definition);
+        let output = printed("info", &[&folder.join(path)]);
+        assert_valid(&schema, &output);
+        assert_eq!(output["definition"], definition);
     }
     fs::remove_dir_all(folder).unwrap();
 }

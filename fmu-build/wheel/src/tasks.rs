@@ -210,7 +210,7 @@ fn observed(
             let wish = progress::stop_wish_of_host();
             wish.store(false, Ordering::Relaxed);
             let raised: RefCell<Option<PyErr>> = RefCell::new(None);
-            let told = |done: u64, all: u64| {
+            let report = |done: u64, all: u64| {
                 let call = |py: Python<'_>| -> PyResult<()> {
                     py.check_signals()?;
                     watch.as_ref().map_or(Ok(()), |watch| watch.call1(py, (done, all)).map(drop))
@@ -221,7 +221,7 @@ fn observed(
                 }
             };
             let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            let (outcome, printed) = output::collected(|| make(&workspace, &told));
+            let (outcome, printed) = output::collected(|| make(&workspace, &report));
             match (raised.into_inner(), outcome) {
                 (Some(error), _) => Err(error),
                 (None, Ok(_)) => Ok(in_python(&printed)),

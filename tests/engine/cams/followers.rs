@@ -167,7 +167,7 @@ fn a_follower_that_lifts_off_gives_one_warning() {
             change(m);
         });
         let mut run = Run::new(&text).started();
-        let (mut told, mut first) = (Vec::new(), None);
+        let (mut warnings, mut first) = (Vec::new(), None);
         for k in 0..150 {
             let point = 3.0 + 0.01 * f64::from(k);
             let before = run.snapshot();
@@ -177,34 +177,34 @@ fn a_follower_that_lifts_off_gives_one_warning() {
                 run.restore(&before).unwrap();
                 run.0.model_mut().step_from(Some(point), 0.01).unwrap();
                 assert_eq!(run.0.model_mut().take_warning().as_ref(), Some(&warning));
-                told.push(warning);
+                warnings.push(warning);
             }
             let force = run.get("cam.contact_force");
             if force < 0.0 {
                 first = first.or(Some((point + 0.01, force)));
             }
         }
-        (told, first)
+        (warnings, first)
     };
-    let (told, first) = run(&|_| {});
+    let (warnings, first) = run(&|_| {});
     let (time, force) = first.unwrap();
-    let [warning] = &told[..] else { panic!("{told:?}") };
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
     let (time, force) = (format!("at t = {time} s"), format!("{force:.3}"));
     assert_says(
         warning,
         &["cam.contact_force", "lift off", &time[..10], &force[..5], "spring", "couplings.cam", "grooved"],
     );
     // With a stronger spring, or with a groove, there is no warning.
-    let (told, first) = run(&|m| m["springs"]["spring"]["preload"] = json!(900));
-    assert!(told.is_empty() && first.is_none(), "{told:?} {first:?}");
-    let (told, first) = run(&|m| m["couplings"]["cam"]["grooved"] = json!(true));
-    assert!(told.is_empty() && first.is_some(), "{told:?}");
+    let (warnings, first) = run(&|m| m["springs"]["spring"]["preload"] = json!(900));
+    assert!(warnings.is_empty() && first.is_none(), "{warnings:?} {first:?}");
+    let (warnings, first) = run(&|m| m["couplings"]["cam"]["grooved"] = json!(true));
+    assert!(warnings.is_empty() && first.is_some(), "{warnings:?}");
     // Without loads and motion the contact force is 0, which is not a loss of contact.
-    let (told, first) = run(&|m| {
+    let (warnings, first) = run(&|m| {
         m["gravity"]["acceleration"] = json!(0);
         m["torques"]["motor"]["torque"] = json!(0);
         m["start"]["speed"] = json!(0);
         m["springs"]["spring"]["stiffness"] = json!(0);
     });
-    assert!(told.is_empty(), "{told:?} {first:?}");
+    assert!(warnings.is_empty(), "{warnings:?} {first:?}");
 }

@@ -171,7 +171,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
     exchange(&mut gear, &mut oil);
     oil.0.initialize().unwrap();
     let name = if matches!(host, Host::Line | Host::TwoPasses) { "preview.force" } else { "preview.force_mean" };
-    let (mut rows, mut done, mut time, mut told) = (Vec::new(), 0, 0.0, None);
+    let (mut rows, mut done, mut time, mut late_force) = (Vec::new(), 0, 0.0, None);
     for k in 0.. {
         if time >= scene.end - 1e-9 {
             break;
@@ -182,7 +182,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
         }
         if host == Host::Late {
             exchange(&mut gear, &mut oil);
-            gear.set("actuator.force", told.unwrap_or_else(|| oil.get(name)));
+            gear.set("actuator.force", late_force.unwrap_or_else(|| oil.get(name)));
             at(&scene.later, &mut done, time, |set| apply(&mut gear, &mut oil, set));
             gear.0.step(h).unwrap();
         } else {
@@ -206,7 +206,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
             }
         }
         oil.0.step(h).unwrap();
-        told = Some(oil.get(name));
+        late_force = Some(oil.get(name));
         time += h;
         if time >= (rows.len() + 1) as f64 * scene.sample - 1e-9 {
             exchange(&mut gear, &mut oil);
@@ -331,9 +331,9 @@ fn steps_may_change_whether_announced_or_not() {
 fn a_horizon_of_0_is_the_last_step() {
     let scene = Scene { end: 0.5, ..retraction() };
     for host in HOSTS {
-        let [told, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
+        let [announced, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
         // The computed size of a step differs in the last bit.
-        let [angle, force] = differences(&told, &own);
+        let [angle, force] = differences(&announced, &own);
         assert!(angle < 1e-13 && force < 1e-8, "{host:?}: {angle:e} rad, {force:e} N");
     }
     let of_one = one_system(&scene);

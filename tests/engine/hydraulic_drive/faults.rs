@@ -94,10 +94,10 @@ fn an_equilibrium_with_a_circuit_is_rejected_and_its_remedy_works() {
         gear.set_all(&[("downstop.enabled", false), ("upstop.enabled", false)]);
         gear.with(&[("crank.start_angle", 0.3), ("command.ramp_amplitude", 0.0), ("command.sine_amplitude", 0.0)])
     };
-    let mut told = gear().started();
-    let holding = told.get("actuator.holding_force");
-    assert!(holding.abs() > 100.0 && told.get("crank.acceleration").abs() > 0.1);
-    let [bore, rod] = ["cylinder.bore", "cylinder.rod"].map(|name| told.get(name));
+    let mut first = gear().started();
+    let holding = first.get("actuator.holding_force");
+    assert!(holding.abs() > 100.0 && first.get("crank.acceleration").abs() > 0.1);
+    let [bore, rod] = ["cylinder.bore", "cylinder.rod"].map(|name| first.get(name));
     let (piston, ring) = (PI / 4.0 * bore * bore, PI / 4.0 * (bore * bore - rod * rod));
     let b = 8e6;
     let a = (holding + b * ring) / piston;

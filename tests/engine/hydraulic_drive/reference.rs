@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 pub const REFERENCE: &str = include_str!("../../fixtures/hydraulic_gear.json");
 
 #[track_caller]
-fn meets(gear: &mut Run, row: &Row, digits: f64) {
+fn agrees(gear: &mut Run, row: &Row, digits: f64) {
     for ((name, expected), size) in NAMES.iter().zip(&row[1..]).zip(SIZES) {
         let value = gear.get(name);
         let error = (value - expected).abs() / size.max(expected.abs());
@@ -24,7 +24,7 @@ fn follow(gear: &mut Run, rows: &[Row], h: f64, digits: f64) {
             gear.step((steps + 1) as f64 * h - steps as f64 * h);
             steps += 1;
         }
-        meets(gear, row, digits);
+        agrees(gear, row, digits);
     }
 }
 

@@ -27,8 +27,8 @@ fn a_drive_is_switched_between_motion_and_force_in_a_run() {
     lift.set("winch.motion.speed", -0.2);
     is_close(lift.get("slide.speed"), -0.2, 1e-14);
     lift.step(0.1);
-    let told: Vec<String> = lift.take_occurrences(0.75).into_iter().map(|line| line.text).collect();
-    assert_says(&told[0], &["t = 0.75 s", "motion of the drive winch", "jumps by 1.2525 m/s", "2.505 N.s"]);
+    let lines: Vec<String> = lift.take_occurrences(0.75).into_iter().map(|line| line.text).collect();
+    assert_says(&lines[0], &["t = 0.75 s", "motion of the drive winch", "jumps by 1.2525 m/s", "2.505 N.s"]);
     is_close(lift.get("slide.position"), position - 0.02, 1e-12);
     assert!(lift.get("energy.drift").abs() < 1e-10, "{}", lift.get("energy.drift"));
     // The prescribed position differs from the drive's position: an error, and nothing changes.

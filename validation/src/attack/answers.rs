@@ -80,11 +80,11 @@ pub fn size(model: &Model, reference: u32) -> Option<usize> {
 /// The calls of a host in an intermediate update: it sometimes reads a variable, makes calls that are illegal there,
 /// and sometimes requests the end of the step.
 pub fn update(model: &'static Model, random: Random, fault: Fault) -> Box<Update> {
-    let (random, told) = (RefCell::new(random), Cell::new(0_usize));
+    let (random, updates) = (RefCell::new(random), Cell::new(0_usize));
     Box::new(move |calls: &Calls, time| {
         let mut random = random.borrow_mut();
-        told.set(told.get() + 1);
-        if told.get() % 8 != 1 {
+        updates.set(updates.get() + 1);
+        if updates.get() % 8 != 1 {
             return None;
         }
         let reference = random.below(count(model)) as u32;

@@ -122,8 +122,8 @@ impl Player {
             Host::Two(_) => column == 0 && UNITS.iter().any(|unit| text.contains(unit)),
             Host::Three(_) => text.contains("fmi2") || text.contains(" Real"),
         };
-        let told = log.iter().find(|message| words(&message.text)).map(|message| format!("words: {message:?}"));
-        let fault = self.fault.take().or(told);
+        let wording = log.iter().find(|message| words(&message.text)).map(|message| format!("words: {message:?}"));
+        let fault = self.fault.take().or(wording);
         let fault = if !may.allows(status, &log, probe) {
             Some(format!("status {status}, may {may:?}: {log:?}"))
         } else if fault.is_none() && status > WARNING && may == BeRefused {
@@ -160,7 +160,6 @@ impl Player {
 /// The case of this part: one instance of FMI 2.0 of a hydraulic model.
 ///
 /// # Errors
-///
 /// A result that the phase does not allow, an error without a message, one that changes a Real, or an undefined value
 /// without a warning.
 pub fn second(probe: &mut Probe) -> Result<(), String> {

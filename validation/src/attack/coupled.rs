@@ -14,7 +14,7 @@ const GEAR: &str = example!("LandingGearRetraction");
 /// Greatest number of steps of a coupling.
 const STEPS: usize = 24;
 /// Outputs of the actuator's preview.
-const FORESEEN: [&str; 5] =
+const PREVIEW: [&str; 5] =
     ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
 /// Share of the couplings that have a network instead of a single actuator.
 const NETWORKS: f64 = 0.4;
@@ -44,8 +44,8 @@ struct Start {
     gear: Prepared,
     actuator: Prepared,
     /// Pairs of an output of the gear and an input of the actuator: length, speed, and so on.
-    told: Vec<[Reference; 2]>,
-    foreseen: [Reference; FORESEEN.len()],
+    inputs: Vec<[Reference; 2]>,
+    preview: [Reference; PREVIEW.len()],
     force: [Reference; 2],
     horizon: Reference,
 }
@@ -64,15 +64,15 @@ impl Start {
         let find = |of: &Prepared, name: &str| of.start.interface().find(name).ok_or(format!("no variable {name}"));
         let inputs = (0..).zip(actuator.start.interface().list()).filter(|(_, v)| v.causality == Causality::Input);
         let inputs = inputs.filter(|(_, v)| v.name.starts_with(ACTUATOR));
-        let told = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
-        let mut foreseen = [0; FORESEEN.len()];
-        for (reference, name) in foreseen.iter_mut().zip(FORESEEN) {
+        let inputs = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
+        let mut preview = [0; PREVIEW.len()];
+        for (reference, name) in preview.iter_mut().zip(PREVIEW) {
             let own = if is_network { format!("{ACTUATOR}{name}") } else { name.to_owned() };
             *reference = find(&actuator, &own)?;
         }
         let force = [find(&gear, "actuator.force")?, find(&actuator, "actuator.force")?];
         let horizon = find(&actuator, "preview.horizon")?;
-        Ok(Self { gear, actuator, told, foreseen, force, horizon })
+        Ok(Self { gear, actuator, inputs, preview, force, horizon })
     }
 }
 
@@ -112,16 +112,16 @@ fn exchange(
     let reals = |component: &mut Component, names: &[Reference]| -> Result<Vec<f64>, String> {
         names.iter().map(|&name| component.real(name).map_err(words)).collect()
     };
-    let of_gear: Vec<Reference> = start.told.iter().map(|[gear, _]| *gear).collect();
-    let told = reals(&mut pair.gear, &of_gear)?;
+    let of_gear: Vec<Reference> = start.inputs.iter().map(|[gear, _]| *gear).collect();
+    let inputs = reals(&mut pair.gear, &of_gear)?;
     between(pair)?;
-    for (&[_, to], &value) in start.told.iter().zip(&told) {
+    for (&[_, to], &value) in start.inputs.iter().zip(&inputs) {
         // Near a toggle of the drive the gear has no finite mass; both twins then keep the previous one.
         let _ = pair.actuator.set_real(to, value);
     }
     pair.actuator.set_real(start.horizon, h).map_err(words)?;
     between(pair)?;
-    let [line, rate, mean, from, to] = reals(&mut pair.actuator, &start.foreseen)?[..] else {
+    let [line, rate, mean, from, to] = reals(&mut pair.actuator, &start.preview)?[..] else {
         return Err("five values are foreseen".into());
     };
     let plain = pair.actuator.real(start.force[1]).map_err(words)?;
@@ -141,11 +141,11 @@ fn exchange(
     between(pair)?;
     if matches!(exchange, Exchange::TwoPasses) {
         let end = reals(&mut pair.gear, &of_gear)?;
-        let speed = (end[1] - told[1] - from * h) / (h * h);
+        let speed = (end[1] - inputs[1] - from * h) / (h * h);
         let slope = (to - from) / h;
         let rates = [from, 2.0 * (3.0 * speed - slope), 6.0 * (slope - 2.0 * speed) / h];
         for (order, rate) in (1..).zip(rates) {
-            let _ = pair.actuator.set_input_derivative(start.told[1][1], order, rate);
+            let _ = pair.actuator.set_input_derivative(start.inputs[1][1], order, rate);
         }
     }
     between(pair)?;

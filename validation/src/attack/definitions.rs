@@ -34,7 +34,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         7 => ("network.json", network::definition(&mut random).text),
         _ => ("mechanism.json", actuator::gear(&mut random).text),
     };
-    let text = spoiled(&mut random, &text);
+    let text = malformed(&mut random, &text);
     if probe.verbose {
         println!("{text}");
     }
@@ -105,7 +105,7 @@ fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
 }
 
 /// A definition with up to three changes.
-fn spoiled(random: &mut Random, text: &str) -> String {
+fn malformed(random: &mut Random, text: &str) -> String {
     let mut value: Value = serde_json::from_str(text).unwrap_or_default();
     let mut text = None;
     for _ in 0..=random.below(3) {

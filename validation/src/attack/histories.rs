@@ -83,7 +83,6 @@ pub fn written(model: &Component) -> Result<Vec<u8>, String> {
 /// Bits of all outputs; each is finite or has a reason not to be.
 ///
 /// # Errors
-///
 /// An output returns an error, or is not finite without a reason.
 pub fn outputs(model: &mut Component, prepared: &Prepared) -> Result<Vec<u64>, String> {
     let mut bits = Vec::with_capacity(prepared.outputs.len());

@@ -146,8 +146,8 @@ fn run(definition: &Value, h: f64) -> Result<Rows, String> {
         let mut row = HashMap::new();
         for (name, _) in &outputs {
             let value = run.get(name).map_err(|e| format!("{name}: {e}"))?;
-            let mut is_told = || run.undefined(name).is_ok_and(|reason| reason.is_some());
-            if !(value.is_finite() || value.is_nan() && is_told()) {
+            let mut is_undefined = || run.undefined(name).is_ok_and(|reason| reason.is_some());
+            if !(value.is_finite() || value.is_nan() && is_undefined()) {
                 return Err(format!("unreported: {name} = {value}"));
             }
             row.insert(name.clone(), value);

@@ -112,7 +112,6 @@ impl Asked {
     /// Read the arguments after `attack`.
     ///
     /// # Errors
-    ///
     /// An unknown argument, a missing or invalid value, `--write` with some of the parts.
     pub fn read(words: &[&str]) -> Result<Self, String> {
         fn value<T: std::str::FromStr>(option: &str, word: Option<&&str>) -> Result<T, String> {
@@ -162,7 +161,6 @@ pub struct Outcome {
 /// `attack`: run, print, and write the page if requested.
 ///
 /// # Errors
-///
 /// Invalid arguments, a failed case, or a page that cannot be written.
 pub fn run(results: &Path, words: &[&str]) -> Result<(), String> {
     let asked = Asked::read(words)?;

@@ -189,8 +189,8 @@ impl Player {
             bits.push(read(self.host.states(&mut values), values));
         }
         for reference in 0..self.count() as u32 {
-            let is_told = self.list().get(reference as usize).is_none_or(|v| v.name != DRIFT);
-            if let Some(size) = size(self.model, reference).filter(|_| is_told || self.purpose != Use::Exchange) {
+            let is_compared = self.list().get(reference as usize).is_none_or(|v| v.name != DRIFT);
+            if let Some(size) = size(self.model, reference).filter(|_| is_compared || self.purpose != Use::Exchange) {
                 let mut values = [0.0; 2];
                 bits.push(read(self.host.reals(&[reference], &mut values[..size]), values));
             }
@@ -277,8 +277,8 @@ impl Player {
         let have = references.iter().all(|&reference| self.is_known(reference));
         let mut values = vec![0.0; number];
         let status = self.host.reals(&references, &mut values);
-        let told = if self.lacks(&references) { &[] } else { &values[..] };
-        let status = self.check(status, told);
+        let known_values = if self.lacks(&references) { &[] } else { &values[..] };
+        let status = self.check(status, known_values);
         ("get Reals", Either.when(sizes == Some(number) && have), status)
     }
 
@@ -324,10 +324,10 @@ impl Player {
             }
             Host::Three(host) => host.derivative(false, &unknowns, &[known], &seeds[..1], &mut values) as i32,
         };
-        let told = if is_adjoint && !self.is_two() { &back[..] } else { &values };
-        let told = if self.lacks(&unknowns) { &[] } else { told };
+        let known_values = if is_adjoint && !self.is_two() { &back[..] } else { &values };
+        let known_values = if self.lacks(&unknowns) { &[] } else { known_values };
         let may = fits.when(sizes == Some(number));
-        ("get a derivative", may, self.check(status, told))
+        ("get a derivative", may, self.check(status, known_values))
     }
 
     pub fn output_derivatives(&mut self, random: &mut Random) -> Answer {

@@ -36,7 +36,7 @@ fn odd(random: &mut Random) -> f64 {
 }
 
 /// Change some bytes of a state's body.
-fn spoil(random: &mut Random, bytes: &mut [u8]) {
+fn corrupt(random: &mut Random, bytes: &mut [u8]) {
     for _ in 0..=random.below(3) {
         let at = random.below(bytes.len());
         match random.below(5) {
@@ -65,7 +65,7 @@ fn of_model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
         let _ = probe.timed("step", || model.step(h));
     }
     let mut bytes = written(&model)?;
-    spoil(&mut random, &mut bytes);
+    corrupt(&mut random, &mut bytes);
     let Ok(snapshot) = probe.timed("state read", || model.read_snapshot(&bytes)) else {
         probe.count("states refused");
         return Ok(());
@@ -145,7 +145,7 @@ fn instance(probe: &mut Probe) -> Result<(), String> {
     let mut bytes = host.serialize(&state).map_err(|s| format!("fmi2SerializeFMUstate: {s:?}"))?;
     host.free(&mut state);
     let end = bytes.len() - CHECK;
-    spoil(&mut random, &mut bytes[HEAD..end]);
+    corrupt(&mut random, &mut bytes[HEAD..end]);
     let sum = xxh64(&bytes[..end]).to_le_bytes();
     bytes[end..].copy_from_slice(&sum);
     let Ok(mut state) = probe.timed("fmi2DeSerializeFMUstate", || host.deserialize(&bytes)) else {

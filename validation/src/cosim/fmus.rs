@@ -29,7 +29,6 @@ impl Fmu {
     /// Unpack an FMU into a folder and load it.
     ///
     /// # Errors
-    ///
     /// The file is no FMU for co-simulation on this platform, or cannot be unpacked.
     pub fn open(file: &Path, folder: &Path) -> Result<Arc<Self>, String> {
         let refused = |reason: String| format!("{}: {reason}", file.display());
@@ -296,7 +295,6 @@ impl Actuator for Spring {
 /// with held inputs, and compare it with the same law in closed form. Returns the sentence with the result.
 ///
 /// # Errors
-///
 /// The FMU returns an error, or the forces differ.
 pub fn foreign(fmu: &Arc<Fmu>) -> Result<String, String> {
     const SPRING: OilSpring = OilSpring { stiffness: 1.5e6, leak_time: 0.03 };

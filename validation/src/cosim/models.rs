@@ -165,7 +165,7 @@ struct Past {
     /// W [N] and time [s] at the start of the last step.
     before: Option<[f64; 2]>,
     /// Speed predicted for the end of the last step [m/s], and the length of that step [s].
-    foreseen: Option<[f64; 2]>,
+    predicted: Option<[f64; 2]>,
     /// Load missing in the element model, r [N].
     correction: f64,
 }
@@ -197,7 +197,7 @@ impl<L: Laws> Integrated<L> {
     }
 
     /// States, length, speed, moments of the force and work after h, predicted from the present motion.
-    fn foresee(&self, Asked { element, drift, .. }: Asked, h: f64) -> [f64; 9] {
+    fn predict(&self, Asked { element, drift, .. }: Asked, h: f64) -> [f64; 9] {
         let Present { x, time, length, speed, .. } = self.present;
         let [a, b, c, d] = x;
         let mut f = |t: f64, y: &[f64; 9]| {
@@ -266,9 +266,9 @@ impl<L: Laws> Actuator for Integrated<L> {
         past.before = Some([element.holding, time]);
         let force = self.force()?;
         if self.corrects
-            && let Some([foreseen, last]) = past.foreseen
+            && let Some([predicted, last]) = past.predicted
         {
-            let missed = element.mass * (v - foreseen) / last;
+            let missed = element.mass * (v - predicted) / last;
             // After a contact within the step the impulse is not that of the load.
             let is_load = missed.abs() <= force.abs() + element.holding.abs();
             past.correction = if is_load { past.correction - missed } else { 0.0 };
@@ -276,11 +276,11 @@ impl<L: Laws> Actuator for Integrated<L> {
         element.holding += past.correction;
         let from = acceleration(&element, drift, [0.0, v, 0.0], force);
         let mut asked = Asked { element, drift, keeps, past };
-        let [a, b, c, d, s, end, impulse, moment, _] = self.foresee(asked, h);
+        let [a, b, c, d, s, end, impulse, moment, _] = self.predict(asked, h);
         let to = acceleration(&element, drift, [s - length, end, h], self.laws.force(end, &[a, b, c, d]));
         let [m0, m1] = [impulse / h, moment / h];
         let rate = 6.0 * (2.0 * m1 - m0) / h;
-        asked.past.foreseen = Some([end, h]);
+        asked.past.predicted = Some([end, h]);
         self.asked = Some(asked);
         Ok(Preview { line: [m0 - 0.5 * rate * h, rate], mean: m0, accelerations: [from, to] })
     }
@@ -291,7 +291,7 @@ impl<L: Laws> Actuator for Integrated<L> {
             self.past = asked.past;
         }
         if let Some(asked) = asked.filter(|asked| asked.keeps) {
-            let [a, b, c, d, length, v, _, _, work] = self.foresee(asked, h);
+            let [a, b, c, d, length, v, _, _, work] = self.predict(asked, h);
             (self.present.x, self.present.length) = ([a, b, c, d], length);
             self.present.work += work;
             self.present.speed = [v, 0.0, 0.0, 0.0, 0.0];

@@ -150,12 +150,12 @@ impl Row {
 
     /// Cells of the table, each with the error of an earlier measurement.
     fn cells(&self, earlier: &Value) -> Vec<String> {
-        let beside = |k: usize| match earlier[k].as_str() {
+        let earlier_error = |k: usize| match earlier[k].as_str() {
             None | Some("") => String::new(),
             Some(figure) => format!(" <sub>{figure}</sub>"),
         };
         let angle =
-            |(k, e): (usize, &Option<Errors>)| e.map_or("x".into(), |e| format!("{:.1e}", e.angle)) + &beside(k);
+            |(k, e): (usize, &Option<Errors>)| e.map_or("x".into(), |e| format!("{:.1e}", e.angle)) + &earlier_error(k);
         let mut cells: Vec<String> = self.errors.iter().enumerate().map(angle).collect();
         let at_1_ms = self.errors[MILLISECOND];
         let cell = |f: &dyn Fn(Errors) -> String| at_1_ms.map_or("x".into(), f);

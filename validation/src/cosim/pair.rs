@@ -47,7 +47,6 @@ pub type Refused = String;
 /// The side with the force as input and the motion as output.
 ///
 /// # Errors
-///
 /// Of all methods: the side returns an error.
 pub trait Mechanism {
     /// Motion with the present force.
@@ -77,7 +76,6 @@ fn lacking<T>(what: &str) -> Result<T, Refused> {
 /// The side with the motion as input and the force as output; optional methods return an error by default.
 ///
 /// # Errors
-///
 /// Of all methods: the side returns an error.
 pub trait Actuator {
     /// Set the length at the beginning of the next step, and the speed there with its time derivatives up to order 4.

@@ -108,7 +108,6 @@ pub struct Run {
 /// Run a scheme over a scene in steps of h [s].
 ///
 /// # Errors
-///
 /// A side returns an error: the coupling was unstable.
 pub fn run(fmus: &Fmus, scene: &Scene, scheme: &str, h: f64) -> Result<Run, String> {
     let mut gear = Gear::start(&fmus.gear, &scene.gear, &scene.flags)?;

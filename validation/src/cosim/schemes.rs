@@ -35,7 +35,7 @@ pub enum Plan {
     /// actuator follows its motion; in one pass the actuator keeps the predicted motion. Without the slope dW/ds the
     /// actuator uses differences of W in time.
     #[expect(missing_docs, reason = "said above")]
-    Foreseen { linear: bool, two_passes: bool, with_slope: bool },
+    Predicted { linear: bool, two_passes: bool, with_slope: bool },
     /// Preview in one pass in a host that passes every output one step late, independently of the feedthrough: both
     /// sides step, then all outputs are read, then all inputs are set. The force is predicted from the motion of the
     /// prediction before and the element of the step before.
@@ -48,11 +48,11 @@ const fn jacobi(extrapolation: Extrapolation) -> Plan {
 }
 
 const fn one_pass(linear: bool) -> Plan {
-    Plan::Foreseen { linear, two_passes: false, with_slope: true }
+    Plan::Predicted { linear, two_passes: false, with_slope: true }
 }
 
 const fn two_passes(with_slope: bool) -> Plan {
-    Plan::Foreseen { linear: true, two_passes: true, with_slope }
+    Plan::Predicted { linear: true, two_passes: true, with_slope }
 }
 
 /// Every scheme by its name on the page.
@@ -140,14 +140,13 @@ pub struct Scheme {
     /// Inputs of the last step, force and speed, for the correction in the next step.
     given: Option<[f64; 2]>,
     /// The actuator's preview since its last step.
-    told: Option<Preview>,
+    last_preview: Option<Preview>,
 }
 
 impl Scheme {
     /// Step from the communication point `t` to `t + h` [s], with both sides at `t`.
     ///
     /// # Errors
-    ///
     /// A side returns an error, or an iteration does not converge.
     pub fn step(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
         match self.plan {
@@ -155,7 +154,7 @@ impl Scheme {
             Plan::GaussSeidel(extrapolation) => self.gauss_seidel(extrapolation, pair, t, h),
             Plan::HydraulicsFirst => self.hydraulics_first(pair, t, h),
             Plan::Iterated { degree, newton } => self.iterated(degree, newton, pair, t, h),
-            Plan::Foreseen { linear, two_passes, with_slope } => foreseen(linear, two_passes, with_slope, pair, t, h),
+            Plan::Predicted { linear, two_passes, with_slope } => predicted(linear, two_passes, with_slope, pair, t, h),
             Plan::Late { linear } => self.late(linear, pair, t, h),
         }
     }
@@ -268,31 +267,31 @@ impl Scheme {
         // At the start only start values are known: both sides output them before the first step.
         pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
         let present = pair.actuator.preview(now, h, true)?;
-        let foreseen = self.told.unwrap_or(present);
-        let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+        let predicted = self.last_preview.unwrap_or(present);
+        let [force, rate] = if linear { predicted.line } else { [predicted.mean, 0.0] };
         pair.mechanism.set_force([force, rate, 0.0])?;
         pair.step_mechanism(t, h)?;
         pair.step_actuator(t, h)?;
         // The inputs of the actuator are still those of the step: its own motion, and the element at the beginning.
-        self.told = Some(pair.actuator.preview(now, h, true)?);
+        self.last_preview = Some(pair.actuator.preview(now, h, true)?);
         Ok(())
     }
 }
 
-fn foreseen(linear: bool, two_passes: bool, with_slope: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+fn predicted(linear: bool, two_passes: bool, with_slope: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
     let Motion { length, speed, .. } = pair.mechanism.motion()?;
     let mut element = pair.mechanism.element()?;
     if !with_slope {
         element.holding_derivative = 0.0;
     }
     pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
-    let foreseen = pair.actuator.preview(element, h, !two_passes)?;
-    let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+    let predicted = pair.actuator.preview(element, h, !two_passes)?;
+    let [force, rate] = if linear { predicted.line } else { [predicted.mean, 0.0] };
     pair.mechanism.set_force([force, rate, 0.0])?;
     pair.step_mechanism(t, h)?;
     if two_passes {
         let end = pair.mechanism.motion()?;
-        let [from, to] = foreseen.accelerations;
+        let [from, to] = predicted.accelerations;
         let from = Motion { length, speed, acceleration: from };
         let to = Motion { acceleration: to, ..end };
         pair.actuator.set_motion(length, hermite(from, to, h))?;
@@ -315,5 +314,5 @@ pub fn mode(name: &str) -> &'static str {
 pub fn by_name(name: &str) -> Option<Scheme> {
     let (_, plan) = *ALL.iter().find(|(own, _)| *own == name)?;
     let (force, speed, rates) = Default::default();
-    Some(Scheme { plan, force, speed, rates, given: None, told: None })
+    Some(Scheme { plan, force, speed, rates, given: None, last_preview: None })
 }

@@ -10,7 +10,6 @@ const FLAT: f64 = 0.05;
 /// right (side -1).
 ///
 /// # Errors
-///
 /// The circles do not intersect, or are nearly tangent.
 ///
 /// # Errors

@@ -53,7 +53,6 @@ impl Term {
     /// Parse a term; of duplicate names the last one counts.
     ///
     /// # Errors
-    ///
     /// The text is no term, or contains an unknown name.
     pub fn read(text: &str, names: &[String]) -> Result<Self, String> {
         let mut reader = Reader { rest: text, names };

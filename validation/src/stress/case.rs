@@ -192,27 +192,27 @@ impl Case {
 
     /// The model at its start.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
-        let told = |e: linkage_fmu::mechanism::ModelError| e.to_string();
+        let words = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
         // A guess in metres is no parameter: all lengths are then scaled in the text.
         let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;
         let text = if guessed { Cow::Owned(stretched(text, self.scaling.length)) } else { Cow::Borrowed(text) };
-        let mut model = Model::from_json(&text).map_err(told)?;
+        let mut model = Model::from_json(&text).map_err(words)?;
         for (name, value) in &self.set {
             set(&mut model, name, *value)?;
         }
         for (name, value) in &self.flags {
             let reference = find(&model, name)?;
-            model.set_boolean(reference, *value).map_err(told)?;
+            model.set_boolean(reference, *value).map_err(words)?;
         }
         if self.scaling != Scaling::ONE {
             for (reference, factor) in self.factors(&model, guessed) {
-                let value = model.real(reference).map_err(told)?;
-                model.set_real(reference, value * factor).map_err(told)?;
+                let value = model.real(reference).map_err(words)?;
+                model.set_real(reference, value * factor).map_err(words)?;
             }
         }
-        model.set_tolerance(tolerance).map_err(told)?;
-        model.initialize().map_err(told)?;
+        model.set_tolerance(tolerance).map_err(words)?;
+        model.initialize().map_err(words)?;
         Ok(model)
     }
 

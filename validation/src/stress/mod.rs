@@ -85,7 +85,7 @@ pub fn all() -> Vec<Row> {
 
 /// Evaluate rows in `threads` threads; `tell` gets each outcome with the row's index when it is complete. Returns all
 /// outcomes in the order of the rows.
-pub fn judge(rows: &[Row], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
+pub fn judge(rows: &[Row], threads: usize, report: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
@@ -93,7 +93,7 @@ pub fn judge(rows: &[Row], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Syn
             let place = next.fetch_add(1, Ordering::Relaxed);
             let Some(row) = rows.get(place) else { return done };
             let outcome = row.judge();
-            tell(place, &outcome);
+            report(place, &outcome);
             done.push((place, outcome));
         }
     };

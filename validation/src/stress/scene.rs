@@ -7,7 +7,7 @@ use super::{Outcome, Row, Verdict};
 
 /// Bound of an angle above which the motion is not predictable at the tolerance: kappa holds for small errors, and an
 /// error of a radian is as large as the motion itself [rad].
-const FORETOLD: f64 = 1.0;
+const PREDICTABLE: f64 = 1.0;
 
 /// Expected result of a scene.
 pub enum Expected {
@@ -143,12 +143,12 @@ impl Run {
         // Each of the summed energies has a rounding error.
         let drift = (self.drift, drift_bound + 8.0 * f64::EPSILON * self.potential);
         let holds = |(value, bound): (f64, f64)| value <= bound;
-        let foretold = error.is_none_or(|(_, bound)| bound <= FORETOLD);
-        if !foretold {
+        let predictable = error.is_none_or(|(_, bound)| bound <= PREDICTABLE);
+        if !predictable {
             why += "; beyond foretelling, judged by the energy";
         }
         let verdict =
-            if (!foretold || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
+            if (!predictable || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
         Outcome { error, drift: Some(drift), work: self.work, cpu: self.cpu, why, verdict }
     }
 }

@@ -77,10 +77,10 @@ impl<'a> Builder<'a> {
     /// Bodies that a welded joint connects rigidly. If a bar consists of several parts that share the joint, these are
     /// the bar and blocks, as PMKS+ welds all existing bars into one and pins later bars. Otherwise all bodies.
     fn welded(&self, pin: &Pin, bodies: &[usize]) -> Vec<usize> {
-        let meets = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
+        let has_pin = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
         let is_weld = |body: &usize| {
             let parts = &self.roots[body - 1].parts;
-            self.bars.iter().filter(meets).filter(|part| parts.contains(&part.id)).count() > 1
+            self.bars.iter().filter(has_pin).filter(|part| parts.contains(&part.id)).count() > 1
         };
         let has_weld = bodies.iter().any(is_weld);
         let is_held = |body: &usize| !has_weld || is_weld(body) || self.roots[body - 1].is_block;

@@ -50,7 +50,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         .with_context(|| format!("{}; `{} check` prints the details", definition.shown, workspace.program()))?;
     let units = FileUnits::stated(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
     for finding in model.warnings() {
-        eprintln!("warning: {}", units.told(finding.clone()));
+        eprintln!("warning: {}", units.converted(finding.clone()));
     }
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;

@@ -29,7 +29,7 @@ impl<'a> Bar<'a> {
     }
 
     /// Show this text after the bar.
-    pub fn tell(&self, text: String) {
+    pub fn show(&self, text: String) {
         self.0.set_message(text);
     }
 

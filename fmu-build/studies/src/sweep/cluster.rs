@@ -110,11 +110,11 @@ pub fn run(
 ) -> Result<()> {
     let scripts = workspace.python_scripts();
     let python = command::environment(&workspace.target("venv-cluster"), &scripts.join(REQUIREMENTS))?;
-    let told = folder.join("plan.json");
-    fs::write(&told, plan(work.task, interface).to_string())
-        .with_context(|| format!("{}: cannot be written", told.display()))?;
+    let plan_file = folder.join("plan.json");
+    fs::write(&plan_file, plan(work.task, interface).to_string())
+        .with_context(|| format!("{}: cannot be written", plan_file.display()))?;
     let mut program = Command::new(python);
-    program.arg(scripts.join(PROGRAM)).arg(fmu).arg(&told);
+    program.arg(scripts.join(PROGRAM)).arg(fmu).arg(&plan_file);
     match workers {
         Workers::Local(count) => program.args(["--workers", &count.to_string()]),
         Workers::Of(scheduler) => program.args(["--scheduler", scheduler]),
@@ -127,7 +127,7 @@ pub fn run(
     let (sender, done) = channel();
     let mut left = chunks.len();
     let result = thread::scope(|scope| {
-        scope.spawn(|| hand_over(input, work, chunks));
+        scope.spawn(|| send_chunks(input, work, chunks));
         scope.spawn(move || collect(output, &sender));
         let mut next = || -> Result<()> {
             while left > 0 && !stop_wish.load(Ordering::Relaxed) {
@@ -152,7 +152,7 @@ pub fn run(
         if result.is_err() || left > 0 {
             // When its plan is removed, the program ends and leaves the workers unchanged. The pipes end with the
             // program, and the two threads with the pipes.
-            let _ = fs::remove_file(&told);
+            let _ = fs::remove_file(&plan_file);
             let patience = Instant::now() + PATIENCE;
             while matches!(child.try_wait(), Ok(None)) && Instant::now() < patience {
                 thread::sleep(LOOK);
@@ -162,7 +162,7 @@ pub fn run(
         result
     });
     let status = child.wait().with_context(|| format!("the program cannot wait for the end of {PROGRAM}"))?;
-    let _ = fs::remove_file(&told);
+    let _ = fs::remove_file(&plan_file);
     result?;
     if left == 0 && !status.success() {
         eprintln!("warning: all parts are complete, but {PROGRAM} ended with {status}");
@@ -171,7 +171,7 @@ pub fn run(
 }
 
 /// Write the chunks for the program, each with the factor values of its runs. The program reads them during its work.
-fn hand_over(input: ChildStdin, work: &Work, chunks: &[u64]) {
+fn send_chunks(input: ChildStdin, work: &Work, chunks: &[u64]) {
     let (mut input, mut design, mut point) = (BufWriter::new(input), work.design.clone(), Vec::new());
     let mut write = || -> std::io::Result<()> {
         for chunk in chunks {

@@ -51,11 +51,11 @@ pub fn warning(
     let seconds = began.elapsed().as_secs_f64() / MEASURED as f64;
     // In addition to the columns, a row contains its number.
     let bytes = 8.0 * (task.factors.len() + values.len() + 1) as f64;
-    Ok(Some(told(design.runs(), cut.chunks(), bytes, seconds)))
+    Ok(Some(announcement(design.runs(), cut.chunks(), bytes, seconds)))
 }
 
 /// The line for this number of runs, with the size of a row in bytes and the time of a run [s].
-fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
+fn announcement(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
     let all = runs as f64;
     format!(
         "{runs} runs: the results will need about {} on the disk. Until all runs are complete, the study needs the \
@@ -82,7 +82,7 @@ fn amount(value: f64, units: &[(f64, &str)]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{BYTES, TIMES, amount, told};
+    use super::{BYTES, TIMES, amount, announcement};
 
     #[test]
     fn amounts_have_the_largest_unit() {
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_large_study_is_announced_with_its_size_and_its_time() {
-        let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
+        let line = announcement(10_000_000_000, 9_765_625, 40.0, 2e-5);
         assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
         assert!(line.contains("If each run needs 20 us") && line.contains("about 2.3 days on one core"), "{line}");
     }

@@ -39,7 +39,7 @@ pub fn plan(task: &Task, interface: &Interface) -> Value {
         "stop_at": scenario.stop_at.as_ref().map(event),
         "stop_label": Decimal(scenario.stop()).to_string(),
         "events": responses.events.iter().map(event).collect::<Vec<_>>(),
-        "responses": told(responses, name),
+        "responses": described(responses, name),
         "columns": responses.columns.len(),
     })
 }
@@ -73,8 +73,8 @@ fn kind_and_value(setting: Setting) -> (&'static str, Value) {
     }
 }
 
-fn told<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<Value> {
-    let told = |response: &super::responses::Response| {
+fn described<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<Value> {
+    let one = |response: &super::responses::Response| {
         let mut value = json!({
             "reference": response.observed.reference, "is_boolean": response.observed.is_boolean,
             "name": name(response.observed.reference), "column": response.column,
@@ -93,5 +93,5 @@ fn told<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<V
         }
         value
     };
-    responses.list.iter().map(told).collect()
+    responses.list.iter().map(one).collect()
 }

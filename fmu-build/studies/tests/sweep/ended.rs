@@ -150,8 +150,8 @@ fn memory(study: &Path, out: &Path) -> u64 {
     let mut child = start(study, out, &["--csv", "--threads", "2"]);
     let mut most = 0;
     let status = loop {
-        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak = told.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
+        let process = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak = process.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
         most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
         if let Some(status) = child.try_wait().unwrap() {
             break status;

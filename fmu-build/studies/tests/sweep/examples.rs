@@ -64,18 +64,18 @@ fn the_committed_optimum_is_that_of_the_study() {
     let (study, optimum) = (read("docs/studies/least_force.json"), read("validation/results/least_force_optimum.json"));
     let folder = Folder::new("optimum");
     for design in ["present", "best"] {
-        let told = &optimum[design];
+        let committed = &optimum[design];
         let mut study = study.clone();
         for key in ["objective", "constraints", "search"] {
             study.as_object_mut().unwrap().remove(key);
         }
         for (name, factor) in study["factors"].as_object_mut().unwrap() {
             assert_eq!(optimum["bounds"][name], factor["bounds"], "{name}");
-            *factor = json!({ "values": [told["factors"][name]] });
+            *factor = json!({ "values": [committed["factors"][name]] });
         }
         study["mechanism"] = json!(root.join("docs/studies").join(study["mechanism"].as_str().unwrap()));
         let rows = folder.rows(study);
-        for (name, expected) in told["responses"].as_object().unwrap() {
+        for (name, expected) in committed["responses"].as_object().unwrap() {
             let (value, expected) = (rows.number(0, name), expected.as_f64().unwrap());
             // Processors without fused multiply-add give other rounding errors. The tolerance of the integration is
             // 1e-9.

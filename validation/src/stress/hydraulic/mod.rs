@@ -21,7 +21,7 @@ const TIGHT: [f64; 2] = [1e-11, 1e-9];
 /// The root mean square of the errors of one step in at most 15 components is kept below the tolerance.
 const EACH: f64 = 3.88;
 /// Bound of the relative error above which the end is not predictable.
-const FORETOLD: f64 = 1.0;
+const PREDICTABLE: f64 = 1.0;
 
 /// One row: a case, its tolerance, and the parts of the expected error message, if one is expected.
 #[derive(Clone, Debug)]
@@ -93,11 +93,11 @@ impl Scene {
         let drift = (found.end[6] - exact[6]).abs();
         let drift_bound = case.span * power * bound + (exact[6] - again[6]).abs();
         let mut why = format!("N = {}, of these {} by Radau, kappa = {kappa:.1e}", found.work.accepted, found.implicit);
-        let foretold = bound <= FORETOLD;
-        if !foretold {
+        let predictable = bound <= PREDICTABLE;
+        if !predictable {
             why += "; beyond foretelling";
         }
-        let holds = !foretold || (error <= bound && drift <= drift_bound);
+        let holds = !predictable || (error <= bound && drift <= drift_bound);
         let finite = found.end.iter().all(|value| value.is_finite());
         let verdict = if holds && finite { Verdict::Holds } else { Verdict::Fails };
         let (error, drift) = (Some((error, bound)), Some((drift, drift_bound)));

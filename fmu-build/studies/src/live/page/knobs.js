@@ -96,7 +96,7 @@ class Knobs {
     number.setAttribute("aria-label", `Value of ${first.name}`);
     const unit = row.appendChild(document.createElement("small"));
     let [knob, factor] = [first, 1];
-    const tell = (value) => {
+    const show = (value) => {
       slider.value = value * factor;
       number.value = Number((value * factor).toPrecision(6));
       slider.setAttribute("aria-valuetext", `${number.value} ${unit.textContent}`);
@@ -105,7 +105,7 @@ class Knobs {
       const value = Number(input.value) / factor;
       if (input.value === "" || !Number.isFinite(value)) return;
       if (input === number) widen(value);
-      tell(value);
+      show(value);
       this.set(knob.name, value, knob.start);
     };
     const widen = (value) => {
@@ -114,7 +114,7 @@ class Knobs {
     };
     slider.addEventListener("input", () => turn(slider));
     number.addEventListener("change", () => turn(number));
-    row.reset = () => tell(knob.start);
+    row.reset = () => show(knob.start);
     row.update = (now) => {
       knob = now;
       row.title = knob.description;
@@ -127,7 +127,7 @@ class Knobs {
       Object.assign(slider, { min: least * factor, max: most * factor, step: step > 0 ? step : "any" });
       const value = this.values.get(knob.name) ?? knob.start;
       widen(value);
-      tell(value);
+      show(value);
     };
     row.update(first);
   }

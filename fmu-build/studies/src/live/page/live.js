@@ -31,20 +31,20 @@ async function run() {
   do {
     runs.isWanted = false;
     const { text } = editor;
-    let told;
+    let reply;
     try {
-      told = await ask("run", { text, values: [...knobs.values] });
-      tellConnection();
+      reply = await ask("run", { text, values: [...knobs.values] });
+      showConnection();
     } catch (error) {
-      tellConnection(error);
+      showConnection(error);
       continue;
     }
     try {
-      apply(told.data, told.notes, text);
+      apply(reply.data, reply.notes, text);
     } catch {
       // The last motion belongs to a mechanism with other parts.
       good.data = undefined;
-      apply(told.data, told.notes, text);
+      apply(reply.data, reply.notes, text);
     }
   } while (runs.isWanted);
   runs.isOut = false;
@@ -75,12 +75,12 @@ function apply(data, notes, text) {
   byId("live-knobs-problem").textContent = brief(notes.problems.join("; "));
   // In an older text the places differ.
   if (text === editor.text) editor.mark(notes.marks);
-  tellFindings(notes.marks);
+  showFindings(notes.marks);
   runs.shown += 1;
   runs.last = { text, milliseconds: notes.milliseconds, at: performance.now() };
 }
 
-function tellFindings(marks) {
+function showFindings(marks) {
   const count = (is) => marks.filter((mark) => mark.is_error === is).length;
   const words = (n, word) => (n ? `${n} ${word}${n === 1 ? "" : "s"}` : "");
   const button = byId("live-findings");
@@ -90,12 +90,12 @@ function tellFindings(marks) {
   button.onclick = () => editor.goTo(marks[0].from, marks[0].to);
 }
 
-function tellConnection(error = file.error) {
+function showConnection(error = file.error) {
   byId("live-lost").hidden = !error;
   if (error) byId("live-lost").textContent = error instanceof TypeError ? "The server has ended. Your text is still here; start the command again, and copy the text into its page." : error.message;
 }
 
-function tellState() {
+function showState() {
   byId("live-state").textContent = isDirty() ? "Not saved" : "Saved";
   byId("live-save").disabled = !isDirty() || asks();
   byId("live-undo").disabled = !CodeMirror.undoDepth(editor.state);
@@ -103,7 +103,7 @@ function tellState() {
 }
 
 function onEdit() {
-  tellState();
+  showState();
   run();
 }
 
@@ -112,16 +112,16 @@ async function save() {
   const [text, written] = [editor.text, editor.written];
   try {
     file.saving = text;
-    const told = await ask("save", { text: written, version: file.version });
+    const reply = await ask("save", { text: written, version: file.version });
     file.error = undefined;
-    tellConnection();
-    if ("text" in told || "error" in told) onNews(told);
-    else if (told.version > file.version) Object.assign(file, { version: told.version, text });
+    showConnection();
+    if ("text" in reply || "error" in reply) onNews(reply);
+    else if (reply.version > file.version) Object.assign(file, { version: reply.version, text });
   } catch (error) {
-    tellConnection(error);
+    showConnection(error);
   }
   file.saving = undefined;
-  tellState();
+  showState();
 }
 
 /** The version of the file differs from that of the page. */
@@ -129,11 +129,11 @@ function onNews({ version, text, error }) {
   if (version === file.version) return;
   byId("live-conflict").hidden = true;
   file.error = error && new Error(error);
-  tellConnection();
+  showConnection();
   if (error !== undefined) {
     // There is no file with this text.
     Object.assign(file, { version, text: undefined });
-    return void tellState();
+    return void showState();
   }
   const other = plain(text);
   const wasDirty = isDirty();
@@ -146,7 +146,7 @@ function onNews({ version, text, error }) {
     file.news = text;
     byId("live-conflict").hidden = false;
   }
-  tellState();
+  showState();
   // A file of parameters may have changed without a change of the text.
   if (!wasDirty || isOwn) run();
 }
@@ -159,12 +159,12 @@ async function listen() {
     while (document.hidden) await new Promise((resolve) => document.addEventListener("visibilitychange", resolve, { once: true }));
     seen = new AbortController();
     try {
-      const told = await ask(`file?after=${file.version}`, undefined, seen.signal);
-      tellConnection();
-      onNews(told);
+      const reply = await ask(`file?after=${file.version}`, undefined, seen.signal);
+      showConnection();
+      onNews(reply);
     } catch (error) {
       if (seen.signal.aborted) continue;
-      tellConnection(error);
+      showConnection(error);
       await new Promise((resolve) => setTimeout(resolve, AGAIN));
     }
   }
@@ -204,18 +204,18 @@ for (const [id, command] of [["live-undo", CodeMirror.undo], ["live-redo", CodeM
 byId("live-take-theirs").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
   editor.replace(file.news);
-  tellState();
+  showState();
 });
 byId("live-keep-mine").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
-  tellState();
+  showState();
 });
 // Keys in the text and on the sliders do not control the drawing.
 byId("live").addEventListener("keydown", (event) => event.stopPropagation());
 addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
 file.error = first.error && new Error(first.error);
-tellConnection();
+showConnection();
 apply(mechanism.data, first.notes, editor.text);
-tellState();
+showState();
 listen();
 mechanism.live = { editor, knobs, handles, runs, file };

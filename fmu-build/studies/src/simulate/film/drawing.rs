@@ -267,8 +267,8 @@ impl Picture<'_> {
                 continue;
             }
             // The rail next to the block, on the right-hand side of the axis.
-            let beside = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
-            self.canvas.hatch(beside(a), beside(b), GROUND);
+            let offset = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
+            self.canvas.hatch(offset(a), offset(b), GROUND);
         }
     }
 

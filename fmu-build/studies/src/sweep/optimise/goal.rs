@@ -112,17 +112,17 @@ impl Goal {
     }
 
     /// The objective of these responses as text.
-    pub fn told(&self, responses: &[f64]) -> String {
+    pub fn described(&self, responses: &[f64]) -> String {
         format!("{} = {}", self.name, Decimal(responses[self.column]))
     }
 
     /// The limits with the values of these responses.
-    pub fn limits_told(&self, responses: &[f64]) -> Value {
-        let told = |limit: &Limit| {
+    pub fn limits_with_values(&self, responses: &[f64]) -> Value {
+        let described_limit = |limit: &Limit| {
             let what = if limit.sign > 0.0 { "at_most" } else { "at_least" };
             json!({ "response": limit.name, what: limit.value, "value": responses[limit.column] })
         };
-        self.limits.iter().map(told).collect()
+        self.limits.iter().map(described_limit).collect()
     }
 }
 

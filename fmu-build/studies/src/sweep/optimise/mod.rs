@@ -142,7 +142,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     let why = why.unwrap_or_else(|| "stopped by the user".to_owned());
     let summary = made.summary(best, (&space, seed, &why), &problem);
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
-    made.tell(best, &why, &out);
+    made.print(best, &why, &out);
     if arguments.page {
         let name = arguments.study.file_stem().unwrap_or_default().to_string_lossy();
         page::draw(workspace, (&name, &stated.definition), (&columns, factors.len()), (&out, PARQUET))?;
@@ -202,7 +202,7 @@ fn look(
             found.add(evaluation, worth, true);
         }
         if let Some(best) = found.best {
-            bar.tell(format!(", best {}", goal.told(&found.all[best].0.responses)));
+            bar.show(format!(", best {}", goal.described(&found.all[best].0.responses)));
         }
     }
 }
@@ -242,7 +242,7 @@ impl Made<'_> {
             "evaluation": index,
             "factors": named(&mut self.task.factors.iter().map(|factor| &*factor.name), &evaluation.point),
             "responses": named(&mut self.task.responses.columns.iter().map(String::as_str), &evaluation.responses),
-            "constraints": self.goal.limits_told(&evaluation.responses),
+            "constraints": self.goal.limits_with_values(&evaluation.responses),
             "violation": worth.as_ref().map(Worth::violation),
             "failed": evaluation.is_failure,
             "message": evaluation.message,
@@ -265,9 +265,9 @@ impl Made<'_> {
     }
 
     /// Print the outcome.
-    fn tell(&self, best: usize, why: &str, out: &Path) {
+    fn print(&self, best: usize, why: &str, out: &Path) {
         let worth = self.found.all[best].1.as_ref().map_or(f64::NAN, Worth::violation);
-        let told = |index: usize| self.goal.told(&self.found.all[index].0.responses);
+        let objective = |index: usize| self.goal.described(&self.found.all[index].0.responses);
         eprintln!("{why}; {} evaluations", self.found.all.len() - 1);
         if worth > 0.0 {
             eprintln!(
@@ -275,7 +275,7 @@ impl Made<'_> {
                 100.0 * worth
             );
         }
-        eprintln!("original design: {}; best design: {}", told(0), told(best));
+        eprintln!("original design: {}; best design: {}", objective(0), objective(best));
         for (factor, value) in self.task.factors.iter().zip(&self.found.all[best].0.point) {
             eprintln!("  {} = {value}", factor.name);
         }

@@ -62,7 +62,7 @@ impl Optimiser {
         };
         let mut own = Self { child, input, output: BufReader::new(output) };
         let Problem { limits, start, evaluations, seed } = problem;
-        own.tell(&json!({ "limits": limits, "start": start, "evaluations": evaluations, "seed": seed }))?;
+        own.send(&json!({ "limits": limits, "start": start, "evaluations": evaluations, "seed": seed }))?;
         Ok(own)
     }
 
@@ -87,10 +87,10 @@ impl Optimiser {
     pub fn answer(&mut self, worth: &[Option<Worth>]) -> Result<()> {
         let costs: Vec<Option<f64>> = worth.iter().map(|worth| Some(worth.as_ref()?.cost)).collect();
         let excess: Vec<Option<&[f64]>> = worth.iter().map(|worth| Some(&*worth.as_ref()?.excess)).collect();
-        self.tell(&json!({ "costs": costs, "excess": excess }))
+        self.send(&json!({ "costs": costs, "excess": excess }))
     }
 
-    fn tell(&mut self, line: &serde_json::Value) -> Result<()> {
+    fn send(&mut self, line: &serde_json::Value) -> Result<()> {
         let written = writeln!(self.input, "{line}").and_then(|()| self.input.flush());
         written.with_context(|| format!("{PROGRAM} ended early; the messages above state the reason"))
     }
