@@ -84,7 +84,7 @@ class Study(WorkerPlugin):
             self.runners.own = Runner(self.folder / "fmu", self.plan)
         return self.runners.own
 
-    def forget_runner(self) -> None:
+    def replace_runner(self) -> None:
         """Create another instance for the next run of this thread, because this one is lost."""
         del self.runners.own
 
@@ -137,7 +137,7 @@ def make(name: str, runs: int, data: bytes) -> bytes:
         except RunError as error:
             values, remark, failed = empty, str(error), True
             if isinstance(error, FaultError):
-                study.forget_runner()
+                study.replace_runner()
         numbers.extend(point)
         numbers.extend(values)
         if failed or remark:

@@ -122,7 +122,7 @@ pub fn build(
         };
         // A library for this machine only may need any library of this machine.
         if !matches!(way, Way::Built(None)) {
-            loads_widely(&content, arguments.glibc.as_deref())
+            check_portable(&content, arguments.glibc.as_deref())
                 .with_context(|| format!("the library for {}", toolchain.tuple))?;
         }
         let binary = Binary::new(toolchain.folder, content, toolchain.triple)?.of(library);
@@ -228,7 +228,7 @@ pub fn own_by_name() -> Option<Platform> {
 }
 
 /// Check that a library for other machines needs nothing special from them.
-fn loads_widely(content: &[u8], glibc: Option<&str>) -> Result<()> {
+fn check_portable(content: &[u8], glibc: Option<&str>) -> Result<()> {
     suffices(&Needs::of(content)?, glibc)
 }
 
@@ -257,7 +257,7 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
 /// Neither is installed. `debian` describes the packages for Debian's own Rust.
 pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>> {
     // A toolchain that does not know the machine has no folder for it either.
-    if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| holds_standard_library(&folder)) {
+    if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| has_standard_library(&folder)) {
         return Ok(Vec::new());
     }
     let takes_unstable = env::var_os("RUSTC_BOOTSTRAP").is_some_and(|value| value == "1")
@@ -289,7 +289,7 @@ fn answer(program: impl Into<OsString>, arguments: &[&str]) -> Result<PathBuf> {
     Ok(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
 }
 
-fn holds_standard_library(folder: &Path) -> bool {
+fn has_standard_library(folder: &Path) -> bool {
     let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
     names.into_iter().any(|name| name.to_string_lossy().starts_with("libstd-"))
 }

@@ -20,7 +20,7 @@ type Read = fn(&Path, &str) -> Result<Vec<u8>>;
 static READ: OnceLock<Read> = OnceLock::new();
 
 /// State the function that reads archives.
-pub fn reads_by(read: Read) {
+pub fn set_reader(read: Read) {
     let _ = READ.set(read);
 }
 

@@ -50,12 +50,12 @@ fn a_prepared_mechanism_allocates_nothing_from_the_first_step_on() {
         prepare(&mut prepared);
         fs::remove_dir_all(&kept).unwrap();
         plain.initialize().unwrap();
-        runs_alike(&folder, &mut prepared, &mut plain);
+        assert_equal_runs(&folder, &mut prepared, &mut plain);
     }
 }
 
 /// Both runs have equal values, and the prepared one allocates no memory.
-fn runs_alike(folder: &Path, prepared: &mut Component, plain: &mut Component) {
+fn assert_equal_runs(folder: &Path, prepared: &mut Component, plain: &mut Component) {
     let outputs = outputs(plain);
     let [mut values, mut expected] = [(); 2].map(|()| Vec::with_capacity(outputs.len()));
     let is_tabled = !WITHOUT_TABLES.iter().any(|name| folder.to_string_lossy().contains(name));

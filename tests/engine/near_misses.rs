@@ -23,7 +23,7 @@ fn texts(inspection: &Inspection, topic: &str) -> Vec<String> {
 }
 
 /// The crank rotates over many turns, and the rocker with it.
-fn goes_straight_on(text: &str, close: f64) {
+fn assert_rotates(text: &str, close: f64) {
     let mut run = Run::new(text).started();
     let speed = run.get("crank.speed");
     for _ in 0..500 {
@@ -41,7 +41,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
         for sign in [1.0, -1.0] {
             let change = sign * 10f64.powi(-power);
             let text = parallelogram(change, json!({}));
-            goes_straight_on(&text, 1e-12 + change.abs());
+            assert_rotates(&text, 1e-12 + change.abs());
             let run = Run::new(&text);
             let remarks = run.0.model().remarks();
             assert_eq!(remarks.len(), 3, "two flat positions, and the moves: {remarks:?}");
@@ -87,7 +87,7 @@ fn larger_misses_give_a_warning_with_the_required_snap() {
         let reduced = std::sync::Arc::clone(run.clone().reduced().unwrap());
         let near = &reduced.curve().near;
         near.misses.iter().for_each(|m| assert!((m.miss / miss - 1.0).abs() < 2.0 * change.abs() + 1e-6, "{m:?}"));
-        goes_straight_on(&parallelogram(change, json!({ "snap": cure })), 1e-12 + change.abs());
+        assert_rotates(&parallelogram(change, json!({ "snap": cure })), 1e-12 + change.abs());
         // Without a larger `snap` the linkage changes to the antiparallelogram.
         let mut run = run.started();
         let mut apart = 0.0_f64;

@@ -123,13 +123,13 @@ pub fn line(fact: &Fact, units: &FileUnits) -> String {
     let of = if fact.of.is_empty() { String::new() } else { format!("{}: ", fact.of) };
     let numbers: Vec<String> = fact.quantities.iter().map(|one| quantity(one, units)).collect();
     let numbers = numbers.join(", ");
-    let text = not_twice(fact);
+    let text = without_repeated_word(fact);
     let joint = if numbers.is_empty() || text.is_empty() { "" } else { "; " };
     format!("{of}{numbers}{joint}{}", units.text(text))
 }
 
 /// The text of a fact without the word that the name of its first number already contains.
-fn not_twice(fact: &Fact) -> &str {
+fn without_repeated_word(fact: &Fact) -> &str {
     let word = fact.quantities.first().and_then(|quantity| quantity.name.strip_suffix(" position"));
     let rest = word.and_then(|word| fact.text.strip_prefix(word));
     rest.and_then(|rest| if rest.is_empty() { Some(rest) } else { rest.strip_prefix(": ") }).unwrap_or(&fact.text)

@@ -47,7 +47,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     lay_out(workspace, &stage, &binaries)?;
     let made = build(workspace, &stage, arguments)?;
     let content = fs::read(&made).with_context(|| format!("{}: cannot be read", made.display()))?;
-    keeps_its_promise(&made, &binaries)?;
+    works_with_named_glibc(&made, &binaries)?;
     has_licences(&made)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
@@ -174,7 +174,7 @@ pub fn install(python: &Path, wheel: &Path) -> Result<()> {
 }
 
 /// Check that all files for Linux in the wheel work with the glibc in its name.
-fn keeps_its_promise(wheel: &Path, binaries: &[Binary]) -> Result<()> {
+fn works_with_named_glibc(wheel: &Path, binaries: &[Binary]) -> Result<()> {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let Some(promised) = promise(&name) else { return Ok(()) };
     let mut archive = Fmu::open(wheel)?;
@@ -260,7 +260,7 @@ mod tests {
         let wheel = |glibc: &str| {
             let path = folder.join(format!("a-1-py3-none-manylinux_{}_x86_64.whl", glibc.replace('.', "_")));
             archive::write(&path, vec![Entry { name: "a.data/scripts/a".into(), content: content.clone() }]).unwrap();
-            keeps_its_promise(&path, &[])
+            works_with_named_glibc(&path, &[])
         };
         wheel(&needed).unwrap();
         let message = wheel("2.1").unwrap_err().to_string();

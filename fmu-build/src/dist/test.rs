@@ -139,7 +139,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     let same = package::Arguments { paths: vec![copied], out: Some(out), ..packing.clone() };
     for expected in package::run(workspace, &same)? {
         let found = installed.here.join(expected.file_name().unwrap_or_default());
-        differs_nowhere(&expected, &found)?;
+        check_equal(&expected, &found)?;
     }
     println!("the installed program does its tasks without Rust, and packs the same FMU as `cargo fmu package`");
     module(workspace, &installed, wheel)
@@ -157,7 +157,7 @@ fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<
 }
 
 /// Compare two FMUs, entry by entry. The installed program packs only its own library.
-fn differs_nowhere(expected: &Path, found: &Path) -> Result<()> {
+fn check_equal(expected: &Path, found: &Path) -> Result<()> {
     let (mut expected, mut found) = (Fmu::open(expected)?, Fmu::open(found)?);
     for name in found.names().to_vec() {
         if expected.read(&name)? != found.read(&name)? {

@@ -38,7 +38,7 @@ pub fn folder(package: OsString, interpreter: Option<OsString>) -> Option<OsStri
     // Texts instead of paths: Python's module for paths would take most of the import time.
     let _ = PACKAGE.set(package.into());
     interpreter.into_iter().for_each(|interpreter| fmu_cli::python::runs_in(interpreter.into()));
-    prebuilt::reads_by(unpacked);
+    prebuilt::set_reader(unpacked);
     workspace().ok().map(|workspace| workspace.root().as_os_str().to_owned())
 }
 

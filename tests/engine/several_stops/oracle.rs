@@ -103,7 +103,7 @@ pub struct Oracle {
     pub h: f64,
     /// Relative error of the speed at the start and after each event. It shows how much the motion amplifies small
     /// errors.
-    pub nudge: f64,
+    pub perturbation: f64,
     /// Whether the machine has reversed so close to a rigid stop that rounding decides whether it reached the stop.
     pub grazed: bool,
 }
@@ -174,7 +174,7 @@ impl Oracle {
     }
 
     /// Whether a rigid stop that the machine approached is very near at this coordinate.
-    pub fn came_near_a_rigid_stop(&self, y: f64) -> bool {
+    pub fn approached_a_rigid_stop(&self, y: f64) -> bool {
         let is_near = |stop: &Stop| {
             let [beyond, rate, _] = self.beyond(stop, y, self.v);
             stop.rigid.is_some() && rate > 0.0 && beyond.abs() < 1e-6
@@ -206,7 +206,7 @@ impl Oracle {
             let h = self.h.min(span - t);
             let end = self.step(load, h);
             if self.event(end).is_none() {
-                self.grazed |= self.v * end[1] <= 0.0 && self.came_near_a_rigid_stop(end[0]);
+                self.grazed |= self.v * end[1] <= 0.0 && self.approached_a_rigid_stop(end[0]);
                 ([self.y, self.v], t) = (end, t + h);
                 continue;
             }
@@ -224,7 +224,7 @@ impl Oracle {
 
     /// A stop is reached, or a bumper starts or stops to act.
     pub fn change(&mut self, k: usize, load: f64) {
-        self.v *= 1.0 + self.nudge;
+        self.v *= 1.0 + self.perturbation;
         let rate = self.beyond(&self.stops[k], self.y, self.v)[1];
         let caught = |(lock, was_beyond): (usize, bool)| {
             let beyond = self.beyond(&self.stops[k], self.y, self.v)[0];

@@ -81,10 +81,21 @@ impl Scene {
         }
     }
 
-    pub fn oracle(&self, h: f64, nudge: f64) -> Oracle {
+    pub fn oracle(&self, h: f64, perturbation: f64) -> Oracle {
         let ([y, v], touching) = (self.start, vec![false; self.stops.len()]);
         let (machine, stops) = (self.machine, self.stops.clone());
-        Oracle { machine, stops, y, v: v * (1.0 + nudge), touching, held: None, lock: None, h, nudge, grazed: false }
+        Oracle {
+            machine,
+            stops,
+            y,
+            v: v * (1.0 + perturbation),
+            touching,
+            held: None,
+            lock: None,
+            h,
+            perturbation,
+            grazed: false,
+        }
     }
 
     /// Compare the run with two oracles. The difference of the oracles is a bound on their errors. Returns the number

@@ -35,7 +35,7 @@ fn in_phase(phase: Phase) -> Gear {
 }
 
 /// All variables at the end of the remaining phases, and again after a reset.
-fn rest_of_life(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
+fn remaining_phases(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
     [phase, Phase::Instantiated].map(|phase| {
         if phase == Phase::Instantiated {
             assert_eq!(gear.reset(), Status::Ok);
@@ -121,7 +121,7 @@ fn a_rejected_call_has_its_status_and_a_message_and_changes_nothing() {
             check(call, phase, &gear);
             assert_eq!(gear.all_bits(), before, "{} ({}) in {phase:?}", call.function, call.what);
         }
-        assert_eq!(rest_of_life(&gear, phase), rest_of_life(&in_phase(phase), phase), "{phase:?}");
+        assert_eq!(remaining_phases(&gear, phase), remaining_phases(&in_phase(phase), phase), "{phase:?}");
     }
 }
 
@@ -142,7 +142,7 @@ fn reading_and_logging_change_nothing() {
         for call in calls::all().iter().filter(harmless) {
             (call.run)(&Target::of(&gear));
         }
-        assert_eq!(rest_of_life(&gear, phase), rest_of_life(&in_phase(phase), phase), "{phase:?}");
+        assert_eq!(remaining_phases(&gear, phase), remaining_phases(&in_phase(phase), phase), "{phase:?}");
     }
 }
 

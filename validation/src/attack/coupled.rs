@@ -77,7 +77,7 @@ impl Start {
 }
 
 /// Additional calls of one twin between two calls of the exchange.
-fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
+fn call_further(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
     for (component, prepared) in [(&mut pair.gear, &start.gear), (&mut pair.actuator, &start.actuator)] {
         if random.chance(0.2) {
             outputs(component, prepared)?;
@@ -178,8 +178,9 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             }
         }
         let stepped = probe.timed("step of a pair", || exchange(&mut one, &start, kind, &mut late, h, |_| Ok(())))?;
-        let again = exchange(&mut twin, &start, kind, &mut late_twin, h, |pair| meddle(pair, &start, &mut random))
-            .map_err(|e| format!("step {n}, {kind:?}: {e}"))?;
+        let again =
+            exchange(&mut twin, &start, kind, &mut late_twin, h, |pair| call_further(pair, &start, &mut random))
+                .map_err(|e| format!("step {n}, {kind:?}: {e}"))?;
         probe.count("steps of pairs");
         if probe.verbose {
             println!("step {n} of {h:e} s, {kind:?}: {stepped:?}");

@@ -228,12 +228,12 @@ fn between(sketch: &Sketch, one: &Motion<'_>, other: &Motion<'_>, fastest: f64) 
 
 /// Largest distance from the last state of a motion if the state at one of several times, `h` apart, is displaced by
 /// the tolerance.
-fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
+fn largest_effect(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
     let Some((last, before)) = track.split_last() else { return 0.0 };
     let mut farthest = 0.0_f64;
     for k in 0..PLACES {
         let from = k * before.len() / PLACES;
-        let Some(mut moved) = before.get(from).map(|motion| motion.nudged(sketch.tolerance)) else { continue };
+        let Some(mut moved) = before.get(from).map(|motion| motion.perturbed(sketch.tolerance)) else { continue };
         if (from..before.len()).all(|_| moved.advance(h) == End::Reached) {
             farthest = farthest.max(between(sketch, last, &moved, fastest).unwrap_or(0.0));
         }
@@ -248,7 +248,7 @@ pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationErro
 pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &mut Step<'_>) -> Result<Off, String> {
     let names = Names::of(sketch);
     let mut one = Motion::new(sketch);
-    let mut other = one.nudged(sketch.tolerance);
+    let mut other = one.perturbed(sketch.tolerance);
     let mut track = vec![one.clone()];
     let mut off = Off::default();
     let (mut fastest, mut strongest) = (0.0_f64, 0.0_f64);
@@ -270,7 +270,7 @@ pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &
         let motion = apart(sketch, value, near.value()).abs().max((speed - rate).abs() / fastest);
         let over = |doubt: f64| (motion - OWN).max(0.0) / sketch.tolerance.max(doubt);
         if over(doubt) > SUSPECT {
-            doubt = doubt.max(moved_on_the_way(sketch, &track, h, fastest));
+            doubt = doubt.max(largest_effect(sketch, &track, h, fastest));
         }
         let ratio = over(doubt);
         off.motion = off.motion.max(motion);

@@ -112,10 +112,10 @@ impl<'a> Motion<'a> {
         Self { sketch, state: sketch.start, fastest, held: false, released: 0.0, step: 1e-3, taken: 0 }
     }
 
-    /// This motion with its state displaced by `nudge` and its rate by that fraction.
-    pub fn nudged(&self, nudge: f64) -> Self {
+    /// This motion with its state changed by `perturbation` and its rate by that fraction.
+    pub fn perturbed(&self, perturbation: f64) -> Self {
         let [s, rate] = self.state;
-        Self { state: [s + nudge, rate * (1.0 + nudge)], ..self.clone() }
+        Self { state: [s + perturbation, rate * (1.0 + perturbation)], ..self.clone() }
     }
 
     fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {

@@ -83,7 +83,7 @@ pub fn all() -> Vec<Row> {
     scenes::all().into_iter().chain(hydraulic::all()).collect()
 }
 
-/// Evaluate rows in `threads` threads; `tell` gets each outcome with the row's index when it is complete. Returns all
+/// Evaluate rows in `threads` threads; `report` gets each outcome with the row's index when it is complete. Returns all
 /// outcomes in the order of the rows.
 pub fn judge(rows: &[Row], threads: usize, report: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);

@@ -12,7 +12,7 @@ use super::plan::{Force, Plan};
 use linkage_fmu::mechanism::Model;
 
 /// Errors relative to L and V with which kappa is determined: small against the motion, large against rounding.
-const NUDGE: f64 = 1e-6;
+const ERROR: f64 = 1e-6;
 /// Accuracy of the tables, relative to a component's largest value; ARCHITECTURE.md, invariant 5.
 pub const TABLE: f64 = 1e-13;
 
@@ -101,8 +101,8 @@ pub fn amplification(case: &Case, body: &str, plan: &Plan, tolerance: f64, energ
     };
     let straight = end(at, with)?;
     // Away from a position where the body reverses.
-    let aside = end(at + NUDGE, with).or_else(|_| end(at - NUDGE, with))?;
-    Ok(((aside - straight).abs() + (end(at, with + NUDGE * rate)? - straight).abs()) / NUDGE)
+    let aside = end(at + ERROR, with).or_else(|_| end(at - ERROR, with))?;
+    Ok(((aside - straight).abs() + (end(at, with + ERROR * rate)? - straight).abs()) / ERROR)
 }
 
 /// kappa: the largest change at the end over restarts at several positions of the motion.
@@ -124,8 +124,8 @@ fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64
         let ahead = if goes == 0.0 { -angle.signum() } else { goes.signum() };
         let slope = slope_at(case, &mut again, angle)?;
         let sigma_dot = rate / slope;
-        let nudged = angle + ahead * NUDGE * length * slope;
-        let slope_there = slope_at(case, &mut again, nudged)?;
+        let perturbed = angle + ahead * ERROR * length * slope;
+        let slope_there = slope_at(case, &mut again, perturbed)?;
         let mut end = |angle: f64, rate: f64| -> Result<f64, String> {
             place_at(case, &mut again, angle, rate)?;
             if plan.force == Force::Stated {
@@ -140,9 +140,9 @@ fn sensitivity(case: &Case, start: &Model, plan: &Plan, found: &Run, length: f64
             get(&mut again, &case.own("angle"))
         };
         let straight = end(angle, rate)?;
-        let by_place = (end(nudged, sigma_dot * slope_there)? - straight).abs();
-        let by_speed = (end(angle, (sigma_dot + ahead * NUDGE * speed) * slope)? - straight).abs();
-        largest = largest.max((by_place + by_speed) / NUDGE);
+        let by_place = (end(perturbed, sigma_dot * slope_there)? - straight).abs();
+        let by_speed = (end(angle, (sigma_dot + ahead * ERROR * speed) * slope)? - straight).abs();
+        largest = largest.max((by_place + by_speed) / ERROR);
     }
     Ok(largest)
 }

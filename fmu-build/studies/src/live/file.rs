@@ -51,7 +51,7 @@ impl File {
         let state = Mutex::new(State { version: 1, text, shared });
         let file = Arc::new(Self { path, state, changed: Condvar::new() });
         let watched = Arc::clone(&file);
-        thread::spawn(move || watched.look_for_ever());
+        thread::spawn(move || watched.poll());
         file
     }
 
@@ -59,7 +59,7 @@ impl File {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn look_for_ever(&self) {
+    fn poll(&self) {
         let (mut seen, mut since) = (None, Instant::now());
         let (mut version, mut parameters) = (0, None);
         loop {

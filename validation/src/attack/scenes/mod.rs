@@ -45,10 +45,10 @@ fn between(one: &Oracle<'_>, other: &Oracle<'_>) -> f64 {
 
 /// Largest distance from the end of the last part if the state is displaced by the tolerance at the beginning of one of
 /// the parts.
-fn moved_on_the_way(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64 {
+fn largest_effect(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64 {
     let mut farthest = 0.0_f64;
     for (k, part) in parts.iter().enumerate() {
-        let Some(mut moved) = part.from.nudged(tolerance) else { continue };
+        let Some(mut moved) = part.from.perturbed(tolerance) else { continue };
         let advanced = parts[k..].iter().all(|part| {
             if let Some(lock) = part.lock {
                 moved.engage(lock);
@@ -92,7 +92,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         probe.count("scenes refused");
         return Ok(());
     };
-    let Some(mut other) = other.nudged(tolerance) else { return Ok(()) };
+    let Some(mut other) = other.perturbed(tolerance) else { return Ok(()) };
     let mut parts = Vec::new();
     let [position, speed, input] = &machine.names();
     let (mut engaged, mut met, mut judged) = (false, 0, 0);
@@ -141,7 +141,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let off = (x - y).abs().max((u - v).abs() / scale);
         let over = |doubt: f64| off / (tolerance.max(doubt) + OWN);
         if over(doubt) > SUSPECT {
-            doubt = doubt.max(moved_on_the_way(&parts, &one, tolerance));
+            doubt = doubt.max(largest_effect(&parts, &one, tolerance));
         }
         let ratio = over(doubt);
         if probe.verbose {

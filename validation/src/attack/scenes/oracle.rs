@@ -90,9 +90,9 @@ impl<'a> Oracle<'a> {
         Some(Self { newton, drive, state, touching, held, lock, forward, load, most, error, next, fastest })
     }
 
-    /// This state with the coordinate displaced by `nudge` and its speed by that fraction. None if the machine is held,
-    /// or at a dead centre of the coordinate.
-    pub fn nudged(&self, nudge: f64) -> Option<Self> {
+    /// This state with the coordinate changed by `perturbation` and its speed by that fraction. None if the machine is
+    /// held or at a dead centre of the coordinate.
+    pub fn perturbed(&self, perturbation: f64) -> Option<Self> {
         /// Largest allowed ratio of the change of another coordinate to that of the machine's coordinate.
         const LEVER: f64 = 1e3;
         let mut moved = self.clone();
@@ -102,10 +102,10 @@ impl<'a> Oracle<'a> {
             return None;
         }
         let speed = self.coordinate()[1];
-        axpy(&mut moved.state.q, nudge, &motion);
+        axpy(&mut moved.state.q, perturbation, &motion);
         moved.newton.project(&mut moved.state.q, &mut moved.state.v);
         let motion = moved.newton.free_motion(coordinate, &moved.state.q)?;
-        moved.state.v = motion.map(|part| part * speed * (1.0 + nudge));
+        moved.state.v = motion.map(|part| part * speed * (1.0 + perturbation));
         Some(moved)
     }
 

@@ -13,7 +13,7 @@ use super::{Outcome, Row, Verdict};
 use case::{Case, Drive, End};
 
 /// Relative errors with which the sensitivity to errors during the run is determined.
-const NUDGE: f64 = 1e-5;
+const ERROR: f64 = 1e-5;
 /// Number of points of a run at which the sensitivity is determined.
 const PLACES: usize = 8;
 /// Tolerances of the second integration and of a third one, for the error of the second.
@@ -69,8 +69,8 @@ impl Scene {
             let mut sum = 0.0;
             for i in 0..count {
                 let mut aside = *y;
-                aside[i] += NUDGE * own[i];
-                sum += apart(&case.exact(aside, *k, TIGHT[1], |_, _| {})?, &straight) / NUDGE;
+                aside[i] += ERROR * own[i];
+                sum += apart(&case.exact(aside, *k, TIGHT[1], |_, _| {})?, &straight) / ERROR;
             }
             kappa = kappa.max(sum);
         }
