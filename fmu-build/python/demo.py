@@ -80,7 +80,7 @@ class Gear(Part):
         self.slave.exitInitializationMode()
 
     def retract(self, parts: int = 1) -> Retraction:
-        """Run with all outputs, each step in so many parts; the part in which the gear comes up is split there.
+        """Run with all outputs, each step in `parts` parts; the part in which the gear comes up is split at that time.
 
         The remaining time to GEAR_UP follows from angle, speed and acceleration. Within one step of it, partial steps
         of nine tenths of that time close in, from the near side only, so a stop at GEAR_UP does no harm.

@@ -1,5 +1,5 @@
-"""Retract the landing gear by its hydraulic actuator: couple the two packed FMUs through FMPy by several schemes,
-beside the FMU of both as one system; print figures, write a table and a plot.
+"""Retract the landing gear by its hydraulic actuator: couple the two packed FMUs through FMPy by several schemes, and
+compare them with the FMU of both as one system; print errors, write a table and a plot.
 
 usage: demo_hydraulic.py GEAR HYDRAULICS WHOLE [--out DIR]
 """

@@ -75,7 +75,7 @@ class Problem:
         return np.ascontiguousarray(np.clip(np.atleast_2d(x.T), 0.0, 1.0))
 
     def cost(self, x: Array) -> Any:  # noqa: ANN401
-        """Costs of points, or the cost of one."""
+        """Costs of points, or the cost of a single point."""
         points = self.rows(x)
         self.ask(points)
         costs = np.array([self.known[point.tobytes()][0] for point in points])

@@ -207,7 +207,7 @@ fn a_uniform_rotation_is_exact_to_the_last_turn() {
     assert!((whole.0 - parts.0).abs() < 1e-5 && (whole.1 - parts.1).abs() < 1e-3, "{whole:?} {parts:?}");
 }
 
-/// Refused before the step begins: nothing has changed, to the bit.
+/// An input that overflows is rejected before the step and changes nothing: the motion afterwards is bit-identical.
 #[test]
 fn inputs_that_overflow_are_rejected_before_the_step() {
     for (name, order, value) in [
@@ -240,7 +240,7 @@ fn inputs_that_overflow_are_rejected_before_the_step() {
     }
 }
 
-/// However short a step is, it is done, from the start and later: it changes nothing, or what its length tells.
+/// A step of any length is accepted, from the start and later, and changes nothing or what its length requires.
 #[test]
 fn a_step_of_any_length_is_done() {
     for definition in [GEAR, CURVES, BUCKET, ANDREWS, SMOOTH, HYDRAULIC_GEAR] {

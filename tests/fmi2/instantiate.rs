@@ -119,7 +119,7 @@ fn categories_filter_the_messages() {
     let gear = Gear::with_logger(Some(logger()), false);
     let debug = |on: c_int, names: &[&CStr]| {
         let names: Vec<Text> = names.iter().map(|name| name.as_ptr()).collect();
-        // SAFETY: `names` holds as many strings as it says.
+        // SAFETY: `names` contains the stated number of strings.
         unsafe { fmi2SetDebugLogging(gear.c, on, names.len(), names.as_ptr()) }
     };
     let refused = || {

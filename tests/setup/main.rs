@@ -142,7 +142,7 @@ fn a_changed_law_does_not_rebuild_the_table_of_friction() {
         }
     });
     let renewed = Reduced::renewed(&[&reduced], &changed).unwrap();
-    // A renewed model in between, whose table nobody has read.
+    // A renewed model in between, whose table has not been read.
     let again = Reduced::renewed(&[&renewed], &mechanism).unwrap();
     let new = Reduced::new(&changed).unwrap();
     let [renewed, again, new] = [&renewed, &again, &new].map(|reduced| reduced.state_loads(false).unwrap().unwrap());

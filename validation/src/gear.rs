@@ -51,7 +51,7 @@ fn prepare(host: &Host, scene: &Scene, tolerance: f64) -> Result<(), String> {
     done("initialization", host.initialize())
 }
 
-/// An initialised instance of the landing gear, with the state in which each run begins.
+/// An initialised instance of the landing gear, with the state at the start of each run.
 pub struct Gear {
     host: Host,
     start: State,

@@ -3,14 +3,14 @@
 //! In: the variables with their start values, the duration of the default experiment. Out: a word for each unit, and a
 //! nominal value for each input and output. The module must not know kinds of model.
 //!
-//! The law, in docs/reference/fmi.md too: five sizes are taken from the definition, each the largest of its kind.
+//! The rule, also in docs/reference/fmi.md: five sizes follow from the definition, each the largest of its kind.
 //!     length L    parameters and inputs in m
 //!     time T      the duration of the default experiment
 //!     mass M      sum of the masses
 //!     force F     inputs in N; inputs in N.m over L; weight M g; inertia M L / T^2; work of the oil p Q T / L
 //!     flow Q      parameters in m3/s; pressure p: parameters and inputs of this name
-//! A unit kg^a m^b s^c then has the size F^a L^(b-a) T^(c+2a), without a time M^a L^b. What the definition does not
-//! give is 1 in the unit of the kind.
+//! A unit kg^a m^b s^c then has the size F^a L^(b-a) T^(c+2a), or M^a L^b without a time. A size that does not follow
+//! from the definition is 1 in the unit of its kind.
 
 use linkage_fmu::variables::{Causality, Kind, Unit, Value, Variability, Variable};
 

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::ptr::null_mut;
 
 const H: f64 = 1e-3;
-/// A force under which no step of the integration meets the tolerance.
+/// A force with which no step of the integration keeps the tolerance.
 const ABSURD: f64 = 1e300;
 
 /// An instance in a phase, with an empty log.

@@ -151,7 +151,7 @@ fn exchange(
     between(pair)?;
     let actuator = pair.actuator.step(h);
     between(pair)?;
-    *late = Some(pair.actuator.real(start.foreseen[2]).map_err(words)?).filter(|mean| mean.is_finite());
+    *late = Some(pair.actuator.real(start.preview[2]).map_err(words)?).filter(|mean| mean.is_finite());
     Ok([gear, actuator])
 }
 

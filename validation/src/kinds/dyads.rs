@@ -44,7 +44,7 @@ fn clear(square: Jet, size: f64) -> Result<Jet, Miss> {
     }
 }
 
-/// The point of a body that lies from `a` towards `b`, in that body's frame.
+/// The point `local` of a body whose frame has its origin at `a` and its x axis towards `b`, at the distance `length`.
 pub fn on(a: Vector, b: Vector, length: f64, local: Vector) -> Vector {
     a + (1.0 / length) * ((b - a) * local)
 }

@@ -133,7 +133,7 @@ fn gears(own: &mut Linkage, carrier: usize, [first, second]: [&Joint; 2], ratio:
         let teeth = json!({ "first_teeth": -ratio, "second_teeth": 1.0 });
         return mesh(own, carrier, [first, second], teeth, offset, name);
     }
-    // A wheel between the two wheels reverses the direction. It is beside their line, at equal distances.
+    // The wheel between the two wheels reverses the direction. It is next to their line, at equal distances.
     let aside = if distance > 1e-9 { [0.5 * distance, distance] } else { [0.0, 1.0] };
     let along = if distance > 1e-9 { between.map(|part| part / distance) } else { [1.0, 0.0] };
     let place = [

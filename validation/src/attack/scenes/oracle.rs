@@ -24,7 +24,7 @@ const STAGES: [&[f64]; 6] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// What holds the machine at rest.
+/// The element that holds the machine at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
     Stop(usize),
