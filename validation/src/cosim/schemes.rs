@@ -272,7 +272,7 @@ impl Scheme {
         pair.mechanism.set_force([force, rate, 0.0])?;
         pair.step_mechanism(t, h)?;
         pair.step_actuator(t, h)?;
-        // The inputs of the actuator are still those of the step: its own motion, and the element at the start of the step.
+        // The inputs of the actuator are still those of the step: its own motion, and the element at its start.
         self.last_preview = Some(pair.actuator.preview(now, h, true)?);
         Ok(())
     }
