@@ -145,11 +145,11 @@ unsafe fn continue_step(c: Component, goal: f64, mut pauses_left: u64, answers: 
         let verdict = unsafe { handle::call(c, &FUNCTION, begin) };
         let Some((from, update)) = pause else { return verdict.into() };
         // SAFETY: the instance is valid, and no call uses it.
-        let asked = unsafe { handle::call_back(c, || update(from)) };
+        let requested = unsafe { handle::call_back(c, || update(from)) };
         let mut has_paused = false;
         let part = |i: &mut Instance| {
             i.phase = Phase::Step;
-            end = asked.map_or(end, |stop| end.min(stop.max(from)));
+            end = requested.map_or(end, |stop| end.min(stop.max(from)));
             // No part remains if the callback ended the step.
             let stepped = if end > from { i.do_step(from, end - from, &mut pauses_left) } else { Ok(()) };
             let is_done = is_done(&stepped);
@@ -176,14 +176,14 @@ pub(super) fn intermediate_update(
     early_return: bool,
 ) -> Rc<IntermediateUpdate> {
     Rc::new(move |time| {
-        let (mut is_asked, mut stop) = (FALSE, time);
+        let (mut is_requested, mut stop) = (FALSE, time);
         // SAFETY: FMI 3.0.2, 4.2.2: the callback may be called in fmi3DoStep, with the host's environment. Both
         // pointers point to memory for one value.
         unsafe {
-            callback(environment, time, FALSE, TRUE, TRUE, early_return.into(), &mut is_asked, &mut stop);
+            callback(environment, time, FALSE, TRUE, TRUE, early_return.into(), &mut is_requested, &mut stop);
         }
         // NaN means the present time.
-        (early_return && is_asked != FALSE).then_some(if stop.is_nan() { time } else { stop })
+        (early_return && is_requested != FALSE).then_some(if stop.is_nan() { time } else { stop })
     })
 }
 
