@@ -224,8 +224,8 @@ impl Component {
         }
     }
 
-    /// For the Boolean output that is true at a stop: the outputs for the number of impacts on this stop and the time
-    /// of the last impact [s]. None for any other variable.
+    /// Outputs of a stop: number of impacts and time of the last impact [s]. `flag` is the Boolean output that is true
+    /// at the stop. None for any other variable.
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         match self {
             Self::Mechanism(model) => model.impacts_of(flag),
@@ -233,8 +233,9 @@ impl Component {
         }
     }
 
-    /// The time of the first impact on the stop with this flag, as a function of these inputs, if the energy integral
-    /// determines it: see [`mechanism::Model::travel_time`]. None for a model without stops.
+    /// The time of the first impact on the stop with this flag, as a function of these inputs: see
+    /// [`mechanism::Model::travel_time`]. None if the energy integral does not determine the time, and for a model
+    /// without stops.
     pub fn travel_time(&self, flag: Reference, inputs: &[Reference], samples: &[f64]) -> Option<mechanism::TravelTime> {
         match self {
             Self::Mechanism(model) => model.travel_time(flag, inputs, samples),

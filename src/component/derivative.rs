@@ -23,7 +23,7 @@ impl Component {
     /// Booleans and Enumerations cannot change continuously: derivatives of them and along them are 0.
     ///
     /// # Errors
-    /// An unknown that is not computed, a known that cannot be set in this phase, a seed that is not finite, a model
+    /// An unknown that is not computed, a known that cannot be set in this phase, or a seed that is not finite. A model
     /// without derivatives, or no slightly changed model has a start position.
     pub fn directional_derivative(
         &mut self,

@@ -160,9 +160,9 @@ impl Instance {
 
     /// Advances by exactly `h` [s] from the present communication point.
     ///
-    /// The time after the step is the host's `point` plus `h`, so that rounding errors of the host's sums do not count
-    /// as errors of the host. A rejected step changes nothing. After a step that cannot be computed, the state is that
-    /// of the last communication point. After a step that reached `solver.max_steps`, the state is that at the time
+    /// The time after the step is the host's `point` plus `h`. Rounding errors of the host's sums are therefore no
+    /// errors of the host. A rejected step changes nothing. After a step that cannot be computed, the state is that of
+    /// the last communication point. After a step that reached `solver.max_steps`, the state is that at the time
     /// reached. A warning means that the step was made.
     ///
     /// With [`Usage::intermediate_update`], the step pauses in the phase `Intermediate` after an internal step.

@@ -3,9 +3,9 @@
 //! In: arguments of an exported function as plain numbers, slices and checked pointers. Out: values and verdicts. Must
 //! not know: names, C types or status numbers of any version, kinds of model.
 //!
-//! A version adds the exported functions, the table of their legal phases ([`phase::Function`]), the C types, the
-//! status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls pass through
-//! [`handle::call`] to an [`instance::Instance`].
+//! A version adds the exported functions and the table of their legal phases ([`phase::Function`]). It also adds the C
+//! types, the status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls pass
+//! through [`handle::call`] to an [`instance::Instance`].
 
 pub(crate) mod access;
 pub(crate) mod array;

@@ -1,5 +1,5 @@
-//! The resources of the FMU: the folder named by the host or found from the path of this library, and the component
-//! that is defined in the folder.
+//! The resources of the FMU: their folder and the component that is defined in it. The host states the folder, or the
+//! folder is found from the path of this library.
 //!
 //! In: the resource location and the GUID that the host passes. Out: a component. Hosts write a location as
 //! `file:///p`, `file:/p`, `file://localhost/p` or as a plain path, with and without percent-encoding and a trailing

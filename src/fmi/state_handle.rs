@@ -2,8 +2,8 @@
 //!
 //! In: an instance and pointers of the host. Out: states, or a refusal. A state belongs to no instance: every instance
 //! of the same identity accepts the state, also after the saved instance was freed. The first words of a state
-//! distinguish it from other memory, from a state of another identity or of another version of this library, and mostly
-//! from a freed state. They cannot detect memory that was returned to the system, or that now holds another state.
+//! distinguish it from other memory, and mostly from a freed state. They also show another identity or another version
+//! of this library. They cannot detect memory that was returned to the system, or that now holds another state.
 //!
 //! # Safety
 //! All functions share the contract of FMI 2.0.5, 2.1.8. A state is NULL or points to readable memory of the size of a
@@ -22,8 +22,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A saved state, opaque to the host.
 pub type State = *mut c_void;
 
-/// First word of a state. It depends on the version of this library and on the layout of a state in memory, so that two
-/// libraries in one process reject each other's states.
+/// First word of a state. It depends on the version of this library and on the layout of a state. Different libraries
+/// in one process therefore reject each other's states.
 const ALIVE: u64 = word(env!("CARGO_PKG_VERSION"), &LAYOUT);
 /// Sizes and offsets of the layout of [`Kept`] [bytes], and the kind of build.
 const LAYOUT: [usize; 8] = [

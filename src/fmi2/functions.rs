@@ -257,9 +257,9 @@ exported! {
 
     /// Advances by exactly `h` [s] from the present communication point `point` [s].
     ///
-    /// An `h` that is not finite and positive, a `point` that is not the time of the instance, and a step past the stop
-    /// time are rejected without any change. Steps are synchronous. The last argument has no effect, because any state
-    /// can be restored.
+    /// Rejected without any change: an `h` that is not finite and positive, a `point` that is not the instance's time,
+    /// a step past the stop time. Steps are synchronous. The last argument has no effect, because any state can be
+    /// restored.
     ///
     /// `fmi2Discard`: the step reached `solver.max_steps` before its end (4.2.2). The state is that at
     /// `fmi2LastSuccessfulTime`, and values can be read. To continue, restore an earlier state or reset the instance.

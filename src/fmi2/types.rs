@@ -1,7 +1,7 @@
 //! The C types of FMI 2.0.5 (`fmi2TypesPlatform.h`, `fmi2FunctionTypes.h`).
 //!
 //! In: nothing. Out: the memory layout that host and FMU share. An enumeration from the host has an integer type and is
-//! checked where it is used, because an unknown number in a Rust enum would be undefined behaviour.
+//! checked where it is used. An unknown number in a Rust enum would be undefined behaviour.
 
 use crate::fmi::refusal::Verdict;
 use std::ffi::{c_char, c_int, c_uint, c_void};

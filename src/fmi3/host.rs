@@ -1,8 +1,8 @@
 //! A host of the exported functions of FMI 3.0, for tests and for tests with hostile input.
 //!
 //! In: a description. Out: instances called through the C functions; statuses, values, saved states, messages. Must not
-//! know: how a call works. Each method is one call and safe to use: arrays have the lengths that are passed, states
-//! come from this library, and deliberately invalid arguments are rejected before they are read.
+//! know: how a call works. Each method is one call and safe to use: arrays have the lengths that are passed, and states
+//! come from this library. Deliberately invalid arguments are rejected before they are read.
 
 use super::types::{Boolean, Environment, FALSE, FmuState, Instance, Status, TRUE, Text, ValueReference};
 use super::*;

@@ -15,18 +15,17 @@ const MOST_UPDATES: u64 = 100_000;
 /// Advances by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached.
 /// `*terminate` is always false.
 ///
-/// With event mode and early return, the step ends at the first event, such as the contact with a stop or the release
-/// of a stop. Then `*event_needed` is true, the state is that before the impact, and the next call must be
-/// `fmi3EnterEventMode`.
+/// With event mode and early return, the step ends at the first event, such as contact with a stop. Then
+/// `*event_needed` is true, the state is that before the impact, and the next call must be `fmi3EnterEventMode`.
 ///
 /// With a callback for intermediate updates, the callback is called after each internal step. Then values can be read
 /// but not set. The step ends where the callback requests it, if early return is allowed. A step that only evaluates
 /// the interpolant of a longer step has no internal steps. After a failure, the state is that of the last internal
 /// step.
 ///
-/// An `h` that is not finite and positive, a `point` that is not the time of the instance, and a step past the stop
-/// time are rejected without any change. The flag `noSetFMUStatePriorToCurrentPoint` has no effect, because any state
-/// can be restored.
+/// Rejected without any change: an `h` that is not finite and positive, a `point` that is not the instance's time, a
+/// step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no effect, because any state can be
+/// restored.
 ///
 /// `fmi3Discard`: the step reached `solver.max_steps` before its end. The state is that at `*last`, and values can be
 /// read. To continue, restore an earlier state or reset the instance.

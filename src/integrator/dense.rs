@@ -2,8 +2,8 @@
 
 use crate::codec::record::{Damaged, Record};
 
-/// Limit of [`Dense::off()`] in units of the tolerance. In smooth motions the stages, which are of lower order than the
-/// end, deviate from the interpolant by about 10 tolerances if its error is half a tolerance. In a step with a much
+/// Limit of [`Dense::off()`] in units of the tolerance. The stages are of lower order than the end. In smooth motions
+/// they deviate from the interpolant by about 10 tolerances if its error is half a tolerance. In a step with a much
 /// faster damped component, the error of the interpolant is as large as this deviation.
 const OFF: f64 = 30.0;
 

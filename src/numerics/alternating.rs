@@ -2,6 +2,7 @@
 //!
 //! In: the points, ascending. Out: the function, with the slope 1 or -1 at each point. Must not know: what the points
 //! are.
+
 /// (x - a) (b - x) / (b - a) between two neighbouring points a < b, with a sign that changes at each point. Outside the
 /// points: the distance from the first or last point. Positive before the first point; 1 without points.
 pub fn alternating(places: &[f64], x: f64) -> f64 {

@@ -38,8 +38,8 @@ impl Default for Gapped {
 }
 
 impl Gapped {
-    /// Monomial coefficients in x of the function with these values at the nodes, and the tail: the largest of the last
-    /// two Chebyshev coefficients of the even and the odd part. The tail is a truncation or rounding error.
+    /// Monomial coefficients in x of the function with these values at the nodes, and the tail. The tail is the largest
+    /// of the last two Chebyshev coefficients of the even and the odd part. It is a truncation or rounding error.
     /// Coefficients of that size are omitted, because extrapolation and differentiation would amplify them.
     pub fn fit(&self, values: &[f64; NODES]) -> (Series, f64) {
         let pair = |k: usize| (values[NODES - 1 - k], values[k]);

@@ -35,8 +35,8 @@ where
     /// equal parts of [0, 1].
     ///
     /// An interval is excluded if the bounds have one sign or the function falls. An interval is bisected if the bounds
-    /// are not sufficient. A rise with the next fall is missed only if they are closer than 2^-24 of a part, so that
-    /// the bounds cannot distinguish them from a touch, or after [`MOST_INTERVALS`] intervals.
+    /// are not sufficient. A rise with the next fall is missed only if they are closer than 2^-24 of a part (like a
+    /// touch), or after [`MOST_INTERVALS`] intervals.
     pub fn first_rise(&mut self, start: f64, grid: usize) -> Option<f64> {
         let last = (1.0, (self.f)(1.0));
         self.on_grid((0, grid, grid), (0.0, start), last, &mut { MOST_INTERVALS })

@@ -92,8 +92,8 @@ pub fn periodic_spline(points: &[[f64; 2]]) -> Option<Piecewise> {
     Some(Piecewise::new(points, &from(&secants, seam)))
 }
 
-/// Contribution of slope and curvature of a point to the jumps of the fourth and the third derivative at this point,
-/// for the interval on its left or right.
+/// Contribution of slope and curvature of a point to the jumps of the fourth and the third derivative there, for the
+/// left or right interval.
 fn own_part(h: f64, left: bool) -> Matrix2<f64> {
     let cross = if left { -36.0 } else { 36.0 } / (h * h);
     Matrix2::new(192.0 / (h * h * h), cross, cross, 9.0 / h)

@@ -101,9 +101,10 @@ impl Table {
     /// `sizes`: natural size of each component of each set. `exact` fills the components of all sets, one set after the
     /// other, at a sigma. It returns the factor by which it amplifies rounding errors.
     ///
-    /// A panel is divided until the last Chebyshev coefficients of every component are at most [`ACCURACY`] times the
-    /// larger of the component's natural size and its largest value on the grid. Larger rounding errors of `exact`
-    /// (amplified twice in second derivatives) or of sigma are accepted. Otherwise the set is [`Unresolved`].
+    /// A panel is divided until the last Chebyshev coefficients of every component are at most [`ACCURACY`] times its
+    /// size. This is the larger of the component's natural size and its largest value on the grid. Larger rounding
+    /// errors of `exact` (amplified twice in second derivatives) or of sigma are accepted. Otherwise the set is
+    /// [`Unresolved`].
     pub fn build_all(
         grid: &Grid,
         sizes: &[Vec<f64>],

@@ -185,7 +185,7 @@ impl Simulation {
     /// change. The values of a run equal those of a separate simulation after one step from 0 s to `stop_time`.
     ///
     /// # Errors
-    /// No variable has one of the names, an input is an output or not a Real, `stop_time` is not finite or < 0, or
+    /// No variable has one of the names, or an input is an output or not a Real. `stop_time` is not finite or < 0, or
     /// `rows` is not a whole number of rows. A failed run is not an error: its values are NaN, and [`Runs::remarks`]
     /// states the reason.
     pub fn run_many(

@@ -141,7 +141,7 @@ pub struct Variable {
     pub description: String,
     /// Type of the value.
     pub kind: Kind,
-    /// Who determines the value.
+    /// Origin of the value.
     pub causality: Causality,
     /// When the value may change.
     pub variability: Variability,

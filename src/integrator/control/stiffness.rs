@@ -3,8 +3,8 @@
 //! If stiffness limits DOP853, its steps cannot grow although h |lambda| is about 1 or more. The limit is near 6 at the
 //! end of its interval of stability, and lower at tight tolerances, where the stiff components first affect its stages.
 //! After several such steps, Radau is used. DOP853 is used again if several Radau steps are shorter than those of
-//! DOP853 were. A change that did not save work doubles the number of steps before the next change, so that trials stay
-//! a small part of the work.
+//! DOP853 were. A change that did not save work doubles the number of steps before the next change. Trials therefore
+//! stay a small part of the work.
 
 use crate::codec::record::{Damaged, Record};
 

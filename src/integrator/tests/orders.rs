@@ -72,8 +72,8 @@ fn order_conditions_hold() {
     conditions(a, dopri5::C, dopri5::E, 5, 1e-14, 1e-4);
 }
 
-/// Checks the observed order over 6 s, from `steps` steps and twice as many, and the local order of components of the
-/// interpolant, from steps of size h and h / 2 from `start`.
+/// Checks the observed order over 6 s, from `steps` steps and twice as many. Checks the local order of components of
+/// the interpolant, from steps of size h and h / 2 from `start`.
 fn observed(
     attempt: impl Fn(&[f64; 2], f64) -> Step<2>,
     (steps, order): (u32, Range<f64>),

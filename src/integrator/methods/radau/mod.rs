@@ -264,8 +264,8 @@ fn collocate<S: System<N>, const N: usize>(
     None
 }
 
-/// The transformed increments of the components after the leading ones. They equal the result of Newton's method for
-/// the whole system: they follow from the rates g at the last stages and the last correction of the leading components.
+/// The transformed increments of the components after the leading ones. They follow from the rates g at the last stages
+/// and the last correction of the leading components. They equal the result of Newton's method for the whole system.
 fn integrals<const N: usize>(
     kept: &Kept<N>,
     h: f64,
@@ -288,8 +288,8 @@ fn integrals<const N: usize>(
 }
 
 /// Error of the leading components: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19).
-/// RADAU5 damps a second time after a rejection, eq. (8.20). A second damping is not used here, because it would reduce
-/// the estimate of the slow error of a stiff component by the factor h |lambda|.
+/// RADAU5 damps a second time after a rejection, eq. (8.20). A second damping would reduce the estimate of the slow
+/// error of a stiff component by the factor h |lambda|. It is not used here.
 fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, kept: &Kept<N>) -> [f64; N] {
     let mut defect = [0.0; N];
     for (n, defect) in defect[..kept.leading].iter_mut().enumerate() {

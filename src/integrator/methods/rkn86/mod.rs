@@ -1,8 +1,8 @@
 //! One step of the explicit Runge-Kutta-Nystroem pair of order 8(6) for q'' = f(t, q), with an interpolant.
 //!
-//! For a force that does not depend on the speed, order 8 needs eight evaluations instead of the twelve of DOP853, and
-//! half the sums of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and
-//! its interpolant.
+//! Without forces that depend on the speed, order 8 needs eight evaluations instead of the twelve of DOP853, and half
+//! the sums of stages. In: a system of that kind, a point, a step size. Out: the step with its error estimate and its
+//! interpolant.
 pub mod tableau;
 
 use crate::integrator::dense::{TERMS, hermite};
@@ -47,7 +47,7 @@ impl<const N: usize> Path<N> for Rkn86 {
     }
 
     /// Of degree 7, within the tolerance of the step, with four evaluations. A first interpolant of q uses the values,
-    /// rates and accelerations at both ends, and the accelerations of the stages at 0.3 h and 0.5 h, which are accurate
+    /// rates and accelerations at both ends, and the accelerations of the stages at 0.3 h and 0.5 h. These are accurate
     /// to h^5 (row sums with c^2 hold there). Accelerations at four places on the first interpolant are accurate to
     /// h^9, relative to those of the motion. The interpolant of q' uses all four, with the values and rates at both
     /// ends. The interpolant of q uses the outer two instead of those of the stages.
