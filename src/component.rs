@@ -405,7 +405,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_kind_has_a_definition_file_of_its_own() {
+    fn each_kind_has_a_separate_definition_file() {
         let gear = Component::from_definition("mechanism.json", mechanism::GEAR).unwrap();
         assert_eq!(gear.definition_file(), "mechanism.json");
         assert!(Component::from_definition("mechanism.json", "{}").is_err());

@@ -17,8 +17,8 @@ impl Damaged {
     }
 }
 
-/// A record that is written or read. Writing does not check a field. Reading checks a field and replaces its value.
-/// Every method returns an error at the end of a record that is read, and for a field out of range.
+/// A record that is written or read. Writing checks only counters and choices. Reading checks a field and replaces its
+/// value. Every method returns an error at the end of a record that is read, and for a field out of range.
 #[derive(Debug)]
 pub enum Record<'a> {
     /// Fields are appended to these bytes.
@@ -346,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_out_of_range_is_refused_by_name() {
+    fn a_value_out_of_range_gives_an_error_with_its_name() {
         let mut bytes = Vec::new();
         let mut record = Record::Write(&mut bytes);
         for value in [f64::NAN, f64::INFINITY, -1.0] {

@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn sections_come_back_by_their_names() {
+    fn sections_are_read_by_their_names() {
         for count in [0, 3, 300] {
             let bytes: Arc<[u8]> = encode(7, &sections(count)).into();
             let read = Sections::of_bytes(Arc::clone(&bytes), 7).unwrap();

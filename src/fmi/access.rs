@@ -63,8 +63,9 @@ pub enum Way {
     Tuned,
 }
 
-/// Permission to set. Inputs can be set in every phase, parameters until initialization mode ends. Tunable parameters
-/// can also be set between steps and in event mode. Outputs and local variables can never be set.
+/// Permission to set. Inputs can be set in every phase, except for discrete inputs in continuous-time mode. Parameters
+/// can be set until initialization mode ends. Tunable parameters can also be set between steps and in event mode.
+/// Outputs and local variables can never be set.
 ///
 /// # Errors
 /// An unknown reference, a variable of another kind, or a variable that the host may not set in this phase.

@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_or_repeated_step_is_refused_even_late() {
+    fn a_lost_or_repeated_step_is_rejected_at_any_time() {
         let h = 1e-5;
         for time in [0.13, 1e4, -1e4] {
             let clock = Clock::new(time, None).unwrap();
@@ -174,7 +174,7 @@ mod tests {
 
     /// Hosts pass 1e300 or the largest number for "no end".
     #[test]
-    fn a_late_stop_time_hides_no_lost_or_repeated_step() {
+    fn a_late_stop_time_does_not_hide_a_lost_or_repeated_step() {
         for stop in [1e6, 1e12, 1e18, 1e300, f64::MAX] {
             for (h, time) in [(1e-3, 0.0), (1e-3, 7.25), (1e-6, 0.5), (10.0, 1e4)] {
                 let clock = Clock { time, ..Clock::new(0.0, Some(stop)).unwrap() };

@@ -163,7 +163,7 @@ fn guarded(
             Err(refusal) => report(&instance.logger, function.name, &refusal),
         }
     }));
-    answered.unwrap_or_else(|payload| lose(instance, function, payload))
+    answered.unwrap_or_else(|payload| end_by_panic(instance, function, payload))
 }
 
 #[cold]
@@ -194,7 +194,7 @@ fn report(logger: &Logger, function: &str, refusal: &Refusal) -> Verdict {
 
 /// Handles a panic: the instance becomes fatal, and the panic is reported. A panic during the report is ignored.
 #[cold]
-fn lose(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Send>) -> Verdict {
+fn end_by_panic(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Send>) -> Verdict {
     instance.phase = Phase::Fatal;
     let _ = catch_unwind(AssertUnwindSafe(move || report(&instance.logger, function.name, &fault(&*payload))));
     Verdict::Fatal
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_call_from_within_a_call_is_refused() {
+    fn a_call_within_a_call_is_rejected() {
         let c = gear();
         // SAFETY: the pointer is valid until the last `free`.
         unsafe {
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pointer_to_something_else_is_refused() {
+    fn a_pointer_to_other_memory_is_rejected() {
         let mut foreign = [1_u64; 8];
         let c = foreign.as_mut_ptr().cast::<c_void>();
         // SAFETY: the pointers point to a word that is not an instance's, and to no aligned word.

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn categories_are_switched_as_asked() {
+    fn categories_are_switched_as_requested() {
         let mut logger = logger(true);
         set(&mut logger, true, &[c"logEvents", c"logStatusWarning"]).unwrap();
         assert_eq!(logger.enabled, bit(Verdict::Ok) | bit(Verdict::Warning) | WARNING_ANSWER);

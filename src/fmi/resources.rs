@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn other_schemes_and_machines_are_refused() {
+    fn other_schemes_and_machines_are_rejected() {
         for uri in ["http://host/p", "file://server/share", "file://", "file://localhostile/p", "zip:/p"] {
             let refusal = from_uri(uri.as_bytes()).unwrap_err();
             assert!(refusal.message.contains(uri), "{}", refusal.message);

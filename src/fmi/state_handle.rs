@@ -67,7 +67,7 @@ struct Kept {
 }
 
 /// A new state for the host.
-fn keep(saved: Saved, instance: &Instance) -> State {
+fn new_state(saved: Saved, instance: &Instance) -> State {
     let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.component.identity(), saved, bytes: None };
     Box::into_raw(Box::new(kept)).cast()
 }
@@ -91,8 +91,8 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     if unsafe { (*kept).word.load(Ordering::Relaxed) } != ALIVE {
         return Err(Refusal::error(foreign));
     }
-    // SAFETY: only `keep` writes this word, before a complete state. The caller guarantees that nothing else uses the
-    // state.
+    // SAFETY: only `new_state` writes this word, before a complete state. The caller guarantees that nothing else uses
+    // the state.
     let kept = unsafe { &mut *kept };
     if kept.identity != instance.component.identity() {
         return Err(Refusal::error(format!(
@@ -121,7 +121,7 @@ pub unsafe fn save(instance: &Instance, state: *mut State) -> Result<(), Refusal
     // SAFETY: guaranteed by the caller.
     let state = unsafe { pointer(state) }?;
     if state.is_null() {
-        *state = keep(instance.save(), instance);
+        *state = new_state(instance.save(), instance);
     } else {
         // SAFETY: guaranteed by the caller.
         let kept = unsafe { kept(*state, instance) }?;
@@ -147,7 +147,7 @@ pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal
     // SAFETY: guaranteed by the caller.
     let state = unsafe { pointer(state) }?;
     if !state.is_null() {
-        // SAFETY: guaranteed by the caller; `keep` boxed the state, and only this block unboxes it.
+        // SAFETY: guaranteed by the caller; `new_state` boxed the state, and only this block unboxes it.
         unsafe {
             kept(*state, instance)?.word.store(FREED, Ordering::Relaxed);
             drop(Box::from_raw(state.cast::<Kept>()));
@@ -196,7 +196,7 @@ pub unsafe fn serialize_to(instance: &mut Instance, state: State, bytes: *mut u8
 pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
     // SAFETY: guaranteed by the caller.
     let state = unsafe { output("pointer to a state", state, 1) }?;
-    state[0].write(keep(Saved::from_bytes(bytes, &instance.component)?, instance));
+    state[0].write(new_state(Saved::from_bytes(bytes, &instance.component)?, instance));
     Ok(())
 }
 
@@ -221,7 +221,7 @@ mod tests {
 
     /// Each function reads only the first words of a state of another version.
     #[test]
-    fn a_state_of_another_version_is_refused_by_every_function() {
+    fn a_state_of_another_version_is_rejected_by_every_function() {
         let component = Component::from_definition("mechanism.json", GEAR).unwrap();
         let usage = crate::fmi::usage::Usage::default();
         let version = crate::fmi::version::Version::of_scalars(crate::variables::Kind::word);

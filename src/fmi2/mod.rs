@@ -51,7 +51,7 @@ mod tests {
 
     /// Any instance of the kind can free the states of a fatal instance, including the fatal instance.
     #[test]
-    fn a_lost_instance_frees_its_states() {
+    fn a_fatal_instance_frees_its_states() {
         use super::types::Status;
         use crate::component::Component;
         use crate::fmi::{handle, logger::Logger, refusal::Verdict, usage::Usage};

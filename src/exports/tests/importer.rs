@@ -79,7 +79,7 @@ fn resources_are_found_next_to_the_library() {
 }
 
 #[test]
-fn a_mechanism_with_hydraulics_is_refused_with_the_remedy() {
+fn a_mechanism_with_hydraulics_is_rejected_with_the_remedy() {
     let described = Description::read(Path::new(HYDRAULIC)).unwrap();
     let resources = format!("file://{HYDRAULIC}/resources");
     let library = Library::open(library_file().as_os_str(), described.interface().guid(), &resources).unwrap();
