@@ -180,7 +180,7 @@ pub unsafe fn serialize_to(instance: &mut Instance, state: State, bytes: *mut u8
     let needed = serialized.as_ref().map_or(0, Vec::len);
     if size != needed {
         return Err(Refusal::error(format!(
-            "size is {size}, but the state has {needed} bytes; pass a buffer of at least {needed} bytes"
+            "size is {size}, but the state has {needed} bytes; pass a buffer of exactly {needed} bytes"
         )));
     }
     // SAFETY: guaranteed by the caller.
