@@ -269,6 +269,14 @@ pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>>
     bail!("Rust has no standard library for {triple}; run: rustup target add {triple}{debian}")
 }
 
+/// Whether a target is this machine.
+///
+/// # Errors
+/// rustc cannot be started.
+pub fn is_this_machine(triple: &str) -> Result<bool> {
+    Ok(asked(&["--print", "host-tuple"])?.as_os_str() == triple)
+}
+
 /// The answer of rustc as a path.
 fn asked(arguments: &[&str]) -> Result<PathBuf> {
     answer(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()), arguments)

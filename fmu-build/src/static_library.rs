@@ -60,12 +60,12 @@ impl StaticLibrary {
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let mut cargo = command::cargo(workspace);
         cargo.args(["rustc", "--release", "--package", library.package, "--lib", "--crate-type", "staticlib"]);
-        cargo.args(["--target", triple, "--message-format=json-render-diagnostics"]).args(arguments);
-        cargo.envs([sources::variable()?]).args([
-            "--",
-            "--print",
-            &format!("native-static-libs={}/needed", folder.display()),
-        ]);
+        cargo.arg("--message-format=json-render-diagnostics").args(arguments);
+        // On this machine the engine is already compiled for the shared library.
+        if !platform::is_this_machine(triple)? {
+            cargo.args(["--target", triple]).envs([sources::variable()?]);
+        }
+        cargo.args(["--", "--print", &format!("native-static-libs={}/needed", folder.display())]);
         let output = cargo.stderr(Stdio::inherit()).output().with_context(|| command::cannot_start(&cargo, "cargo"))?;
         ensure!(
             output.status.success(),
@@ -85,6 +85,10 @@ impl StaticLibrary {
         fs::write(own.folder.join("kept"), own.functions.join("\n"))?;
         let keep = ["--strip-unneeded", "--keep-global-symbols=kept", "all.o", "functions.o"];
         command::run(own.tool("objcopy").args(keep), "objcopy")?;
+        let object = own.folder.join("functions.o");
+        let mut content = files::read(&object, u64::MAX)?;
+        sources::leave_out(&mut content, &sources::folder()?);
+        files::replace(&object, &content)?;
         Ok(own)
     }
 

@@ -237,7 +237,7 @@ fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
     let [[_, _, force, torque, _]] = one_system(&scene)[..] else { panic!("one row") };
     assert!(force > 3e4 && torque.abs() > 7e3, "{force} {torque}");
-    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-4, 1e-3, 1e-2, 5e-2].map(|h| (host, h))) {
         let [[_, _, own_force, own_torque, _]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
         assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
         assert!((own_torque / torque - 1.0).abs() < 1e-9, "{host:?} {h}: {own_torque} N.m is not {torque} N.m");
@@ -289,6 +289,7 @@ fn the_error_after_a_release_from_a_lock_is_that_of_a_free_motion() {
         (Host::Line, 1e-2, 1e-5),
         (Host::TwoPasses, 1e-3, 2e-8),
         (Host::TwoPasses, 1e-2, 2e-5),
+        (Host::Late, 1e-3, 4e-4),
     ] {
         let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
         println!("lock lets go {host:?} {h}: {angle:.1e} rad");
@@ -354,16 +355,21 @@ fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
     }
 }
 
-/// In a host with delay a jump of the load moves the gear for two steps before the force reacts.
+/// In a late host the gear moves for two steps under the new load before the actuator's force reacts. The error of the
+/// angle persists, as the valve determines the speed only; the error of the force decays.
 #[test]
 fn a_jump_of_the_load_in_a_late_host_is_followed() {
     let scene =
         Scene { later: vec![(1.0, Set::Gear("wheel.force_x", 1000.0))], end: 1.5, sample: 0.02, ..retraction() };
     let of_one = one_system(&scene);
-    for (h, most_angle, most_force) in [(1e-4, 2e-7, 0.1), (1e-3, 1e-5, 20.0)] {
-        let [angle, force] = differences(&pair(&scene, Host::Late, &|_| h, true), &of_one);
-        println!("jump of the load, late {h}: {angle:.1e} rad, {force:.1e} N");
+    for (h, most_angle, most_force) in [(1e-4, 2e-7, 0.1), (1e-3, 1e-5, 20.0), (5e-3, 1e-3, 3e3)] {
+        let rows = pair(&scene, Host::Late, &|_| h, true);
+        let [angle, force] = differences(&rows, &of_one);
+        let half_a_second_later = rows.len() - 1;
+        let [_, force_left] = differences(&rows[half_a_second_later..], &of_one[half_a_second_later..]);
+        println!("jump of the load, late {h}: {angle:.1e} rad, {force:.1e} N, at last {force_left:.1e} N");
         assert!(angle < most_angle && force < most_force, "{h}: {angle:e} rad, {force:e} N");
+        assert!(force_left < 0.01 * most_force, "{h}: {force_left:e} N half a second later");
     }
 }
 
@@ -386,7 +392,13 @@ fn a_bumper_is_reached_in_long_steps() {
     let [gear, one] = [GEAR, ONE].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
     let scene = Scene { gear, one, end: 5.0, ..retraction() };
     let of_one = one_system(&scene);
-    for (host, h, most) in [(Host::TwoPasses, 1e-2, 5e-5), (Host::TwoPasses, 2e-2, 2e-3), (Host::Held, 2e-2, 3e-3)] {
+    for (host, h, most) in [
+        (Host::TwoPasses, 1e-2, 5e-5),
+        (Host::TwoPasses, 2e-2, 2e-3),
+        (Host::Held, 2e-2, 3e-3),
+        (Host::Late, 1e-3, 5e-5),
+        (Host::Late, 5e-3, 1e-3),
+    ] {
         let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
         println!("bumper {host:?} {h}: {angle:.1e} rad");
         assert!(angle < most, "{host:?} {h}: {angle:e} rad");
