@@ -29,6 +29,9 @@ typedef struct {
     void *environment;
 } Callbacks;
 
+/* Relative tolerance of the integrations, as in the program that compares the outputs. */
+#define TOLERANCE 1e-11
+
 enum { FMI_OK = 0, FMI_WARNING = 1, FMI_ERROR = 3 };
 
 /* Whether an error is expected, so that its message is not printed. */
@@ -67,7 +70,7 @@ static const Callbacks callbacks = {message, calloc, free, NULL, NULL};
 static Component start(const char *guid, const char *resources) {
     Component c = instantiate("platform", 1, guid, resources, &callbacks, 0, 0);
     if (!c) fail("not instantiated with the resource location ", resources ? resources : "NULL");
-    expect(setup(c, 0, 0.0, 0.0, 0, 0.0) == FMI_OK, "fmi2SetupExperiment");
+    expect(setup(c, 1, TOLERANCE, 0.0, 0, 0.0) == FMI_OK, "fmi2SetupExperiment");
     expect(enter(c) <= FMI_WARNING, "fmi2EnterInitializationMode");
     expect(leave(c) <= FMI_WARNING, "fmi2ExitInitializationMode");
     return c;
