@@ -10,7 +10,6 @@ use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::reduced::{ExactReactions, PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
-use crate::numerics::table::TablePosition;
 
 /// Intermediate results of outputs in the present state under the present inputs, in numbers N.
 #[derive(Clone, Debug)]
@@ -19,9 +18,9 @@ pub struct OutputCache<N: Differentiable> {
     pub direction: Direction<N>,
     /// Forces and acceleration, once evaluated in this state.
     pub forces: Option<Forces<N>>,
-    /// Position in the table of the coordinates, once found in this state.
-    pub position: Option<TablePosition>,
-    /// Panel of the table of the coordinates in which sigma was last.
+    /// The function read last with its first two derivatives along sigma, once evaluated in this state.
+    pub function: Option<(Function, [N; 3])>,
+    /// Panel of its table in which sigma was last.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
@@ -49,6 +48,15 @@ pub struct OutputCache<N: Differentiable> {
     pub computed: Computed,
     /// Scratch of the equation of motion.
     pub scratch: Scratch<N>,
+}
+
+/// A function of sigma whose table has its first two derivatives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// A coordinate, by its index.
+    Coordinate(usize),
+    /// Position of a marker along an axis.
+    Marker(usize, usize),
 }
 
 /// What terms of one drive share, with S its displacement.
@@ -103,7 +111,7 @@ impl<N: Differentiable> OutputCache<N> {
         Self {
             direction,
             forces: None,
-            position: None,
+            function: None,
             panel: 0,
             drive: None,
             ends: [None; 2],
@@ -131,7 +139,7 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.position, self.drive) = (None, None, None);
+        (self.forces, self.function, self.drive) = (None, None, None);
         if self.has_displacements {
             self.displacements.fill(f64::NAN);
             self.has_displacements = false;

@@ -2,13 +2,14 @@
 //!
 //! In: a view of a state, a table. Out: values with their derivatives along the direction. It must not know which
 //! output asks.
+use crate::mechanism::outputs::cache::Function;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::numerics::chebyshev::slopes_of;
 use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 impl<N: Reading> View<'_, N> {
-    /// Position of sigma in a table: mostly on the panel on which it is in the table of the coordinates.
+    /// Position of sigma in a table: mostly on the panel on which it is in the table read last.
     #[inline]
     pub fn position(&self, table: &Table) -> TablePosition {
         table.position_near(self.state.sigma, self.cache.panel)
@@ -65,23 +66,41 @@ impl<N: Reading> View<'_, N> {
         self.component(table, self.position(table), load)
     }
 
-    /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
-    #[inline(always)]
-    pub fn time_derivative(
-        &mut self,
-        (table, position): (&Table, TablePosition),
-        first: usize,
-        order: usize,
-    ) -> Result<N, OutputError> {
+    /// Time derivative of a function: its orders are mostly read one after the other.
+    #[inline]
+    pub fn time_derivative(&mut self, function: Function, order: usize) -> Result<N, OutputError> {
+        let values = match &self.cache.function {
+            Some((last, values)) if *last == function => *values,
+            _ => self.find_function(function)?,
+        };
+        let [value, slope, curvature] = values;
         Ok(match order {
-            0 => self.before_derivative(table, position, first),
-            1 => self.before_derivative(table, position, first + 1) * self.sigma_dot(),
+            0 => value,
+            1 => slope * self.sigma_dot(),
             _ => {
                 let (acceleration, sigma_dot) = (self.forces()?.acceleration, self.sigma_dot());
-                let [slope, curvature] = self.with_derivative(table, position, first + 1);
                 slope * acceleration + curvature * sigma_dot * sigma_dot
             }
         })
+    }
+
+    /// A function with its first two derivatives along sigma.
+    #[inline(never)]
+    fn find_function(&mut self, function: Function) -> Result<[N; 3], OutputError> {
+        let (table, first) = match function {
+            Function::Coordinate(coordinate) => (self.reduced.coordinates()?, 3 * coordinate),
+            Function::Marker(marker, axis) => (self.reduced.marker(marker)?, 3 * axis),
+        };
+        let position = self.position(table);
+        self.cache.panel = position.panel;
+        let values = if self.sigma().is_constant() {
+            table.values(position, first).map(N::constant)
+        } else {
+            let [slope, curvature] = self.with_derivative(table, position, first + 1);
+            [self.before_derivative(table, position, first), slope, curvature]
+        };
+        self.cache.function = Some((function, values));
+        Ok(values)
     }
 
     /// Derivative along sigma of S_sigma of a sized load.

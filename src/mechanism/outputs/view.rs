@@ -13,7 +13,7 @@ use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
-use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
+use crate::mechanism::outputs::cache::{Forces, Function, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -212,16 +212,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline]
     fn joint_position(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
-        let table = self.reduced.coordinates()?;
-        let position = match self.cache.position {
-            Some(position) => position,
-            None => {
-                let position = table.position_near(self.state.sigma, self.cache.panel);
-                (self.cache.position, self.cache.panel) = (Some(position), position.panel);
-                position
-            }
-        };
-        let value = self.time_derivative((table, position), 3 * coordinate, order)?;
+        let value = self.time_derivative(Function::Coordinate(coordinate), order)?;
         if order > 0 {
             return Ok(value);
         }
@@ -232,17 +223,17 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
+        if order == 1 && load >= reduced.loading().drives.len() {
+            let (table, position) = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+            return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
+        }
         if order > 0 {
-            if load < reduced.loading().drives.len() {
-                // The terms of the drive share the slopes.
-                let ([slope, curvature], sigma_dot) = (self.slopes_of(load)?, self.sigma_dot());
-                return Ok(match order {
-                    1 => slope * sigma_dot,
-                    _ => slope * self.forces()?.acceleration + curvature * sigma_dot * sigma_dot,
-                });
-            }
-            let around = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
-            return self.time_derivative(around, 0, order);
+            // The terms of a drive share its slopes.
+            let ([slope, curvature], sigma_dot) = (self.slopes_of(load)?, self.sigma_dot());
+            return Ok(match order {
+                1 => slope * sigma_dot,
+                _ => slope * self.forces()?.acceleration + curvature * sigma_dot * sigma_dot,
+            });
         }
         let value = self.displaced(load);
         if sigma.is_constant() {
@@ -260,16 +251,12 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        let table = self.reduced.marker(marker)?;
-        let position = self.position(table);
-        // The other axis and orders of the marker are read next.
-        self.cache.panel = position.panel;
-        self.time_derivative((table, position), 3 * axis, order)
+        self.time_derivative(Function::Marker(marker, axis), order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
         let table = self.reduced.origin(body)?;
-        self.time_derivative((table, self.position(table)), 3 * axis, 0)
+        Ok(self.before_derivative(table, self.position(table), 3 * axis))
     }
 
     #[inline(never)]
