@@ -18,9 +18,12 @@ pub struct OutputCache<N: Differentiable> {
     pub direction: Direction<N>,
     /// Forces and acceleration, once evaluated in this state.
     pub forces: Option<Forces<N>>,
-    /// The function read last with its first two derivatives along sigma, once evaluated in this state.
-    pub function: Option<(Function, [N; 3])>,
-    /// Panel of its table in which sigma was last.
+    /// Number of the state and the inputs: each change of them has another one.
+    pub version: u64,
+    /// The functions of sigma whose tables have their first two derivatives, with these derivatives and the version for
+    /// which they were evaluated: coordinates, then x and y of each marker.
+    pub functions: Vec<(u64, [N; 3])>,
+    /// Panel in which sigma was last, in the table read last.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
@@ -48,15 +51,6 @@ pub struct OutputCache<N: Differentiable> {
     pub computed: Computed,
     /// Scratch of the equation of motion.
     pub scratch: Scratch<N>,
-}
-
-/// A function of sigma whose table has its first two derivatives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Function {
-    /// A coordinate, by its index.
-    Coordinate(usize),
-    /// Position of a marker along an axis.
-    Marker(usize, usize),
 }
 
 /// What terms of one drive share, with S its displacement.
@@ -111,7 +105,8 @@ impl<N: Differentiable> OutputCache<N> {
         Self {
             direction,
             forces: None,
-            function: None,
+            version: 1,
+            functions: vec![(0, [N::constant(0.0); 3]); reduced.functions()],
             panel: 0,
             drive: None,
             ends: [None; 2],
@@ -139,7 +134,8 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.function, self.drive) = (None, None, None);
+        (self.forces, self.drive) = (None, None);
+        self.version += 1;
         if self.has_displacements {
             self.displacements.fill(f64::NAN);
             self.has_displacements = false;

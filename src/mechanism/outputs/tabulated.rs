@@ -2,7 +2,6 @@
 //!
 //! In: a view of a state, a table. Out: values with their derivatives along the direction. It must not know which
 //! output asks.
-use crate::mechanism::outputs::cache::Function;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::numerics::chebyshev::slopes_of;
@@ -66,30 +65,26 @@ impl<N: Reading> View<'_, N> {
         self.component(table, self.position(table), load)
     }
 
-    /// Time derivative of a function: its orders are mostly read one after the other.
-    #[inline]
-    pub fn time_derivative(&mut self, function: Function, order: usize) -> Result<N, OutputError> {
-        let values = match &self.cache.function {
-            Some((last, values)) if *last == function => *values,
-            _ => self.find_function(function)?,
-        };
-        let [value, slope, curvature] = values;
+    /// Time derivative of one of the functions of the cache: all its orders are evaluated when one is read.
+    #[inline(always)]
+    pub fn time_derivative(&mut self, function: usize, order: usize) -> Result<N, OutputError> {
+        let (version, values) = self.cache.functions[function];
+        let [value, slope, curvature] =
+            if version == self.cache.version { values } else { self.find_function(function)? };
         Ok(match order {
             0 => value,
             1 => slope * self.sigma_dot(),
-            _ => {
-                let (acceleration, sigma_dot) = (self.forces()?.acceleration, self.sigma_dot());
-                slope * acceleration + curvature * sigma_dot * sigma_dot
-            }
+            _ => slope * self.forces()?.acceleration + curvature * self.sigma_dot() * self.sigma_dot(),
         })
     }
 
     /// A function with its first two derivatives along sigma.
     #[inline(never)]
-    fn find_function(&mut self, function: Function) -> Result<[N; 3], OutputError> {
-        let (table, first) = match function {
-            Function::Coordinate(coordinate) => (self.reduced.coordinates()?, 3 * coordinate),
-            Function::Marker(marker, axis) => (self.reduced.marker(marker)?, 3 * axis),
+    fn find_function(&mut self, function: usize) -> Result<[N; 3], OutputError> {
+        let coordinates = self.reduced.linkage().coordinates.len();
+        let (table, first) = match function.checked_sub(coordinates) {
+            None => (self.reduced.coordinates()?, 3 * function),
+            Some(of_marker) => (self.reduced.marker(of_marker / 2)?, 3 * (of_marker % 2)),
         };
         let position = self.position(table);
         self.cache.panel = position.panel;
@@ -99,7 +94,7 @@ impl<N: Reading> View<'_, N> {
             let [slope, curvature] = self.with_derivative(table, position, first + 1);
             [self.before_derivative(table, position, first), slope, curvature]
         };
-        self.cache.function = Some((function, values));
+        self.cache.functions[function] = (self.cache.version, values);
         Ok(values)
     }
 

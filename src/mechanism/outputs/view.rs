@@ -13,7 +13,7 @@ use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
-use crate::mechanism::outputs::cache::{Forces, Function, OutputCache, PresentLoads};
+use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -210,9 +210,9 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(if order == 0 { value + N::constant(body.offset) } else { value })
     }
 
-    #[inline]
+    #[inline(always)]
     fn joint_position(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
-        let value = self.time_derivative(Function::Coordinate(coordinate), order)?;
+        let value = self.time_derivative(coordinate, order)?;
         if order > 0 {
             return Ok(value);
         }
@@ -251,7 +251,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        self.time_derivative(Function::Marker(marker, axis), order)
+        self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
