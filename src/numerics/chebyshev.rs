@@ -110,7 +110,7 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
 
 /// Values of polynomials with monomial coefficients at one x, by the fastest code for this processor: results on
 /// different processors differ by rounding errors.
-#[inline]
+#[inline(always)]
 pub fn polynomials<const K: usize>(series: &[Series; K], x: f64) -> [f64; K] {
     processor::run(Evaluation { series, x })
 }

@@ -200,7 +200,7 @@ impl<'a, N: Reading> View<'a, N> {
 }
 
 impl<N: Reading> Kinematics<N> for View<'_, N> {
-    #[inline]
+    #[inline(always)]
     fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError> {
         let body = &self.reduced.linkage().bodies[body];
         let Some(coordinate) = body.angle_coordinate else {
@@ -249,7 +249,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(sigma.chain(value, slope))
     }
 
-    #[inline]
+    #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
         self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
     }

@@ -41,8 +41,9 @@ impl Table {
 
     #[inline(never)]
     fn neighbouring_panel(&self, sigma: f64, panel: usize) -> usize {
-        let mut neighbours = [panel + 1, panel.wrapping_sub(1)].into_iter();
-        neighbours.find(|panel| self.contains(*panel, sigma)).unwrap_or_else(|| self.panel(sigma))
+        let is_before = self.borders.get(panel).is_some_and(|first| sigma < *first);
+        let neighbour = if is_before { panel.wrapping_sub(1) } else { panel + 1 };
+        if self.contains(neighbour, sigma) { neighbour } else { self.panel(sigma) }
     }
 
     /// Whether the panel exists and contains sigma.
@@ -83,7 +84,7 @@ impl Table {
 
     /// Values of successive components at a position, by the fastest code for this processor: results on different
     /// processors differ by rounding errors.
-    #[inline]
+    #[inline(always)]
     pub fn values<const K: usize>(&self, at: TablePosition, first: usize) -> [f64; K] {
         let series = self.coefficients[at.panel * self.components + first..].first_chunk();
         series.map_or([f64::NAN; K], |series| polynomials(series, at.x))
