@@ -39,6 +39,7 @@ pub use crate::mechanism::Pauses;
 use crate::variables::{Interface, Reference, Terminal, Vector};
 pub use refusal::{NoValue, Refused};
 pub use snapshot::Snapshot;
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 pub use step::{Interrupted, Paused, Stepped};
 pub use tables::TABLES;
@@ -335,22 +336,24 @@ impl Component {
         fn initialize(self: &mut Self) -> ();
     }
 
-    /// Passes the present values of several Reals to `give`, in their order. Each value is that of [`Self::real`].
+    /// Passes the present values of several Reals to `give`, in their order, for references that [`Self::reread`] does
+    /// not know. Each value is that of [`Self::real`].
     ///
     /// # Errors
     /// As [`Self::real`]. The values before the error have been passed.
     #[inline]
     pub fn reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), Refused> {
         if let Self::Mechanism(model) = self {
-            return Ok(model.reals(references, give)?);
+            return Ok(model.other_reals(references, give)?);
         }
         references.iter().try_for_each(|&reference| self.real(reference).map(&mut give))
     }
 
-    /// Whether these are references of Real outputs that were read together before.
+    /// Writes the present values of the Real outputs that were read together last, and returns whether each of them has
+    /// a value. None if these are not their references.
     #[inline]
-    pub fn has_read(&self, references: &[Reference]) -> bool {
-        matches!(self, Self::Mechanism(model) if model.has_read(references))
+    pub fn reread(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Option<bool> {
+        if let Self::Mechanism(model) = self { model.reread(references, values) } else { None }
     }
 
     /// Warning about the steps and values since the last call. Usually None.

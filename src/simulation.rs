@@ -16,7 +16,7 @@
 //! ```
 mod ensemble;
 
-use crate::mechanism::{Model, ModelError, TravelTime};
+use crate::mechanism::{Model, ModelError, TravelTime, allow_hydraulics};
 use crate::variables::{Causality, Kind, Reference, Variability};
 pub use ensemble::{Ensemble, Runs};
 use std::fmt;
@@ -127,7 +127,8 @@ impl Simulation {
     /// # Errors
     /// The fault of the definition, or the reason why no model exists for it.
     pub fn open(definition: &str) -> Result<Self, SimulationError> {
-        Ok(Self::from_model(Model::from_json(definition)?))
+        allow_hydraulics();
+        Ok(Self::from_model(Model::shared(definition, None)?))
     }
 
     /// A simulation of this model, which starts at 0 s.

@@ -2,3 +2,4 @@
 pub mod checksum;
 pub mod record;
 pub mod sections;
+pub mod writer;

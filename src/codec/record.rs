@@ -3,6 +3,8 @@
 //! In: fields in a fixed order. Out: bytes; or the fields, each checked against its range. The bytes do not depend on
 //! the machine. Must not know: what the fields mean.
 
+use super::writer::Writer;
+
 /// Largest small count in a record. It is half of the type's range, so that later increments do not overflow.
 const LARGEST: u32 = u32::MAX / 2;
 
@@ -21,8 +23,8 @@ impl Damaged {
 /// value. Every method returns an error at the end of a record that is read, and for a field out of range.
 #[derive(Debug)]
 pub enum Record<'a> {
-    /// Fields are appended to these bytes.
-    Write(&'a mut Vec<u8>),
+    /// Fields are appended to the bytes of this writer.
+    Write(&'a mut Writer),
     /// The bytes that remain to be read.
     Read(&'a [u8]),
 }
@@ -37,7 +39,7 @@ impl Record<'_> {
     #[inline(always)]
     fn bytes<const N: usize>(&mut self, value: [u8; N]) -> Result<[u8; N], Damaged> {
         if let Self::Write(out) = self {
-            put(out, value);
+            out.put(value);
             return Ok(value);
         }
         self.read()
@@ -85,7 +87,7 @@ impl Record<'_> {
     #[inline]
     pub fn flag(&mut self, name: &str, value: &mut bool) -> Result<(), Damaged> {
         if let Self::Write(out) = self {
-            put(out, [u8::from(*value)]);
+            out.put([u8::from(*value)]);
             return Ok(());
         }
         let mut byte = 0;
@@ -107,7 +109,7 @@ impl Record<'_> {
     #[inline]
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         if let Self::Write(out) = self {
-            put(out, (known as u64).to_le_bytes());
+            out.put((known as u64).to_le_bytes());
             return Ok(());
         }
         let length = u64::from_le_bytes(self.read()?);
@@ -138,7 +140,7 @@ impl Record<'_> {
         let mut size = arrays.len();
         self.size(name, &mut size, size_of::<[f64; N]>())?;
         match self {
-            Self::Write(out) => append(out, arrays.as_flattened()),
+            Self::Write(out) => out.append(arrays.as_flattened()),
             Self::Read(rest) => {
                 let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
                 *rest = after;
@@ -161,7 +163,7 @@ impl Record<'_> {
         text: &str,
     ) -> Result<(), Damaged> {
         if let Self::Write(out) = self {
-            put(out, value.to_le_bytes());
+            out.put(value.to_le_bytes());
             return Ok(());
         }
         let read = f64::from_le_bytes(self.read()?);
@@ -187,7 +189,7 @@ impl Record<'_> {
         let rest = match self {
             Self::Read(rest) => rest,
             Self::Write(out) => {
-                append(out, values);
+                out.append(values);
                 return Ok(());
             }
         };
@@ -258,28 +260,9 @@ fn not_below(name: &str, value: u64, count: usize) -> Damaged {
 }
 
 /// Writes numbers for [`Record::numbers`].
-pub fn write_numbers(out: &mut Vec<u8>, values: &[f64]) {
-    put(out, (values.len() as u64).to_le_bytes());
-    append(out, values);
-}
-
-/// Appends a few bytes.
-#[inline(always)]
-fn put<const N: usize>(out: &mut Vec<u8>, bytes: [u8; N]) {
-    out.extend_from_slice(&bytes);
-}
-
-/// Appends numbers in little-endian bytes.
-fn append(out: &mut Vec<u8>, values: &[f64]) {
-    /// Largest count for which the numbers are appended one by one.
-    const FEW: usize = 4;
-    if values.len() <= FEW {
-        return values.iter().for_each(|value| put(out, value.to_le_bytes()));
-    }
-    let start = out.len();
-    out.resize(start + size_of_val(values), 0);
-    let (words, _) = out[start..].as_chunks_mut::<8>();
-    words.iter_mut().zip(values).for_each(|(word, value)| *word = value.to_le_bytes());
+pub fn write_numbers(out: &mut Writer, values: &[f64]) {
+    out.put((values.len() as u64).to_le_bytes());
+    out.append(values);
 }
 
 /// Whether numbers in little-endian bytes are all finite.
@@ -301,6 +284,13 @@ fn fill(values: &mut [f64], words: &[[u8; 8]]) {
 mod tests {
     use super::*;
 
+    /// The bytes that `write` writes.
+    fn written(write: impl FnOnce(&mut Record)) -> Vec<u8> {
+        let mut writer = Writer::default();
+        write(&mut Record::Write(&mut writer));
+        writer.finish()
+    }
+
     fn list(record: &mut Record, x: &mut f64, n: &mut u64, some: &mut Option<f64>) -> Result<(), Damaged> {
         record.finite("x", x)?;
         record.length("things", 3)?;
@@ -311,8 +301,7 @@ mod tests {
     #[test]
     fn a_written_record_is_read_again_from_fixed_bytes() {
         let (mut x, mut n, mut some) = (-1.5, 258, Some(0.1));
-        let mut bytes = Vec::new();
-        list(&mut Record::Write(&mut bytes), &mut x, &mut n, &mut some).unwrap();
+        let bytes = written(|record| list(record, &mut x, &mut n, &mut some).unwrap());
         assert_eq!(bytes.len(), 8 + 8 + 8 + 1 + 8);
         assert_eq!(bytes[..10], [0, 0, 0, 0, 0, 0, 0xF8, 0xBF, 3, 0]);
         assert_eq!(bytes[16..18], [2, 1]);
@@ -327,8 +316,7 @@ mod tests {
     #[test]
     fn lists_of_arrays_are_restored_and_limited_by_the_bytes() {
         let arrays = vec![[1.0, -2.5, 0.0], [f64::MAX, 1e-300, -0.0]];
-        let mut bytes = Vec::new();
-        Record::Write(&mut bytes).arrays("a", &mut arrays.clone()).unwrap();
+        let bytes = written(|record| record.arrays("a", &mut arrays.clone()).unwrap());
         let read = |bytes: &[u8]| {
             let mut read: Vec<[f64; 3]> = Vec::new();
             Record::Read(bytes).arrays("a", &mut read).map(|()| read)
@@ -339,19 +327,18 @@ mod tests {
         }
         assert!(read(&[255; 64]).unwrap_err().0.contains("contain at most 2"));
         for bad in [f64::NAN, f64::INFINITY] {
-            let mut bytes = Vec::new();
-            Record::Write(&mut bytes).arrays("a", &mut vec![[0.0, bad, 0.0]]).unwrap();
+            let bytes = written(|record| record.arrays("a", &mut vec![[0.0, bad, 0.0]]).unwrap());
             assert!(read(&bytes).unwrap_err().0.contains("finite"));
         }
     }
 
     #[test]
     fn a_value_out_of_range_gives_an_error_with_its_name() {
-        let mut bytes = Vec::new();
-        let mut record = Record::Write(&mut bytes);
-        for value in [f64::NAN, f64::INFINITY, -1.0] {
-            record.finite("", &mut { value }).unwrap();
-        }
+        let bytes = written(|record| {
+            for value in [f64::NAN, f64::INFINITY, -1.0] {
+                record.finite("", &mut { value }).unwrap();
+            }
+        });
         assert!(Record::Read(&bytes).finite("speed", &mut 0.0).unwrap_err().0.contains("speed = NaN"));
         assert!(Record::Read(&bytes[16..]).positive("h", &mut 0.0).unwrap_err().0.contains("h = -1"));
         assert!(Record::Read(&[2]).flag("on", &mut false).unwrap_err().0.contains("on = 2"));

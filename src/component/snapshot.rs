@@ -2,6 +2,7 @@
 //!
 //! In: a component. Out: its snapshot, the bytes of a snapshot and back. Must not know: the contents of a snapshot.
 use super::{Component, Refused};
+use crate::codec::writer::Writer;
 use crate::hydraulics::any::AnySnapshot;
 use crate::mechanism;
 
@@ -95,14 +96,22 @@ impl Snapshot {
         }
     }
 
+    /// Appends all fields, which do not change, to these bytes.
+    ///
+    /// # Errors
+    /// As [`Self::write_to`].
+    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), Refused> {
+        Writer::append_to(out, |writer| self.write_to(writer))
+    }
+
     /// Writes all fields, which do not change.
     ///
     /// # Errors
     /// A work counter is near overflow.
-    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), Refused> {
+    pub fn write_to(&mut self, out: &mut Writer) -> Result<(), Refused> {
         match &mut self.of {
-            Kind::Mechanism(snapshot) => Ok(snapshot.write(out)?),
-            Kind::Hydraulic(snapshot) => Ok(snapshot.write(out)?),
+            Kind::Mechanism(snapshot) => Ok(snapshot.write_to(out)?),
+            Kind::Hydraulic(snapshot) => Ok(snapshot.write_to(out)?),
         }
     }
 }

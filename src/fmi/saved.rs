@@ -21,6 +21,7 @@ use super::phase::Phase;
 use super::refusal::Refusal;
 use crate::codec::checksum::xxh64;
 use crate::codec::record::{Damaged, Record};
+use crate::codec::writer::Writer;
 use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
@@ -28,8 +29,6 @@ const MAGIC: [u8; 8] = *b"linkFMUs";
 const VERSION: u32 = 14;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
-/// Initial capacity [bytes]. Most states are smaller, so that writing them moves no bytes.
-const USUAL: usize = 4096;
 /// Bytes of the check sum.
 const CHECK: usize = 8;
 
@@ -49,18 +48,18 @@ impl Saved {
     ///
     /// # Errors
     /// A work counter is near overflow.
-    pub fn serialise(&mut self, identity: [u64; 2], mut bytes: Vec<u8>) -> Result<Vec<u8>, Refusal> {
+    pub fn serialise(&mut self, identity: [u64; 2], bytes: Vec<u8>) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
-        bytes.clear();
-        bytes.reserve(USUAL);
+        let mut writer = Writer::new(bytes);
         let head = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases];
-        head.iter().for_each(|part| bytes.extend_from_slice(part));
-        let mut record = Record::Write(&mut bytes);
+        head.iter().for_each(|part| writer.extend(part));
+        let mut record = Record::Write(&mut writer);
         record_tolerance(&mut self.tolerance, &mut record).map_err(damaged)?;
         self.clock.record(&mut record).map_err(damaged)?;
-        self.component.write(&mut bytes)?;
-        let length = (bytes.len() + CHECK) as u64;
+        self.component.write_to(&mut writer)?;
+        let length = (writer.written() + CHECK) as u64;
+        let mut bytes = writer.finish();
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
         let check = xxh64(&bytes);
         bytes.extend_from_slice(&check.to_le_bytes());

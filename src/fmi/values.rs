@@ -28,9 +28,12 @@ impl Instance {
     /// are returned. After an error, the array may be partly filled.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         // Outputs that were read before can be read from initialization mode on.
-        if self.phase == Phase::Instantiated || !self.component.has_read(references) {
-            may_get_all(self, references, Kind::Real)?;
+        if self.phase != Phase::Instantiated
+            && let Some(have_all) = self.component.reread(references, values)
+        {
+            return if have_all { Ok(()) } else { self.warn(references, "value", Component::undefined) };
         }
+        may_get_all(self, references, Kind::Real)?;
         let (mut undefined, mut values) = (false, values.iter_mut());
         self.component.reals(references, |number| {
             undefined |= number.is_nan();

@@ -5,6 +5,7 @@
 use super::error::HydraulicsError;
 use super::model::{Model, Snapshot};
 use super::{definition, network};
+use crate::codec::writer::Writer;
 use crate::format::{About, Experiment};
 use crate::inspection::Finding;
 use crate::integrator::Statistics;
@@ -138,7 +139,7 @@ impl Clone for Box<dyn AnyModel> {
 pub trait AnySnapshot: Any + Debug + Send + Sync {
     fn duplicate(&self) -> Box<dyn AnySnapshot>;
     fn has_motion(&self) -> bool;
-    fn write(&self, out: &mut Vec<u8>) -> Result<(), HydraulicsError>;
+    fn write_to(&self, out: &mut Writer) -> Result<(), HydraulicsError>;
 }
 
 macro_rules! any_snapshot {
@@ -152,8 +153,8 @@ macro_rules! any_snapshot {
                 <$snapshot>::has_motion(self)
             }
 
-            fn write(&self, out: &mut Vec<u8>) -> Result<(), HydraulicsError> {
-                <$snapshot>::write(self, out)
+            fn write_to(&self, out: &mut Writer) -> Result<(), HydraulicsError> {
+                <$snapshot>::write_to(self, out)
             }
         }
     };

@@ -26,14 +26,14 @@ use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
-use super::warnings::{of_jump, of_near_misses, warnings};
+use super::warnings::warnings;
 use crate::codec::sections::Sections;
 use crate::hydraulics::network::outputs::Output as Flow;
 use crate::inspection::Finding;
 use crate::integrator::{SHORTEST, Statistics};
 use crate::mechanism::definition::{Mechanism, Method, Range, Role};
 use crate::mechanism::reduced::Reduced;
-use crate::variables::{Value, Variables};
+use crate::variables::{Reference, Value, Variables};
 pub use derivatives::{INPUT_ORDER, OUTPUT_ORDER};
 pub use exchange::{Exchange, NoValue};
 pub(super) use formulation::Formulation;
@@ -42,6 +42,7 @@ pub use occurrences::Line;
 use occurrences::Told;
 use std::sync::{Arc, OnceLock};
 pub(super) use tune::Untuned;
+use warnings::warnings_at_start;
 pub(super) use warnings::{Clipped, Watched};
 
 /// Section of the kept tables with the GUID of the interface.
@@ -87,6 +88,8 @@ pub(super) struct Original {
     pub(super) inputs: Inputs,
     /// Identity of the mechanism for snapshots, found when the first one is taken.
     pub(super) identity: OnceLock<[u64; 2]>,
+    /// [`Model::initial_dependencies`], once they were asked for.
+    dependencies: OnceLock<Option<Vec<Vec<Reference>>>>,
     pub(super) reduced: Arc<Reduced>,
     /// What the definition gives reason to warn of.
     pub(super) warnings: Vec<Finding>,
@@ -156,9 +159,18 @@ impl Model {
         found.extend(warnings_at_start(&mechanism, &reduced, &inputs));
         let watched = Watched::new(&mechanism, &reduced);
         let parameter_values = Arc::new(ParameterValues::new(mechanism));
-        let identity = OnceLock::new();
-        let original =
-            Original { parameter_values, variables, ranges, inputs, identity, reduced, warnings: found, watched };
+        let (warnings, identity, dependencies) = (found, OnceLock::new(), OnceLock::new());
+        let original = Original {
+            parameter_values,
+            variables,
+            ranges,
+            inputs,
+            identity,
+            dependencies,
+            reduced,
+            warnings,
+            watched,
+        };
         let mut model = Self::of(Arc::new(original));
         // Tables are kept of what has a start.
         if !is_stored {
@@ -426,18 +438,4 @@ impl Model {
         }
         self.state.as_mut().ok_or(ModelError::NotInitialised)
     }
-}
-
-/// Warnings for which the start is sought.
-#[inline(never)]
-fn warnings_at_start(mechanism: &Mechanism, reduced: &Reduced, inputs: &Inputs) -> Vec<Finding> {
-    let mut found = Vec::new();
-    if !reduced.curve().near.misses.is_empty()
-        && let Ok(state) = State::at_start(reduced, mechanism, inputs)
-    {
-        found.extend(of_near_misses(mechanism, reduced, &state.travel));
-    }
-    let jump = State::jump_at_start(reduced, mechanism, inputs);
-    found.extend(jump.and_then(|jump| of_jump(mechanism, jump)));
-    found
 }

@@ -9,6 +9,7 @@ use super::error::ModelError;
 use super::model::{Clipped, Exchange, Formulation, Model, Untuned, Watched};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record, write_numbers};
+use crate::codec::writer::Writer;
 use crate::mechanism::definition::{Method, Role};
 use crate::mechanism::fem_motion::{RigidFemMotion, SavedRigidFem};
 use crate::mechanism::motion::SavedState;
@@ -48,11 +49,19 @@ impl Snapshot {
         self.motion.is_some()
     }
 
+    /// Append all fields, which stay as they are, to these bytes.
+    ///
+    /// # Errors
+    /// As [`Self::write_to`].
+    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), ModelError> {
+        Writer::append_to(out, |writer| self.write_to(writer))
+    }
+
     /// Write all fields, which stay as they are.
     ///
     /// # Errors
     /// The number of bookings of work is near overflow.
-    pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), ModelError> {
+    pub fn write_to(&mut self, out: &mut Writer) -> Result<(), ModelError> {
         let values = &self.parameter_values;
         write_parameters(out, &values.parameters, &values.flags)?;
         let record = &mut Record::Write(out);
@@ -101,7 +110,7 @@ fn record_parameters(record: &mut Record, parameters: &mut [f64], flags: &mut [b
 }
 
 /// What [`record_parameters`] reads, of parameters that others share.
-fn write_parameters(out: &mut Vec<u8>, parameters: &[f64], flags: &[bool]) -> Result<(), Damaged> {
+fn write_parameters(out: &mut Writer, parameters: &[f64], flags: &[bool]) -> Result<(), Damaged> {
     write_numbers(out, parameters);
     let record = &mut Record::Write(out);
     record.length("Boolean parameters", flags.len())?;

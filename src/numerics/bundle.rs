@@ -86,29 +86,36 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     sums.iter_mut().zip(rows).for_each(|(sum, row)| sum.add(size, row));
 }
 
-/// Sets `sums` to the sum of the terms, each a size times as many rows.
+/// Sets `sums` to the sum of terms, each a size times as many of the `rows`.
 #[inline]
-pub fn sum_rows<'a>(sums: &mut [Row], terms: impl Iterator<Item = (f64, &'a [Row])>) {
-    processor::run(Sum { sums, terms });
+pub fn sum_rows(sums: &mut [Row], sizes: impl Iterator<Item = f64> + Clone, rows: &[Row]) {
+    processor::run(Sum { sums, sizes, rows });
 }
 
 /// Terms to sum.
-struct Sum<'s, I> {
-    sums: &'s mut [Row],
-    terms: I,
+struct Sum<'a, I> {
+    sums: &'a mut [Row],
+    sizes: I,
+    rows: &'a [Row],
 }
 
-impl<'a, I: Iterator<Item = (f64, &'a [Row])>> Task for Sum<'_, I> {
+impl<I: Iterator<Item = f64> + Clone> Task for Sum<'_, I> {
     type Result = ();
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        self.sums.fill(Row::ZERO);
-        for (size, rows) in self.terms {
-            for (sum, row) in self.sums.iter_mut().zip(rows) {
-                for (sum, c) in sum.0.iter_mut().zip(&row.0) {
-                    *sum = multiply_add::<A>(&[size; ROW], c, sum);
+        /// Powers that are summed together, so that their sums stay in registers.
+        const BLOCK: usize = NODES / 2;
+        let parts = self.sums.len();
+        for (part, sum) in self.sums.iter_mut().enumerate() {
+            for (k, block) in sum.0.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+                let mut all = [[0.0; ROW]; BLOCK];
+                for (size, rows) in self.sizes.clone().zip(self.rows.chunks_exact(parts)) {
+                    for (sum, c) in all.iter_mut().zip(&rows[part].0.as_chunks::<BLOCK>().0[k]) {
+                        *sum = multiply_add::<A>(&[size; ROW], c, sum);
+                    }
                 }
+                *block = all;
             }
         }
     }
@@ -288,7 +295,7 @@ mod tests {
             c in proptest::array::uniform16(-1.0..1.0f64), x in -1.0..1.0f64) {
             let terms = [Row::of([&c; ROW]), Row::of([&c.map(|c| 1.0 - c); ROW])];
             let mut sums = [Row::of([&[7.0; NODES]; ROW])];
-            sum_rows(&mut sums, sizes.into_iter().zip(terms.chunks_exact(1)));
+            sum_rows(&mut sums, sizes.into_iter(), &terms);
             let mut values = [[0.0; ROW]; 2];
             side_by_side_at(&terms, x, &mut values);
             let mut value = [[0.0; ROW]];

@@ -3,6 +3,7 @@
 //! In: values at the Gauss nodes of [-1, 1]. Out: Chebyshev coefficients, monomial coefficients, values. Must not know:
 //! what the functions mean.
 //! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2, 3 and 19.
+use super::processor::{self, Arithmetic, Task};
 use std::f64::consts::PI;
 
 /// Number of nodes and of coefficients. Even, so that the middle of a panel is not a node.
@@ -107,6 +108,40 @@ pub fn polynomial(c: &Series, x: f64) -> f64 {
     (low[0] + high[0] * y4) + x * (low[1] + high[1] * y4)
 }
 
+/// Values of polynomials with monomial coefficients at one x, by the fastest code for this processor: results on
+/// different processors differ by rounding errors.
+#[inline(always)]
+pub fn polynomials<const K: usize>(series: &[Series; K], x: f64) -> [f64; K] {
+    processor::run(Evaluation { series, x })
+}
+
+/// Polynomials to evaluate.
+struct Evaluation<'a, const K: usize> {
+    series: &'a [Series; K],
+    x: f64,
+}
+
+impl<const K: usize> Task for Evaluation<'_, K> {
+    type Result = [f64; K];
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> Self::Result {
+        std::array::from_fn(|k| by_residues::<A>(&self.series[k], self.x))
+    }
+}
+
+/// Value at x: four independent Horner schemes in x^4, one for each residue of the power modulo 4.
+#[inline(always)]
+fn by_residues<A: Arithmetic>(c: &Series, x: f64) -> f64 {
+    let (x2, (fours, _)) = (x * x, c.as_chunks::<4>());
+    let mut sums = fours[NODES / 4 - 1];
+    for four in fours[..NODES / 4 - 1].iter().rev() {
+        sums = std::array::from_fn(|k| A::multiply_add(sums[k], x2 * x2, four[k]));
+    }
+    let [even, odd] = std::array::from_fn(|k| A::multiply_add(sums[k + 2], x2, sums[k]));
+    A::multiply_add(odd, x, even)
+}
+
 /// Values of a polynomial with monomial coefficients and of its derivative, by Horner's scheme for even and odd powers
 /// side by side: c(x) = e(x^2) + x o(x^2), c'(x) = o(x^2) + 2 x (e'(x^2) + x o'(x^2)).
 #[inline]
@@ -173,6 +208,15 @@ mod tests {
             let [value, slope] = polynomial_and_slope(&m, x);
             assert!((value - polynomial(&m, x)).abs() < 1e-14, "{x}");
             assert!((slope - polynomial(&slopes_of(&m), x)).abs() < 1e-13, "{x}");
+        }
+    }
+
+    #[test]
+    fn the_fastest_code_differs_by_rounding() {
+        let series = [0.9, 1.3].map(|factor| monomials(&fitted(|x| (factor * x).exp())));
+        for x in [-1.0, -0.6, -1e-3, 0.0, 0.2, 0.7, 1.0] {
+            let values = polynomials(&series, x);
+            assert!((0..2).all(|k| (values[k] - polynomial(&series[k], x)).abs() < 1e-14), "{x}");
         }
     }
 

@@ -2,9 +2,11 @@
 //!
 //! In: an exact function of sigma. Out: polynomials for the function's components on panels of sigma. A table is built
 //! once and read without allocation or lock. Must not know: what the functions mean.
+mod reading;
+
 pub use super::chebyshev::polynomial;
 
-use super::chebyshev::{NODES, Series, Transform, monomials, polynomial_and_slope, slopes_of, tail};
+use super::chebyshev::{NODES, Series, Transform, monomials, slopes_of, tail};
 use super::dual::Number;
 use super::order;
 use std::fmt;
@@ -233,89 +235,6 @@ impl Table {
         let placed = gaps.windows(2).all(|pair| pair[0] < pair[1]) && gaps.last().is_none_or(|last| *last < panels);
         let whole = panels.checked_mul(components) == Some(coefficients.len());
         (ascending && placed && whole).then_some(Self { borders, components, coefficients, gaps })
-    }
-
-    /// Number of panels.
-    pub fn panels(&self) -> usize {
-        self.borders.len() - 1
-    }
-
-    /// Whether a panel is a gap, on which some component is not resolved.
-    #[inline]
-    pub fn is_gap(&self, panel: usize) -> bool {
-        self.gaps.binary_search(&panel).is_ok()
-    }
-
-    /// First and last sigma of each gap.
-    pub fn gaps(&self) -> impl ExactSizeIterator<Item = (f64, f64)> {
-        self.gaps.iter().map(|&panel| self.borders(panel))
-    }
-
-    /// First and last sigma of a panel.
-    #[inline]
-    pub fn borders(&self, panel: usize) -> (f64, f64) {
-        (self.borders[panel], self.borders[panel + 1])
-    }
-
-    /// The panel that contains sigma. Outside the table, the first or the last panel.
-    #[inline]
-    pub fn panel(&self, sigma: f64) -> usize {
-        self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
-    }
-
-    /// [`Self::panel`], with a search that starts at a panel and its neighbours.
-    #[inline(always)]
-    pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
-        if self.contains(panel, sigma) { panel } else { self.neighbouring_panel(sigma, panel) }
-    }
-
-    #[inline(never)]
-    fn neighbouring_panel(&self, sigma: f64, panel: usize) -> usize {
-        let mut neighbours = [panel + 1, panel.wrapping_sub(1)].into_iter();
-        neighbours.find(|panel| self.contains(*panel, sigma)).unwrap_or_else(|| self.panel(sigma))
-    }
-
-    /// Whether the panel exists and contains sigma.
-    #[inline(always)]
-    fn contains(&self, panel: usize, sigma: f64) -> bool {
-        panel < self.borders.len().saturating_sub(1) && self.borders[panel] <= sigma && sigma < self.borders[panel + 1]
-    }
-
-    /// Position of sigma.
-    #[inline]
-    pub fn position(&self, sigma: f64) -> TablePosition {
-        self.position_in(sigma, self.panel(sigma))
-    }
-
-    /// [`Self::position`], with a search that starts at a panel and its neighbours.
-    #[inline]
-    pub fn position_near(&self, sigma: f64, panel: usize) -> TablePosition {
-        self.position_in(sigma, self.panel_near(sigma, panel))
-    }
-
-    #[inline]
-    fn position_in(&self, sigma: f64, panel: usize) -> TablePosition {
-        let (a, b) = self.borders(panel);
-        TablePosition { panel, x: (2.0 * sigma - (a + b)) / (b - a) }
-    }
-
-    /// Monomial coefficients of one component on one panel.
-    #[inline]
-    pub fn series(&self, panel: usize, component: usize) -> &Series {
-        &self.coefficients[panel * self.components + component]
-    }
-
-    /// Value of a component at a position.
-    #[inline]
-    pub fn value(&self, at: TablePosition, component: usize) -> f64 {
-        polynomial(self.series(at.panel, component), at.x)
-    }
-
-    /// Value of a component at a position, and its derivative along sigma.
-    pub fn value_and_slope(&self, at: TablePosition, component: usize) -> [f64; 2] {
-        let [value, slope] = polynomial_and_slope(self.series(at.panel, component), at.x);
-        let (a, b) = self.borders(at.panel);
-        [value, slope * (2.0 / (b - a))]
     }
 }
 

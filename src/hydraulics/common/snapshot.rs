@@ -5,6 +5,7 @@
 use super::{HostInputs, Kind, Model, Parameters, Quantity};
 use crate::codec::checksum::fnv1a;
 use crate::codec::record::{Damaged, Record};
+use crate::codec::writer::Writer;
 use crate::hydraulics::error::HydraulicsError;
 use crate::numerics::bits::same_bits;
 use std::sync::Arc;
@@ -25,11 +26,19 @@ impl<K: Kind> Snapshot<K> {
         self.state.is_some()
     }
 
+    /// Append all fields to these bytes.
+    ///
+    /// # Errors
+    /// As [`Self::write_to`].
+    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), HydraulicsError> {
+        Writer::append_to(out, |writer| self.write_to(writer))
+    }
+
     /// Write all fields.
     ///
     /// # Errors
     /// A count of work done is near overflow.
-    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), HydraulicsError> {
+    pub fn write_to(&self, out: &mut Writer) -> Result<(), HydraulicsError> {
         let Self { parameters, mut inputs, mut state, mut warnings } = self.clone();
         let record = &mut Record::Write(out);
         record.small("version", &mut { K::VERSION })?;

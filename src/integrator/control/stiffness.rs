@@ -127,21 +127,25 @@ fn square<const N: usize>(m: &[[f64; N]; N], leading: usize) -> [[f64; N]; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::writer::Writer;
 
     /// A recorded choice is read back unchanged, also after further steps.
     #[test]
     fn a_valid_choice_is_written_and_read_back() {
         for (implicit, hits, explicit_h) in [(false, 9, 0.0), (false, 0, 0.0), (false, 9, 5e-324), (true, 0, 5e-324)] {
-            let mut bytes = Vec::new();
+            let written = |choice: &mut Stiffness| {
+                let mut writer = Writer::default();
+                choice.record(&mut Record::Write(&mut writer)).unwrap();
+                writer.finish()
+            };
             let mut choice = Stiffness { implicit, hits, explicit_h, ..Stiffness::default() };
-            choice.record(&mut Record::Write(&mut bytes)).unwrap();
+            let bytes = written(&mut choice);
             let read = choice.record(&mut Record::Read(&bytes));
             assert_eq!(read.is_ok(), explicit_h > 0.0 || hits == 0, "{choice:?}");
             if read.is_ok() {
                 (0..3).for_each(|_| choice.explicit_step(1.0, 0.5, 1.0));
                 (0..3).for_each(|_| choice.implicit_step(1.0, 10.0));
-                bytes.clear();
-                choice.record(&mut Record::Write(&mut bytes)).unwrap();
+                let bytes = written(&mut choice);
                 choice.record(&mut Record::Read(&bytes)).unwrap();
             }
         }

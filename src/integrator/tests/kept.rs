@@ -1,6 +1,7 @@
 //! Radau steps that share a Jacobian.
 use super::*;
 use crate::codec::record::Record;
+use crate::codec::writer::Writer;
 
 /// y' = -L (y^3 - cos^3 t) - sin t with the solution cos t. Stiff where y is not near 0.
 struct Stiff;
@@ -49,8 +50,9 @@ fn a_kept_jacobian_is_used_for_many_steps_with_the_same_accuracy() {
 fn a_memory_that_is_read_continues_identically() {
     let (mut integrator, mut y) = (Integrator::keeping(), [1.0]);
     advance(&mut integrator, &mut y, 0, 53);
-    let (mut bytes, start, jacobians) = (Vec::new(), y, integrator.statistics().jacobians);
-    integrator.record(&mut Record::Write(&mut bytes)).unwrap();
+    let (mut writer, start, jacobians) = (Writer::default(), y, integrator.statistics().jacobians);
+    integrator.record(&mut Record::Write(&mut writer)).unwrap();
+    let bytes = writer.finish();
     let (mut read, mut copy) = (Integrator::keeping(), Integrator::keeping());
     read.record(&mut Record::Read(&bytes)).unwrap();
     copy.copy_from(&integrator);

@@ -6,6 +6,7 @@ use super::evaluate::{Curve, Ends};
 use super::misses::Near;
 use super::panel::Panel;
 use crate::codec::record::{Damaged, Record};
+use crate::codec::writer::Writer;
 use crate::mechanism::closure::Closure;
 use crate::numerics::chebyshev::Transform;
 
@@ -15,7 +16,7 @@ const KINDS: usize = 5;
 impl Curve {
     /// Write the curve, if a record can hold it: not one of which the points were moved, or the start decides the
     /// range, or with near misses, which are told in words.
-    pub fn write(&self, out: &mut Vec<u8>) -> Result<(), Damaged> {
+    pub fn write(&self, out: &mut Writer) -> Result<(), Damaged> {
         if self.near != Near::default() || self.by_start {
             return Err(Damaged("branches almost cross on the curve, or its guess is beyond a stop".to_owned()));
         }

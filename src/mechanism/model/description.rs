@@ -36,12 +36,16 @@ impl Model {
     }
 
     /// For each variable, if it is an output: the inputs and parameters on which its initial value depends, ascending.
-    /// None for a definition so large that finding them would take minutes.
+    /// None for a definition so large that finding them would take minutes. They are found once.
     ///
     /// # Errors
     /// A parameter that may not change a little.
     pub fn initial_dependencies(&self) -> Result<Option<Vec<Vec<Reference>>>, ModelError> {
-        Ok(interface::initial_dependencies(self.original.parameter_values.mechanism())?)
+        if let Some(known) = self.original.dependencies.get() {
+            return Ok(known.clone());
+        }
+        let found = interface::initial_dependencies(self.original.parameter_values.mechanism())?;
+        Ok(self.original.dependencies.get_or_init(|| found).clone())
     }
 
     /// The variables of each drive, as one connection.

@@ -64,6 +64,6 @@ mod tests {
         let is_output = |r: &u32| variables.quantity_of(*r).and_then(Quantity::output).is_some();
         let outputs: Vec<u32> = (0..variables.list().len() as u32).filter(is_output).collect();
         model.reals(&outputs, |_| {}).unwrap();
-        assert!(outputs.len() > 50 && model.has_read(&outputs));
+        assert!(outputs.len() > 50 && model.plan.of(&outputs).is_some());
     }
 }

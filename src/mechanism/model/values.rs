@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 impl Model {
@@ -41,12 +42,41 @@ impl Model {
         }
     }
 
+    /// Present values of the outputs that were read together last, each as [`Self::real`]; whether each of them has a
+    /// value. None if these are not their references, or the motion is not that of the reduced model.
+    #[inline]
+    pub fn reread(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Option<bool> {
+        match (&mut self.state, &self.reduced, self.exchange) {
+            (Some(Formulation::Reduced(motion)), Some(reduced), None) => {
+                let plan = self.plan.of(references)?;
+                Some(motion.outputs(reduced, &self.inputs).fill(plan, values))
+            }
+            _ => None,
+        }
+    }
+
     /// Present values of several Reals in their order, each as [`Self::real`]: outputs share one view of the state.
     ///
     /// # Errors
     /// As [`Self::real`]; the values before are given.
     #[inline]
-    pub fn reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), ModelError> {
+    pub fn reals(&mut self, references: &[Reference], give: impl FnMut(f64)) -> Result<(), ModelError> {
+        if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
+            (&mut self.state, &self.reduced, self.exchange)
+            && let Some(plan) = self.plan.of(references)
+        {
+            motion.outputs(reduced, &self.inputs).values(plan, give);
+            return Ok(());
+        }
+        self.other_reals(references, give)
+    }
+
+    /// [`Self::reals`] that were not read together before: the next time they may be.
+    ///
+    /// # Errors
+    /// As [`Self::reals`].
+    #[inline]
+    pub fn other_reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), ModelError> {
         let variables = &self.original.variables;
         let mut done = 0;
         if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
@@ -54,10 +84,6 @@ impl Model {
             && references.iter().any(|r| matches!(variables.quantity_of(*r), Some(Quantity::Output(_))))
         {
             let (mut outputs, inputs) = (motion.outputs(reduced, &self.inputs), &self.inputs.reals);
-            if let Some(plan) = self.plan.of(references) {
-                outputs.values(plan, give);
-                return Ok(());
-            }
             self.plan.learn(references, variables);
             for &reference in references {
                 give(match variables.quantity_of(reference) {
@@ -73,12 +99,6 @@ impl Model {
             give(self.real(reference)?);
         }
         Ok(())
-    }
-
-    /// Whether these are references of outputs that were read together before.
-    #[inline]
-    pub fn has_read(&self, references: &[Reference]) -> bool {
-        self.plan.of(references).is_some()
     }
 
     /// Whether [`Self::set_real`] would accept this value; changes nothing.

@@ -12,10 +12,11 @@ use crate::mechanism::dynamics::hydraulic::command;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::linkage::{Coupling, Kind};
 use crate::mechanism::loads::resolved::NetworkDrives;
+use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::ReducedMotion;
 use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::mechanism::reduced::Reduced;
-use crate::mechanism::warnings::of_slack_belt;
+use crate::mechanism::warnings::{of_jump, of_near_misses, of_slack_belt};
 use crate::numerics::decimal::Decimal;
 
 /// A command of the valve that is clipped, of which a host is told once.
@@ -296,4 +297,18 @@ fn lifting_words(name: &str, force: f64, when: &str) -> [String; 2] {
          \"grooved\": true for a cam that guides its follower in both directions"
     );
     [message, remedy]
+}
+
+/// Warnings for which the start is sought.
+#[inline(never)]
+pub(super) fn warnings_at_start(mechanism: &Mechanism, reduced: &Reduced, inputs: &Inputs) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if !reduced.curve().near.misses.is_empty()
+        && let Ok(state) = State::at_start(reduced, mechanism, inputs)
+    {
+        found.extend(of_near_misses(mechanism, reduced, &state.travel));
+    }
+    let jump = State::jump_at_start(reduced, mechanism, inputs);
+    found.extend(jump.and_then(|jump| of_jump(mechanism, jump)));
+    found
 }

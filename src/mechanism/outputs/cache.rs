@@ -10,7 +10,6 @@ use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::reduced::{ExactReactions, PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::dual::{Differentiable, Number};
-use crate::numerics::table::TablePosition;
 
 /// Intermediate results of outputs in the present state under the present inputs, in numbers N.
 #[derive(Clone, Debug)]
@@ -19,9 +18,12 @@ pub struct OutputCache<N: Differentiable> {
     pub direction: Direction<N>,
     /// Forces and acceleration, once evaluated in this state.
     pub forces: Option<Forces<N>>,
-    /// Position in the table of the coordinates, once found in this state.
-    pub position: Option<TablePosition>,
-    /// Panel of the table of the coordinates in which sigma was last.
+    /// Number of the state and the inputs: each change of them has another one.
+    pub version: u64,
+    /// The functions of sigma whose tables have their first two derivatives, with these derivatives and the version for
+    /// which they were evaluated: coordinates, then x and y of each marker.
+    pub functions: Vec<(u64, [N; 3])>,
+    /// Panel in which sigma was last, in the table read last.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
@@ -103,7 +105,8 @@ impl<N: Differentiable> OutputCache<N> {
         Self {
             direction,
             forces: None,
-            position: None,
+            version: 1,
+            functions: vec![(0, [N::constant(0.0); 3]); reduced.functions()],
             panel: 0,
             drive: None,
             ends: [None; 2],
@@ -131,7 +134,8 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.position, self.drive) = (None, None, None);
+        (self.forces, self.drive) = (None, None);
+        self.version += 1;
         if self.has_displacements {
             self.displacements.fill(f64::NAN);
             self.has_displacements = false;

@@ -10,6 +10,7 @@ mod network;
 mod one_element;
 mod reaction;
 mod reduced_motion;
+mod tabulated;
 mod terms;
 mod view;
 

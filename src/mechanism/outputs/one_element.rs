@@ -86,7 +86,7 @@ impl<N: Reading> View<'_, N> {
     #[inline(never)]
     fn find_slopes(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
         let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
-        let slopes = [self.before_derivative(table, position, 1), self.component(table, position, 2)];
+        let slopes = self.with_derivative(table, position, 1);
         self.cache.drive = Some(DriveTerms { drive, slopes, influence: None });
         Ok(slopes)
     }

@@ -3,12 +3,12 @@
 //! In: steps, changed inputs, saved states, directions. Out: the state with a cache that belongs to it, outputs and
 //! their derivatives. It must not know any law.
 mod driven;
+mod together;
 
 use crate::hydraulics::network::definition::CAPACITY;
 use crate::mechanism::definition::{Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
-use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
 use crate::mechanism::motion::state::{Reached, Start, State};
@@ -20,6 +20,8 @@ use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::become_same;
 use crate::numerics::dual::Dual;
 use driven::Driven;
+pub use together::Outputs;
+use together::value_of;
 
 /// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]
@@ -224,7 +226,7 @@ impl ReducedMotion {
     pub fn outputs<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> Outputs<'a> {
         let view = self.view(reduced, inputs);
         view.cache.panel = view.reduced.influence().panel_near(view.state.sigma, view.cache.panel);
-        Outputs { view, loading: reduced.loading() }
+        Outputs::new(view, reduced.loading())
     }
 
     /// Allocate what steps, these outputs and their derivatives would otherwise allocate when they are first computed.
@@ -292,52 +294,6 @@ impl ReducedMotion {
     pub fn computed(&self) -> Computed {
         self.cache.computed
     }
-}
-
-/// Outputs of one state.
-pub struct Outputs<'a> {
-    view: View<'a, f64>,
-    loading: &'a Loading,
-}
-
-impl Outputs<'_> {
-    /// Value of an output; NaN where it has none.
-    #[inline]
-    pub fn value(&mut self, output: &Output) -> f64 {
-        if self.is_misplaced() { f64::NAN } else { number(value_of(&mut self.view, self.loading, output)) }
-    }
-
-    /// [`Self::value`] of several outputs.
-    #[inline]
-    pub fn values(&mut self, outputs: &[Output], mut give: impl FnMut(f64)) {
-        if self.is_misplaced() {
-            return outputs.iter().for_each(|_| give(f64::NAN));
-        }
-        for output in outputs {
-            give(number(evaluate(&mut self.view, self.loading, output)));
-        }
-    }
-
-    /// Whether the mechanism is not where its motion is prescribed to be.
-    #[inline]
-    fn is_misplaced(&self) -> bool {
-        self.view.loads.undriven.is_some() && self.view.check_placed().is_err()
-    }
-}
-
-/// The value of an output; NaN where it has none.
-#[inline(always)]
-fn number(value: Result<f64, OutputError>) -> f64 {
-    match value {
-        Ok(value) if value.is_finite() => value,
-        _ => f64::NAN,
-    }
-}
-
-/// [`evaluate`] as a function of its own, for one output.
-#[inline(never)]
-fn value_of(view: &mut View<f64>, loading: &Loading, output: &Output) -> Result<f64, OutputError> {
-    evaluate(view, loading, output)
 }
 
 /// Exact derivatives dy / d s of outputs along a direction s in which the state and the inputs change, by dual numbers

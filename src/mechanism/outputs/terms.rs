@@ -82,8 +82,8 @@ impl<'a> Causes<'a> {
         if !(reactions.given.holds(self.sigma) && is_kept()) {
             return self.enter_panel(reactions, acting, group);
         }
-        let GroupReactions { parts, given, units, .. } = reactions;
-        sum_rows(&mut given.rows[..*parts], acting.map(|(_, size)| size).zip(units.chunks_exact(*parts)));
+        let GroupReactions { parts, given, kept, units, .. } = reactions;
+        sum_rows(&mut given.rows[..*parts], kept.iter().map(|&load| sizes[load]), units);
     }
 
     /// [`Self::enter_given`] from the tables.
@@ -126,8 +126,7 @@ impl<'a> Causes<'a> {
             for &load in kept.iter() {
                 units.extend((0..most).map(|part| row(&given.panels, part, 2 + load)));
             }
-            let sizes = acting.map(|(_, size)| size);
-            return sum_rows(&mut given.rows[..most], sizes.zip(units.chunks_exact(most.max(1))));
+            return sum_rows(&mut given.rows[..most], acting.map(|(_, size)| size), units);
         }
         given.rows[..most].fill(Row::ZERO);
         for (load, size) in acting {

@@ -17,9 +17,7 @@ use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::chebyshev::slopes_of;
 use crate::numerics::dual::{Differentiable, Dual, Number};
-use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 /// The reduced model in one state under the present inputs.
 pub struct View<'a, N: Reading> {
@@ -94,78 +92,6 @@ impl<'a, N: Reading> View<'a, N> {
     #[inline]
     pub fn sigma_dot(&self) -> N {
         self.cache.direction.s.chain(self.state.sigma_dot, self.cache.direction.along[1])
-    }
-
-    /// Position of sigma in a table: mostly on the panel on which it is in the table of the coordinates.
-    #[inline]
-    pub fn position(&self, table: &Table) -> TablePosition {
-        table.position_near(self.state.sigma, self.cache.panel)
-    }
-
-    /// A component of a table; its derivative along sigma is that of the polynomial.
-    #[inline]
-    pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
-        let sigma = self.sigma();
-        if sigma.is_constant() {
-            return N::constant(table.value(position, component));
-        }
-        let (a, b) = table.borders(position.panel);
-        polynomial_at(table.series(position.panel, component), sigma.chain(position.x, 2.0 / (b - a)))
-    }
-
-    /// A component of a table whose derivative along sigma is the next component.
-    #[inline]
-    pub fn before_derivative(&self, table: &Table, position: TablePosition, component: usize) -> N {
-        let sigma = self.sigma();
-        let slope = if sigma.is_constant() { 0.0 } else { table.value(position, component + 1) };
-        sigma.chain(table.value(position, component), slope)
-    }
-
-    /// Displacement of a load, counted on over whole revolutions; found once for a state.
-    #[inline]
-    pub fn displaced(&mut self, load: usize) -> f64 {
-        let known = self.cache.displacements[load];
-        if !known.is_nan() {
-            return known;
-        }
-        let value = self.state.displacement(self.reduced, load);
-        (self.cache.displacements[load], self.cache.has_displacements) = (value, true);
-        value
-    }
-
-    /// S_sigma of a sized load.
-    pub fn influence(&self, load: usize) -> N {
-        let table = self.reduced.influence();
-        self.component(table, self.position(table), load)
-    }
-
-    /// Time derivative of a function whose table has it and its two derivatives along sigma from component `first` on.
-    #[inline(always)]
-    pub fn time_derivative(
-        &mut self,
-        (table, position): (&Table, TablePosition),
-        first: usize,
-        order: usize,
-    ) -> Result<N, OutputError> {
-        Ok(match order {
-            0 => self.before_derivative(table, position, first),
-            1 => self.before_derivative(table, position, first + 1) * self.sigma_dot(),
-            _ => {
-                let (acceleration, sigma_dot) = (self.forces()?.acceleration, self.sigma_dot());
-                let curvature = self.component(table, position, first + 2);
-                self.before_derivative(table, position, first + 1) * acceleration + curvature * sigma_dot * sigma_dot
-            }
-        })
-    }
-
-    /// Derivative along sigma of S_sigma of a sized load.
-    pub fn influence_slope(&self, load: usize) -> N {
-        let (table, sigma) = (self.reduced.influence(), self.sigma());
-        let position = self.position(table);
-        let (a, b) = table.borders(position.panel);
-        let scale = 2.0 / (b - a);
-        let slopes = slopes_of(table.series(position.panel, load));
-        polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
     }
 
     /// The equation of motion under the present inputs, for another evaluation than that of [`Self::forces`]. Where the
@@ -274,7 +200,7 @@ impl<'a, N: Reading> View<'a, N> {
 }
 
 impl<N: Reading> Kinematics<N> for View<'_, N> {
-    #[inline]
+    #[inline(always)]
     fn angle(&mut self, body: usize, order: usize) -> Result<N, OutputError> {
         let body = &self.reduced.linkage().bodies[body];
         let Some(coordinate) = body.angle_coordinate else {
@@ -284,18 +210,9 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(if order == 0 { value + N::constant(body.offset) } else { value })
     }
 
-    #[inline]
+    #[inline(always)]
     fn joint_position(&mut self, coordinate: usize, order: usize) -> Result<N, OutputError> {
-        let table = self.reduced.coordinates()?;
-        let position = match self.cache.position {
-            Some(position) => position,
-            None => {
-                let position = table.position_near(self.state.sigma, self.cache.panel);
-                (self.cache.position, self.cache.panel) = (Some(position), position.panel);
-                position
-            }
-        };
-        let value = self.time_derivative((table, position), 3 * coordinate, order)?;
+        let value = self.time_derivative(coordinate, order)?;
         if order > 0 {
             return Ok(value);
         }
@@ -306,30 +223,40 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
+        if order == 1 && load >= reduced.loading().drives.len() {
+            let (table, position) = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+            return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
+        }
         if order > 0 {
-            let around = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
-            return self.time_derivative(around, 0, order);
+            // The terms of a drive share its slopes.
+            let ([slope, curvature], sigma_dot) = (self.slopes_of(load)?, self.sigma_dot());
+            return Ok(match order {
+                1 => slope * sigma_dot,
+                _ => slope * self.forces()?.acceleration + curvature * sigma_dot * sigma_dot,
+            });
+        }
+        let value = self.displaced(load);
+        if sigma.is_constant() {
+            return Ok(N::constant(value));
         }
         let slope = match reduced.displacement(load) {
-            _ if sigma.is_constant() => 0.0,
             Ok(table) => table.value(self.position(table), 1),
             Err(_) => {
                 let c = reduced.curve().configuration(self.state.sigma);
                 reduced.loading().loads[load].influence(reduced.linkage(), &c)
             }
         };
-        Ok(sigma.chain(self.displaced(load), slope))
+        Ok(sigma.chain(value, slope))
     }
 
-    #[inline]
+    #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        let table = self.reduced.marker(marker)?;
-        self.time_derivative((table, self.position(table)), 3 * axis, order)
+        self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
         let table = self.reduced.origin(body)?;
-        self.time_derivative((table, self.position(table)), 3 * axis, 0)
+        Ok(self.before_derivative(table, self.position(table), 3 * axis))
     }
 
     #[inline(never)]

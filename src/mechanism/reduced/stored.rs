@@ -7,6 +7,7 @@ use super::model::Reduced;
 use super::resolved::Resolved;
 use crate::codec::record::{Damaged, Record};
 use crate::codec::sections::Sections;
+use crate::codec::writer::Writer;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Curve;
 use crate::mechanism::definition::Mechanism;
@@ -87,8 +88,8 @@ fn unresolved(record: &mut Record, at: &mut Unresolved, components: usize) -> Re
 
 /// The bytes of a section with these tables.
 fn section<'a>(tables: impl ExactSizeIterator<Item = Result<&'a Table, &'a Unresolved>>) -> Result<Vec<u8>, Damaged> {
-    let mut bytes = Vec::new();
-    let mut record = Record::Write(&mut bytes);
+    let mut writer = Writer::default();
+    let mut record = Record::Write(&mut writer);
     record.length("tables", tables.len())?;
     for table in tables {
         record.flag("resolved", &mut table.is_ok())?;
@@ -103,7 +104,7 @@ fn section<'a>(tables: impl ExactSizeIterator<Item = Result<&'a Table, &'a Unres
             Err(at) => unresolved(&mut record, &mut at.clone(), usize::MAX)?,
         }
     }
-    Ok(bytes)
+    Ok(writer.finish())
 }
 
 impl Reduced {
@@ -131,7 +132,7 @@ impl Reduced {
     /// record, or only a part of the curve counts.
     pub fn sections(&self) -> Vec<(String, Vec<u8>)> {
         let mut all = Sink::default();
-        let mut curve = Vec::new();
+        let mut curve = Writer::default();
         let borders = super::characteristics::grid(self.curve(), self.loading());
         let mut record = Record::Write(&mut curve);
         let borders = record.arrays("borders", &mut borders.into_iter().map(|b| [b]).collect());
@@ -141,7 +142,7 @@ impl Reduced {
         if self.is_part() || self.stretch != 0 || written.is_err() {
             return Vec::new();
         }
-        all.add(CURVE, Ok(curve));
+        all.add(CURVE, Ok(curve.finish()));
         let own = &self.tables;
         let needed = self.needed();
         let displacements = needed.iter().map(|&load| self.displacement(load));

@@ -94,6 +94,11 @@ impl Reduced {
         self.tables.markers.get_or_init(|| self.paths(stored::MARKERS, &self.markers))[i].as_ref()
     }
 
+    /// Number of coordinates, and of x and y of the markers: functions whose tables have their two derivatives.
+    pub fn functions(&self) -> usize {
+        self.linkage().coordinates.len() + 2 * self.markers.len()
+    }
+
     /// x of the origin of a body of the linkage with its two derivatives along sigma, then y.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! The transitions of contact: the tables at the head of `contact.rs`, one by one.
 #![allow(clippy::unwrap_used)]
 use super::*;
+use crate::codec::writer::Writer;
 
 /// A bumper before a rigid stop on the high side, a rigid stop on the low side.
 fn travel() -> Travel {
@@ -145,10 +146,10 @@ fn each_state_is_read_as_it_was_written() {
         let mut contact = Contact::default();
         contact.touched(9);
         contact.rests(place, true);
-        let mut bytes = Vec::new();
-        contact.record(&mut Record::Write(&mut bytes)).unwrap();
+        let mut writer = Writer::default();
+        contact.record(&mut Record::Write(&mut writer)).unwrap();
         let mut read = Contact::default();
-        read.record(&mut Record::Read(&bytes)).unwrap();
+        read.record(&mut Record::Read(&writer.finish())).unwrap();
         assert_eq!(read, contact);
     }
 }

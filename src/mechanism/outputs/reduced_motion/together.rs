@@ -1,0 +1,79 @@
+//! Outputs of one state, read one after the other.
+//!
+//! In: a view of the state. Out: values, NaN where an output has none. It must not know references.
+use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
+use crate::mechanism::outputs::view::View;
+use crate::mechanism::quantity::Output;
+use std::mem::MaybeUninit;
+
+/// Outputs of one state.
+pub struct Outputs<'a> {
+    view: View<'a, f64>,
+    loading: &'a Loading,
+}
+
+impl<'a> Outputs<'a> {
+    #[inline]
+    pub(super) fn new(view: View<'a, f64>, loading: &'a Loading) -> Self {
+        Self { view, loading }
+    }
+
+    /// Value of an output; NaN where it has none.
+    #[inline]
+    pub fn value(&mut self, output: &Output) -> f64 {
+        if self.is_misplaced() { f64::NAN } else { number(value_of(&mut self.view, self.loading, output)) }
+    }
+
+    /// [`Self::value`] of as many outputs as there is memory for values; whether each of them has one.
+    #[inline]
+    pub fn fill(&mut self, outputs: &[Output], values: &mut [MaybeUninit<f64>]) -> bool {
+        if self.is_misplaced() {
+            values.fill(MaybeUninit::new(f64::NAN));
+            return values.is_empty();
+        }
+        let mut have_all = true;
+        for (output, value) in outputs.iter().zip(values) {
+            match evaluate(&mut self.view, self.loading, output) {
+                Ok(number) if number.is_finite() => value.write(number),
+                _ => {
+                    have_all = false;
+                    value.write(f64::NAN)
+                }
+            };
+        }
+        have_all
+    }
+
+    /// [`Self::value`] of several outputs.
+    #[inline]
+    pub fn values(&mut self, outputs: &[Output], mut give: impl FnMut(f64)) {
+        if self.is_misplaced() {
+            return outputs.iter().for_each(|_| give(f64::NAN));
+        }
+        for output in outputs {
+            give(number(evaluate(&mut self.view, self.loading, output)));
+        }
+    }
+
+    /// Whether the mechanism is not where its motion is prescribed to be.
+    #[inline]
+    fn is_misplaced(&self) -> bool {
+        self.view.loads.undriven.is_some() && self.view.check_placed().is_err()
+    }
+}
+
+/// The value of an output; NaN where it has none.
+#[inline(always)]
+fn number(value: Result<f64, OutputError>) -> f64 {
+    match value {
+        Ok(value) if value.is_finite() => value,
+        _ => f64::NAN,
+    }
+}
+
+/// [`evaluate`] as a function of its own, for one output.
+#[inline(never)]
+pub(super) fn value_of(view: &mut View<f64>, loading: &Loading, output: &Output) -> Result<f64, OutputError> {
+    evaluate(view, loading, output)
+}

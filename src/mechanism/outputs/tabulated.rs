@@ -1,0 +1,110 @@
+//! Functions of sigma, read from the tables of the reduced model.
+//!
+//! In: a view of a state, a table. Out: values with their derivatives along the direction. It must not know which
+//! output asks.
+use crate::mechanism::outputs::evaluator::OutputError;
+use crate::mechanism::outputs::view::{Reading, View};
+use crate::numerics::chebyshev::slopes_of;
+use crate::numerics::table::{Table, TablePosition, polynomial_at};
+
+impl<N: Reading> View<'_, N> {
+    /// Position of sigma in a table: mostly on the panel on which it is in the table read last.
+    #[inline]
+    pub fn position(&self, table: &Table) -> TablePosition {
+        table.position_near(self.state.sigma, self.cache.panel)
+    }
+
+    /// A component of a table; its derivative along sigma is that of the polynomial.
+    #[inline]
+    pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
+        let sigma = self.sigma();
+        if sigma.is_constant() {
+            let [value] = table.values(position, component);
+            return N::constant(value);
+        }
+        let (a, b) = table.borders(position.panel);
+        polynomial_at(table.series(position.panel, component), sigma.chain(position.x, 2.0 / (b - a)))
+    }
+
+    /// A component of a table whose derivative along sigma is the next component.
+    #[inline]
+    pub fn before_derivative(&self, table: &Table, position: TablePosition, component: usize) -> N {
+        let sigma = self.sigma();
+        if sigma.is_constant() {
+            let [value] = table.values(position, component);
+            return N::constant(value);
+        }
+        let [value, slope] = table.values(position, component);
+        sigma.chain(value, slope)
+    }
+
+    /// A component of a table and the next one, which is its derivative along sigma.
+    #[inline]
+    pub fn with_derivative(&self, table: &Table, position: TablePosition, component: usize) -> [N; 2] {
+        if self.sigma().is_constant() {
+            return table.values(position, component).map(N::constant);
+        }
+        [self.before_derivative(table, position, component), self.component(table, position, component + 1)]
+    }
+
+    /// Displacement of a load, counted on over whole revolutions; found once for a state.
+    #[inline]
+    pub fn displaced(&mut self, load: usize) -> f64 {
+        let known = self.cache.displacements[load];
+        if !known.is_nan() {
+            return known;
+        }
+        let value = self.state.displacement(self.reduced, load);
+        (self.cache.displacements[load], self.cache.has_displacements) = (value, true);
+        value
+    }
+
+    /// S_sigma of a sized load.
+    pub fn influence(&self, load: usize) -> N {
+        let table = self.reduced.influence();
+        self.component(table, self.position(table), load)
+    }
+
+    /// Time derivative of one of the functions of the cache: all its orders are evaluated when one is read.
+    #[inline(always)]
+    pub fn time_derivative(&mut self, function: usize, order: usize) -> Result<N, OutputError> {
+        let (version, values) = self.cache.functions[function];
+        let [value, slope, curvature] =
+            if version == self.cache.version { values } else { self.find_function(function)? };
+        Ok(match order {
+            0 => value,
+            1 => slope * self.sigma_dot(),
+            _ => slope * self.forces()?.acceleration + curvature * self.sigma_dot() * self.sigma_dot(),
+        })
+    }
+
+    /// A function with its first two derivatives along sigma.
+    #[inline(never)]
+    fn find_function(&mut self, function: usize) -> Result<[N; 3], OutputError> {
+        let coordinates = self.reduced.linkage().coordinates.len();
+        let (table, first) = match function.checked_sub(coordinates) {
+            None => (self.reduced.coordinates()?, 3 * function),
+            Some(of_marker) => (self.reduced.marker(of_marker / 2)?, 3 * (of_marker % 2)),
+        };
+        let position = self.position(table);
+        self.cache.panel = position.panel;
+        let values = if self.sigma().is_constant() {
+            table.values(position, first).map(N::constant)
+        } else {
+            let [slope, curvature] = self.with_derivative(table, position, first + 1);
+            [self.before_derivative(table, position, first), slope, curvature]
+        };
+        self.cache.functions[function] = (self.cache.version, values);
+        Ok(values)
+    }
+
+    /// Derivative along sigma of S_sigma of a sized load.
+    pub fn influence_slope(&self, load: usize) -> N {
+        let (table, sigma) = (self.reduced.influence(), self.sigma());
+        let position = self.position(table);
+        let (a, b) = table.borders(position.panel);
+        let scale = 2.0 / (b - a);
+        let slopes = slopes_of(table.series(position.panel, load));
+        polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
+    }
+}
