@@ -59,6 +59,9 @@ pub enum Indicator {
     Lock(usize),
     /// The sign of the speed, where drives have an efficiency or joints have friction.
     Reversal,
+    /// The slip in a joint with friction that sticks, or in a coupling with losses, for each unit of sigma, by its index
+    /// among the joints with friction: where it changes its sign, the friction jumps while the mechanism moves.
+    Turn(usize),
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
     /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the

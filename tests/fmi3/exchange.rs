@@ -19,6 +19,9 @@ const LIMITED: &str = include_str!("../fixtures/limited_servo.json");
 /// A disc cam that turns against the weight of its follower, and a cylinder with losses that pushes the crank of a
 /// slider-crank over its dead centres.
 const BORDERS: &str = include_str!("../fixtures/cam_and_dead_centres.json");
+/// A slider-crank that turns against constant friction in its slide and at the wrist, with friction that reactions
+/// cause if it is enabled.
+const TURNING: &str = include_str!("../fixtures/turning_friction.json");
 
 /// An instance in continuous-time mode, after the first event.
 fn started(definition: &str) -> Fmu {
@@ -249,6 +252,35 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
     }
     assert!(fmu.read(&names)[0] > 9.0);
     assert!(met.iter().filter(|met| **met).count() >= 2, "the loss changes");
+}
+
+/// The slide turns back at the dead centres of the crank, the rod turns back where the crank is upright: there the
+/// friction of these joints changes its direction, which is an event. The motion is that of co-simulation.
+#[test]
+fn friction_changes_its_direction_at_an_event() {
+    for enabled in [false, true] {
+        let text = TURNING.replace("\"enabled\": false", &format!("\"enabled\": {enabled}"));
+        let fmu = started(&text);
+        let mut run = Simulation::open(&text).unwrap();
+        run.initialize().unwrap();
+        for k in 1..=60 {
+            let before = fmu.get(["crank.angle"])[0];
+            let count = integrate(&fmu, 0.02, if enabled { 1e-4 } else { 1e-3 }).len();
+            run.step(0.02).unwrap();
+            let [angle, speed] = fmu.get(["crank.angle", "crank.speed"]);
+            let exact = ["crank.angle", "crank.speed"].map(|name| run.get(name).unwrap());
+            // Where friction changes the reactions that cause it, the acceleration jumps within a step of this method.
+            let allowed = if enabled { 1e-4 } else { 1e-9 };
+            let error = (angle - exact[0]).abs().max(0.1 * (speed - exact[1]).abs());
+            assert!(error < allowed, "{k}: {angle} {speed} {exact:?}");
+            let quarters = |angle: f64| (angle / (0.5 * PI)).floor();
+            let expected = (quarters(angle) - quarters(before)) as usize;
+            // Where friction depends on the slip speed, an end of its regimes is an event too.
+            let is_found = if enabled { count >= expected } else { count == expected };
+            assert!(is_found, "{k}: {count} events from {before} to {angle}");
+        }
+        assert!(fmu.get(["crank.angle"])[0] > 10.0);
+    }
 }
 
 /// A follower that lifts off is a warning of the completed step at which it first does, with the flags of that step.
