@@ -25,6 +25,7 @@ mod snapshot;
 mod step;
 mod tables;
 mod values;
+pub use crate::mechanism::MOST_STATES;
 pub use linearise::{Linearisation, Linearised};
 use outermost::outermost_keys;
 
@@ -246,6 +247,14 @@ impl Component {
     pub fn has_hydraulics(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_hydraulics(),
+            Self::Hydraulic(_) => true,
+        }
+    }
+
+    /// Whether the model has states besides those of a motion: with hydraulics or an integral part of a controller.
+    pub fn has_more_states(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_hydraulics() || model.state_count() > 2,
             Self::Hydraulic(_) => true,
         }
     }

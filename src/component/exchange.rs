@@ -1,7 +1,7 @@
 //! Model exchange: what the solver of a host asks of a component.
 //!
 //! In: states that the solver tries. Out: derivatives, event indicators, what is due. It must not know any law.
-use super::{Component, NoValue, Refused};
+use super::{Component, MOST_STATES, NoValue, Refused};
 use crate::mechanism;
 use crate::variables::{ContinuousTime, Reference};
 
@@ -11,6 +11,14 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.continuous_time(),
             Self::Hydraulic(_) => None,
+        }
+    }
+
+    /// Number of the continuous states; 0 if the model is for co-simulation only.
+    pub fn state_count(&self) -> usize {
+        match self {
+            Self::Mechanism(model) => model.state_count(),
+            Self::Hydraulic(_) => 0,
         }
     }
 
@@ -41,21 +49,22 @@ impl Component {
         }
     }
 
-    /// The continuous states. Refused: the present parameters give no start.
-    pub fn continuous_states(&mut self) -> Result<[f64; 2], Refused> {
+    /// The continuous states: [`Self::state_count`] numbers, then zeros. Refused: the present parameters give no start.
+    pub fn continuous_states(&mut self) -> Result<[f64; MOST_STATES], Refused> {
         Ok(self.exchanged()?.continuous_states()?)
     }
 
     /// Scales of the continuous states. Refused: as [`Self::continuous_states`].
-    pub fn nominals(&mut self) -> Result<[f64; 2], Refused> {
+    pub fn nominals(&mut self) -> Result<[f64; MOST_STATES], Refused> {
         Ok(self.exchanged()?.nominals()?)
     }
 
-    /// Take the states that the host's solver tries.
+    /// Take the states that the host's solver tries: position, speed, then integral parts. Integral parts that are not
+    /// given stay.
     ///
     /// # Errors
     /// A state that is not finite, or at which there is no mechanism; nothing has changed.
-    pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), NoValue> {
         Ok(self.exchanged().map_err(NoValue::Refused)?.set_continuous_states(states)?)
     }
 
@@ -63,7 +72,7 @@ impl Component {
     ///
     /// # Errors
     /// There are none at this state.
-    pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
+    pub fn derivatives(&mut self) -> Result<[f64; MOST_STATES], NoValue> {
         Ok(self.exchanged().map_err(NoValue::Refused)?.derivatives()?)
     }
 

@@ -174,7 +174,7 @@ pub enum Role {
     Scale,
     /// The laws of a hydraulic circuit.
     Circuit,
-    /// The pressures at the start.
+    /// The pressures or the integral parts of controllers at the start.
     CircuitStart,
     /// Nothing by itself: the numbers whose expressions read it.
     Named,

@@ -19,7 +19,7 @@ pub use dense::Dense;
 pub use root::Direction;
 pub use statistics::{Method, Statistics};
 pub use step::Step;
-pub use system::{IntegrationError, System};
+pub use system::{IntegrationError, System, differences};
 
 /// Span [s] below which no state changes by more than rounding: far below any time in nature. Powers of a shorter span
 /// underflow.

@@ -7,7 +7,7 @@ use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, num
 use super::sizes::Sizes;
 use anyhow::{Result, bail};
 use fmu_cli::Naming;
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, MOST_STATES};
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, ContinuousTime, Reference, Value, Variability, Variable, Vector};
@@ -52,7 +52,7 @@ pub struct Interface<'a> {
     /// What a host's solver integrates; none if the model is for co-simulation only.
     pub continuous_time: Option<ContinuousTime>,
     /// Scales of its states.
-    pub state_nominals: Option<[f64; 2]>,
+    pub state_nominals: Option<[f64; MOST_STATES]>,
     /// Usual sizes of what is connected.
     pub sizes: Sizes,
 }
@@ -110,11 +110,19 @@ impl<'a> Interface<'a> {
         self.continuous_time.as_ref().map(pairs).unwrap_or_default().into_iter()
     }
 
-    /// The continuous states and their derivatives, each once.
+    /// The continuous states and their derivatives that are no outputs, each once.
     pub fn initial_states(&self) -> Vec<Reference> {
         let mut all: Vec<Reference> = self.states().flat_map(|(state, derivative)| [state, derivative]).collect();
         all.dedup();
+        all.retain(|reference| !self.variables[*reference as usize].is_output());
         all
+    }
+
+    /// Usual size of a variable: of a continuous state what the model tells its host.
+    pub fn nominal(&self, reference: Reference, variable: &Variable) -> Option<f64> {
+        let state = self.states().position(|(state, _)| state == reference);
+        let of_state = state.and_then(|index| Some(self.state_nominals?[index]));
+        of_state.or_else(|| self.sizes.nominal(variable))
     }
 
     /// The event indicators.
@@ -141,8 +149,7 @@ impl<'a> Interface<'a> {
         {
             attributes.push(("derivative", (of + first).to_string()));
         }
-        if let Some(index) = self.states().position(|(state, _)| state == reference) {
-            attributes.extend(self.state_nominals.map(|nominals| ("nominal", number(nominals[index]))));
+        if self.states().any(|(state, _)| state == reference) {
             attributes.push(("reinit", "true".to_owned()));
         }
         attributes

@@ -53,6 +53,9 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let joints = s.loading.friction.as_ref().map_or(0, |friction| friction.friction_joints.len());
     if joints > 0 || s.loading.drives.iter().any(|drive| drive.efficiency.is_some()) {
         all.push((Indicator::Reversal, MetrePerSecond));
+        if s.mechanism.integrating_drives().next().is_some() {
+            all.push((Indicator::Breakaway, MetrePerSecondSquared));
+        }
     }
     let turning = s.loading.friction.iter().flat_map(|friction| friction.turning());
     all.extend(turning.map(|joint| (Indicator::Turn(joint), One)));
@@ -127,6 +130,11 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             own("reversal"),
             ["Event indicator: speed whose sign determines the direction of friction and losses", "", "", ""],
         ),
+        Indicator::Breakaway => {
+            let text = "Event indicator: while friction or losses hold the mechanism at rest, acceleration without \
+                        what holds it";
+            (own("breakaway"), [text, "", "", ""])
+        }
         Indicator::Turn(joint) => {
             let name = joint_name(joint);
             let text = "Event indicator: slip for each unit of along_curve.position, whose sign determines the \

@@ -6,6 +6,7 @@ mod by_body;
 mod cache;
 mod evaluator;
 mod hydraulic;
+mod integral;
 mod network;
 mod one_element;
 mod reaction;
@@ -13,7 +14,7 @@ mod reduced_motion;
 mod terms;
 mod view;
 
-pub use cache::Computed;
+pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use reduced_motion::ReducedMotion;
 pub use view::View;

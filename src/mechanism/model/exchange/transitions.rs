@@ -94,6 +94,13 @@ pub fn value_of(
                 _ => v,
             }
         }
+        Indicator::Breakaway => {
+            let (sigma, mut equation) = (state.sigma, view.equation()?);
+            match v == 0.0 && equation.reverses() {
+                true => equation.setting_off(sigma, 1.0)?.max(-equation.setting_off(sigma, -1.0)?),
+                false => ABSENT,
+            }
+        }
         Indicator::Turn(index) => match &loading.friction {
             Some(friction) if friction.acts(index) => {
                 let (table, position) =
