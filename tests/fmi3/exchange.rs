@@ -319,6 +319,8 @@ fn an_integral_part_is_exchanged() {
             assert!((value - exact).abs() < allowed * (1.0 + exact.abs()), "{k}: {value} {exact}, {count} events");
         }
         assert_eq!(present(&fmu)[2], values[2]);
+        // Where it breaks away again, after a time of which the solver knows nothing.
+        assert!(k != 19 || count == 1, "{count} events");
         stuck += u32::from(values[1] == 0.0);
         slipped += u32::from(values[1] != 0.0);
     }
